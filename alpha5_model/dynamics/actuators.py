@@ -1,38 +1,44 @@
-"""Table 4 as DC motors with gearboxes: torque and current, voltage and speed, power, limits.
+"""The DC motors with gearboxes of Table 4: current, voltage, power and limits.
 
-With motor speed ``w = ratio * velocity`` and, at the motor shaft, gearbox input torque ``T``::
+With motor speed ``w = ratio * velocity`` and, at the motor shaft, gearbox input torque
+``T``::
 
-    K_t i = T + F sign(w) + J dw/dt            shaft
-    T = torque / (ratio * eta)                 the motor drives the joint  (torque * velocity > 0)
-    T = torque * eta / ratio                   the joint drives the motor  (torque * velocity < 0)
-    u = R i + L di/dt + K_e w                  winding
+    K_t i = T + F sign(w) + J dw/dt   shaft
+    T = torque / (ratio * eta)        the motor drives the joint (torque * velocity > 0)
+    T = torque * eta / ratio          the joint drives the motor (torque * velocity < 0)
+    u = R i + L di/dt + K_e w         winding
 
-At rest the direction of friction and gear loss is undefined: `Actuator.current` then leaves both
-out, and `Actuator.holding_current` gives the whole interval of currents at which the joint stays
-still.
+At rest the direction of friction and gear loss is undefined: `Actuator.current` then
+leaves both out, and `Actuator.holding_current` gives the whole interval of currents at
+which the joint stays still.
 
-**The printed motor constants contradict each other.** In SI units K_t [N m/A] and K_v [V s/rad] of
-one motor are the same number, because the power ``K_v w i`` that leaves the winding is the power
-``K_t i w`` that reaches the shaft. Table 4 prints two numbers (`Actuator.constants_ratio`: K_t is
-about 15 % above K_v for actuators 0 to 2 and half of it for 3 and 4; factors near 2/sqrt(3) and 1/2
-would arise from constants given per phase and line to line, but the document does not say). Which
-ones to believe is the caller's choice, `constants`:
+**The printed motor constants contradict each other.** In SI units K_t [N m/A] and K_v
+[V s/rad] of one motor are the same number, because the power ``K_v w i`` that leaves
+the winding is the power ``K_t i w`` that reaches the shaft. Table 4 prints two numbers
+(`Actuator.constants_ratio`: K_t is about 15 % above K_v for actuators 0 to 2 and half
+of it for 3 and 4; factors near 2/sqrt(3) and 1/2 would arise from constants given per
+phase and line to line, but the document does not say). Which ones to believe is the
+caller's choice, `constants`:
 
-- ``"printed"``: K_t for torque, K_v for voltage, as printed; then electrical and mechanical power
-  do not balance, and `ActuatorPower.contradiction` holds what is left over;
+- ``"printed"``: K_t for torque, K_v for voltage, as printed; then electrical and
+  mechanical power do not balance, and `ActuatorPower.contradiction` holds what is left
+  over;
 - ``"torque"``: K_t for both; ``"voltage"``: K_v for both.
 
-**Table 4 does not say whose efficiency eta_max is**: its columns come from "motor/gearbox"
-data sheets. All currents and powers depend on it, and the choice is the caller's, `efficiency`:
+**Table 4 does not say whose efficiency eta_max is**: its columns come from
+"motor/gearbox" data sheets. All currents and powers depend on it, and the choice is the
+caller's, `efficiency`:
 
 - ``"gearbox"``: the gearbox has the efficiency eta_max, as above;
-- ``"motor"``: eta_max is the highest efficiency of the motor alone, whose losses are R i^2 and F w
-  already, and no loss of the gearbox is printed: eta = 1. A gearbox of 1754:1 with 86 % beside one
-  of 340:1 with 77 % speaks for this (`alpha5_model.audit`, row ``efficiency``).
+- ``"motor"``: eta_max is the highest efficiency of the motor alone, whose losses are R
+  i^2 and F w already, and no loss of the gearbox is printed: eta = 1. A gearbox of
+  1754:1 with 86 % beside one of 340:1 with 77 % speaks for this (`alpha5_model.audit`,
+  row ``efficiency``).
 
-Not published, hence without default: rotor inertia, the lead of the jaw's screw, supply voltage and
-current limit. Friction F carries its printed tolerance; eta_max is the *highest* efficiency, so
-that currents are on the low side while driving. An effort rating is not published either.
+Not published, hence without default: rotor inertia, the lead of the jaw's screw, supply
+voltage and current limit. Friction F carries its printed tolerance; eta_max is the
+*highest* efficiency, so that currents are on the low side while driving. An effort
+rating is not published either.
 
 References:
     [ReachAlpha] Manufacturer's document, Section 2.2.1, Table 4.
@@ -69,7 +75,10 @@ EFFICIENCIES = ("gearbox", "motor")
 
 
 class Interval(NamedTuple):
-    """Lower and upper end of a quantity, arrays of one shape; NaN where nothing is possible."""
+    """Lower and upper end of a quantity, arrays of one shape.
+
+    They are NaN if nothing is possible.
+    """
 
     lower: FloatArray
     upper: FloatArray
@@ -77,7 +86,9 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ActuatorPower:
-    """Where the power goes, arrays of one shape [W]; ``electrical`` is the sum of all others.
+    """Where the power goes, arrays of one shape [W].
+
+    ``electrical`` is the sum of all others.
 
     Attributes:
         electrical: Drawn from the supply, ``u i``; negative when the motor feeds back.
@@ -86,8 +97,8 @@ class ActuatorPower:
         friction: Heat from F at the motor shaft.
         gear: Heat in the gearbox.
         rotor: Into the kinetic energy of the rotor; zero without a rotor inertia.
-        contradiction: ``(K_e - K_t) i w``, what the two printed constants disagree about; zero
-            unless ``constants`` is ``"printed"``.
+        contradiction: ``(K_e - K_t) i w``, what the two printed constants disagree
+            about; zero unless ``constants`` is ``"printed"``.
     """
 
     electrical: FloatArray
@@ -103,15 +114,17 @@ class ActuatorPower:
 class Actuator:
     """A DC motor with its gearbox. Methods take scalars or arrays that broadcast.
 
-    "Torque" and "velocity" are those of the joint: N m and rad/s, for the jaw rod N and m/s.
+    "Torque" and "velocity" are those of the joint: N m and rad/s, for the jaw rod N and
+    m/s.
 
     Attributes:
         joint: ``axis_e`` (actuator 0) to ``axis_a`` (actuator 4, the jaw rod).
         parameters: The row of Table 4.
         constants: Which motor constants are believed, one of `CONSTANTS`.
-        rotor_inertia: Rotor and first gear stage, at the motor shaft [kg m^2]; not published.
-        screw_lead: Travel of the jaw rod per turn of the gearbox output [m]; not published. The
-            screw is taken as free of loss.
+        rotor_inertia: Rotor and first gear stage, at the motor shaft [kg m^2]; not
+            published.
+        screw_lead: Travel of the jaw rod per turn of the gearbox output [m]; not
+            published. The screw is taken as free of loss.
         efficiency: Whose efficiency eta_max is, one of `EFFICIENCIES`.
 
     Raises:
@@ -119,7 +132,8 @@ class Actuator:
         InputError: A rotor inertia below 0, or a screw lead not above 0.
 
     Warns:
-        ImplausibleWarning: A rotor inertia or a screw lead that seems to be in another unit.
+        ImplausibleWarning: A rotor inertia or a screw lead that seems to be in another
+            unit.
     """
 
     joint: str
@@ -143,7 +157,8 @@ class Actuator:
             plausibility.check("screw_lead", lead, plausibility.SCREW_LEAD)
             object.__setattr__(self, "screw_lead", lead)
 
-    # Constants of the motor -----------------------------------------------------------------
+    # Constants of the motor
+    # -----------------------------------------------------------------
 
     @property
     def torque_constant(self) -> float:
@@ -191,7 +206,8 @@ class Actuator:
         """Electrical time constant L/R [s]."""
         return self.parameters.inductance / self.parameters.resistance
 
-    # Torque and current ---------------------------------------------------------------------
+    # Torque and current
+    # ---------------------------------------------------------------------
 
     def current(
         self,
@@ -203,7 +219,8 @@ class Actuator:
 
         Args:
             torque: Delivered to the joint [N m].
-            velocity: Of the joint; its sign is that of friction. Zero leaves losses out.
+            velocity: Of the joint; its sign is that of friction. Zero leaves losses
+                out.
             acceleration: Of the joint; None leaves the rotor's inertia out.
 
         Returns:
@@ -240,28 +257,36 @@ class Actuator:
     def holding_current(self, torque: ArrayLike) -> Interval:
         """Currents at which the joint stays still under a load, [A].
 
-        From the current just enough to keep the load from falling to the one that starts to lift
-        it; contains 0 where friction alone holds.
+        From the current just enough to keep the load from falling to the one that
+        starts to lift it; contains 0 where friction alone holds.
         """
         (tau,) = _numbers(torque=torque)
-        eta, friction = self.gear_efficiency, self.parameters.friction
-        ends = np.stack([tau * eta, tau / eta]) / self.ratio
-        k = self.torque_constant
+        eta = self.gear_efficiency
+        friction = self.parameters.friction
+        shaft = np.stack([tau * eta, tau / eta]) / self.ratio
+        least = shaft.min(axis=0) - friction
+        greatest = shaft.max(axis=0) + friction
         return Interval(
-            (ends.min(axis=0) - friction) / k, (ends.max(axis=0) + friction) / k
+            lower=least / self.torque_constant, upper=greatest / self.torque_constant
         )
 
     def holding_torque(self, current: ArrayLike = 0.0) -> Interval:
-        """Loads [N m] under which the joint stays still at a current: inverts `holding_current`."""
+        """Loads under which the joint stays still at a current, [N m].
+
+        This is the inverse of `holding_current`.
+        """
         (i,) = _numbers(current=current)
-        shaft, friction = self.torque_constant * i, self.parameters.friction
-        low, high = shaft - friction, shaft + friction
-        eta, ratio = self.gear_efficiency, self.ratio
+        shaft = self.torque_constant * i
+        low = shaft - self.parameters.friction
+        high = shaft + self.parameters.friction
+        eta = self.gear_efficiency
         return Interval(
-            low * ratio * eta ** np.sign(low), high * ratio * eta ** -np.sign(high)
+            lower=low * self.ratio * eta ** np.sign(low),
+            upper=high * self.ratio * eta ** -np.sign(high),
         )
 
-    # Voltage and speed ----------------------------------------------------------------------
+    # Voltage and speed
+    # ----------------------------------------------------------------------
 
     def voltage(
         self,
@@ -290,13 +315,14 @@ class Actuator:
         )
 
     def speed(self, voltage: ArrayLike, current: ArrayLike = 0.0) -> FloatArray:
-        """Steady joint velocity at a voltage and a current: the inverse of `voltage`."""
+        """Steady joint velocity at a voltage and a current: inverse of `voltage`."""
         u, i = _numbers(voltage=voltage, current=current)
         return (u - self.parameters.resistance * i) / (
             self.back_emf_constant * self.ratio
         )
 
-    # Limits ---------------------------------------------------------------------------------
+    # Limits
+    # ---------------------------------------------------------------------------------
 
     def torque_limits(
         self, velocity: ArrayLike, supply_voltage: float, current_limit: float
@@ -306,8 +332,8 @@ class Actuator:
         Args:
             velocity: Of the joint.
             supply_voltage: The winding sees at most this, either way [V].
-            current_limit: Of the driver [A]. Not published and not optional: without one the stall
-                torque at 24 V would be beyond 100 N m.
+            current_limit: Of the driver [A]. Not published and not optional: without
+                one the stall torque at 24 V would be beyond 100 N m.
 
         Returns:
             [N m]; NaN where no current within the limit can be kept at this velocity.
@@ -318,13 +344,17 @@ class Actuator:
         low = np.maximum((-supply - back_emf) / self.parameters.resistance, -limit)
         high = np.minimum((supply - back_emf) / self.parameters.resistance, limit)
         possible = low <= high
-        ends = (self.torque(np.where(possible, i, 0.0), v) for i in (low, high))
-        return Interval(*(np.where(possible, end, np.nan) for end in ends))
+
+        def torque_at(i: FloatArray) -> FloatArray:
+            torque = self.torque(np.where(possible, i, 0.0), v)
+            return np.where(possible, torque, np.nan)
+
+        return Interval(lower=torque_at(low), upper=torque_at(high))
 
     def speed_limits(
         self, torque: ArrayLike, supply_voltage: float, current_limit: float
     ) -> Interval:
-        """Joint velocities, backward and forward, that can be kept up while giving a torque.
+        """Joint velocities, backward and forward, that can be kept up with a torque.
 
         Args:
             torque: Delivered to the joint [N m].
@@ -332,20 +362,22 @@ class Actuator:
             current_limit: [A].
 
         Returns:
-            ``lower <= 0 <= upper``; NaN on a side where the joint cannot move with that torque.
+            ``lower <= 0 <= upper``; NaN on a side where the joint cannot move with that
+            torque.
         """
         supply, limit = _drive(supply_voltage, current_limit)
         (tau,) = _numbers(torque=torque)
-        ends = []
-        for sign in (-1.0, 1.0):
+
+        def speed_towards(sign: float) -> FloatArray:
             i = self.current(tau, sign)
             speed = self.speed(sign * supply, i)
-            ends.append(
-                np.where((np.abs(i) <= limit) & (sign * speed >= 0), speed, np.nan)
-            )
-        return Interval(*ends)
+            possible = (np.abs(i) <= limit) & (sign * speed >= 0)
+            return np.where(possible, speed, np.nan)
 
-    # Power ----------------------------------------------------------------------------------
+        return Interval(lower=speed_towards(-1.0), upper=speed_towards(1.0))
+
+    # Power
+    # ----------------------------------------------------------------------------------
 
     def power(
         self,
@@ -353,7 +385,10 @@ class Actuator:
         velocity: ArrayLike,
         acceleration: ArrayLike | None = None,
     ) -> ActuatorPower:
-        """Electrical and mechanical power, and where the difference goes (``di/dt`` left out)."""
+        """Electrical and mechanical power, and where the difference goes.
+
+        ``di/dt`` is left out.
+        """
         tau, v, _ = _numbers(
             torque=torque, velocity=velocity, acceleration=acceleration
         )
@@ -370,14 +405,18 @@ class Actuator:
             contradiction=(self.back_emf_constant - self.torque_constant) * i * w,
         )
 
-    # Uncertainty ----------------------------------------------------------------------------
+    # Uncertainty
+    # ----------------------------------------------------------------------------
 
     def extremes(self) -> tuple[Actuator, Actuator]:
-        """This actuator with the least and with the greatest friction of the printed tolerance."""
-        p, spread = self.parameters, self.parameters.friction_tolerance
-        ends = (p.friction * (1 - spread), p.friction * (1 + spread))
-        low, high = (replace(self, parameters=replace(p, friction=end)) for end in ends)
-        return low, high
+        """This actuator with the least and the greatest friction of its tolerance."""
+        p = self.parameters
+        least = p.friction * (1 - p.friction_tolerance)
+        greatest = p.friction * (1 + p.friction_tolerance)
+        return (
+            replace(self, parameters=replace(p, friction=least)),
+            replace(self, parameters=replace(p, friction=greatest)),
+        )
 
     def current_interval(
         self,
@@ -386,8 +425,9 @@ class Actuator:
         acceleration: ArrayLike | None = None,
     ) -> Interval:
         """`current` over the printed tolerance of the friction, [A]."""
-        ends = [a.current(torque, velocity, acceleration) for a in self.extremes()]
-        return Interval(*np.sort(ends, axis=0))
+        ends = [end.current(torque, velocity, acceleration) for end in self.extremes()]
+        lower, upper = np.sort(ends, axis=0)
+        return Interval(lower=lower, upper=upper)
 
     def torque_interval(
         self,
@@ -396,10 +436,12 @@ class Actuator:
         acceleration: ArrayLike | None = None,
     ) -> Interval:
         """`torque` over the printed tolerance of the friction, [N m]."""
-        ends = [a.torque(current, velocity, acceleration) for a in self.extremes()]
-        return Interval(*np.sort(ends, axis=0))
+        ends = [end.torque(current, velocity, acceleration) for end in self.extremes()]
+        lower, upper = np.sort(ends, axis=0)
+        return Interval(lower=lower, upper=upper)
 
-    # Inside ---------------------------------------------------------------------------------
+    # Inside
+    # ---------------------------------------------------------------------------------
 
     def _gear_input(self, torque: FloatArray, velocity: FloatArray) -> FloatArray:
         """Torque into the gearbox at the motor shaft [N m]; at rest without loss."""
@@ -427,32 +469,41 @@ def actuator(
 
     Args:
         joint: ``axis_e`` to ``axis_a``.
-        constants: Motor constants to believe: ``"printed"``, ``"torque"`` or ``"voltage"``; see the
-            head of this module.
+        constants: Motor constants to believe: ``"printed"``, ``"torque"`` or
+            ``"voltage"``; see the head of this module.
         rotor_inertia: At the motor shaft [kg m^2].
         screw_lead: Of the jaw rod [m per turn].
-        efficiency: Whose efficiency eta_max is: ``"gearbox"`` or ``"motor"``; see the head of this
-            module.
+        efficiency: Whose efficiency eta_max is: ``"gearbox"`` or ``"motor"``; see the
+            head of this module.
 
     Raises:
         UnknownNameError: No such joint, or choice of constants or efficiency.
         InputError: A rotor inertia below 0, or a screw lead not above 0.
     """
-    p = parameters()
-    names = tuple(j.name for j in p.joints)
-    row = p.actuators[names.index(choice("joint", joint, names))]
-    return Actuator(joint, row, constants, rotor_inertia, screw_lead, efficiency)
+    record = parameters()
+    names = tuple(known.name for known in record.joints)
+    number = names.index(choice("joint", joint, names))
+    return Actuator(
+        joint=joint,
+        parameters=record.actuators[number],
+        constants=constants,
+        rotor_inertia=rotor_inertia,
+        screw_lead=screw_lead,
+        efficiency=efficiency,
+    )
 
 
 def _drive(supply_voltage: float, current_limit: float) -> tuple[float, float]:
     """Checked: both above zero [V], [A]."""
     supply = real("supply_voltage", supply_voltage, minimum=0.0, strict=True)
-    return supply, real("current_limit", current_limit, minimum=0.0, strict=True)
+    limit = real("current_limit", current_limit, minimum=0.0, strict=True)
+    return supply, limit
 
 
 def _numbers(**values: ArrayLike | None) -> list[FloatArray]:
-    """Checked arrays that broadcast with one another; None, which is left out, as zero."""
-    given = {
-        name: (0.0 if value is None else value, ()) for name, value in values.items()
-    }
-    return [bounded(*named) for named in zip(given, fitting(**given), strict=True)]
+    """Checked arrays that broadcast with one another; None counts as zero."""
+    given: dict[str, tuple[ArrayLike, tuple[int, ...]]] = {}
+    for name, value in values.items():
+        given[name] = (0.0 if value is None else value, ())
+    arrays = zip(given, fitting(**given), strict=True)
+    return [bounded(name, array) for name, array in arrays]

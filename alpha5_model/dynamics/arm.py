@@ -1,13 +1,14 @@
 """The arm in motion under water: ``M(q) a + C(q, v) v + g(q) = tau + tau_buoyancy(q)``.
 
-A thin layer over Pinocchio: every method is one or two of its algorithms, on the arm and on the
-fluid that the arm displaces; batches run on generated kernels where those know the arm
-(`alpha5_model.dynamics.batch`). The fluid acts by its pressure at rest (buoyancy) only. Drag and added
-mass, for which nothing is published, are estimated: `Arm.with_hydrodynamics` gives an arm that has
-them.
+A thin layer over Pinocchio: every method is one or two of its algorithms, on the arm
+and on the fluid that the arm displaces; batches run on generated kernels where those
+know the arm (`alpha5_model.dynamics.batch`). The fluid acts by its pressure at rest
+(buoyancy) only. Drag and added mass, for which nothing is published, are estimated:
+`Arm.with_hydrodynamics` gives an arm that has them.
 
-Thread safety: an arm never changes after it is made, and each thread computes in its own pin.Data,
-so one arm may be used from any number of threads. What a method returns belongs to the caller.
+Thread safety: an arm never changes after it is made, and each thread computes in its
+own pin.Data, so one arm may be used from any number of threads. What a method returns
+belongs to the caller.
 """
 
 from __future__ import annotations
@@ -21,9 +22,13 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, frozen, instance, listed, real
-from alpha5_model.dynamics import buoyancy as hydrostatics
 from alpha5_model.dynamics.batch import kernel_rows
-from alpha5_model.dynamics.buoyancy import Displacement
+from alpha5_model.dynamics.buoyancy import (
+    Displacement,
+    check_inertias,
+    displaced_fluid_model,
+    net_weight_model,
+)
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
 from alpha5_model.dynamics.kernel_numbers import kernel_parameters
 from alpha5_model.dynamics.model_changes import (
@@ -41,7 +46,8 @@ from alpha5_model.dynamics.states import (
     state_check,
 )
 from alpha5_model.errors import InputError, UnknownNameError
-from alpha5_model.kinematics.pose import ApproachDirections, approach_directions
+from alpha5_model.kinematics.approach import ApproachDirections
+from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.numbers import parameters as records
 from alpha5_model.numbers.fluids import SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -50,7 +56,8 @@ if TYPE_CHECKING:
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
     from alpha5_model.water.vehicle import Vehicle
 
-# Bound once: beside a call of 0.3 us the look-up of a module's attribute can be measured.
+# Bound once: beside a call of 0.3 us the look-up of a module's attribute can be
+# measured.
 _Algorithm = Callable[..., FloatArray]
 _Clean = Callable[..., Sequence[FloatArray]]
 _rnea: _Algorithm = pin.rnea
@@ -61,7 +68,8 @@ _nonlinear_effects: _Algorithm = pin.nonLinearEffects
 _gravity: _Algorithm = pin.computeGeneralizedGravity
 _jacobian: _Algorithm = pin.computeFrameJacobian
 
-#: External forces: one pin.Force for each joint, the universe included, in the joint's frame.
+#: External forces: one pin.Force for each joint, the universe included, in the joint's
+#: frame.
 Forces = Sequence[Any] | None
 #: A free-flyer at the world's origin: position and quaternion.
 _HOME = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
@@ -85,24 +93,25 @@ class Limits(NamedTuple):
 class Arm:
     """An arm in a fluid. Make one with `alpha5_model.load`.
 
-    Arguments named q are (nq,), those named v, a, tau are (nv,); with a fixed base both are the
-    number of joints. With a floating base, v and a begin with the spatial velocity and acceleration
-    of base_link in its own axes, and tau with the wrench on it (linear before angular).
+    Arguments named q are (nq,), those named v, a, tau are (nv,); with a fixed base both
+    are the number of joints. With a floating base, v and a begin with the spatial
+    velocity and acceleration of base_link in its own axes, and tau with the wrench on
+    it (linear before angular).
 
-    Every method raises `InputError` or one of its kinds (`ShapeError`, `NonFiniteError`) for input
-    that it cannot use.
+    Every method raises `InputError` or one of its kinds (`ShapeError`,
+    `NonFiniteError`) for input that it cannot use.
 
     Attributes:
-        model: pin.Model of the arm, the caller's to use. The arm computes on a copy of its own, so
-            nothing done to this one changes what the arm's methods return. With jaws it has mimic
-            joints, which not every algorithm of Pinocchio supports: see
-            `alpha5_model.dynamics.kernel_arm`.
-        fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the centres of
-            buoyancy.
+        model: pin.Model of the arm, the caller's to use. The arm computes on a copy of
+            its own, so nothing done to this one changes what the arm's methods return.
+            With jaws it has mimic joints, which not every algorithm of Pinocchio
+            supports: see `alpha5_model.dynamics.jaw_arm`.
+        fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the
+            centres of buoyancy.
         displacements: The displaced volumes.
         fluid_density: [kg/m^3].
-        parameters: The record that the arm was made from; the catalogue's for an arm that
-            you made of a model of your own.
+        parameters: The record that the arm was made from; the catalogue's for an arm
+            that you made of a model of your own.
         floating_base: Whether the first joint is Pinocchio's free-flyer.
     """
 
@@ -114,79 +123,95 @@ class Arm:
         *,
         parameters: Alpha5Parameters | None = None,
     ) -> None:
-        if not isinstance(model, pin.Model) or not any(
-            i.mass for i in list(model.inertias)[1:]
-        ):
+        if not isinstance(model, pin.Model) or not _moving_mass(model):
             raise InputError("model", model, "a pin.Model with moving masses")
-        bodies = listed("displacements", displacements, "Displacements")
         self.displacements = tuple(
-            instance("displacements", b, Displacement) for b in bodies
+            instance("displacements", volume, Displacement)
+            for volume in listed("displacements", displacements, "Displacements")
         )
         self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
         own = records.parameters() if parameters is None else parameters
         self.parameters = instance("parameters", own, Alpha5Parameters)
-        hydrostatics.check_inertias(model)
+        self.floating_base = model.joints[1].nq == 7
+        check_inertias(model)
+
         self._model = model.copy()
-        self._fluid = hydrostatics.displaced_fluid_model(
+        self._fluid = displaced_fluid_model(
             model, self.displacements, self.fluid_density
         )
+        self._net = net_weight_model(model, self._fluid)
         self.model = model.copy()
         self.fluid_model = self._fluid.copy()
-        self.floating_base = model.joints[1].nq == 7
-        self._net = hydrostatics.net_weight_model(model, self._fluid)
         self._own = Scratch(self._model, self._fluid, self._net, self.model)
-        self._clean_q: _Algorithm = state_check(self._model)
+
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
-        # Pinocchio leaves bodies fixed to the universe (link_0 on a fixed base) out of its sums.
-        moving = sum(inertia.mass for inertia in list(model.inertias)[1:])
-        fixed = model.inertias[0]
-        total = moving + fixed.mass
-        self._moving_fraction = np.full(3, moving / total)
-        self._fixed_fraction = fixed.lever * (fixed.mass / total)
-        net = self._net.inertias[0]
-        self._link_0_load = net * -model.gravity  # holds what is fixed to the universe
-        self._fixed_potential = float(-net.mass * (model.gravity.linear @ net.lever))
         self._volume = sum(body.volume for body in self.displacements)
+        self._set_shares_of_fixed_bodies()
+        self._clean_q: _Algorithm = state_check(self._model)
         self._clean_qv: _Clean = state_check(self._model, "v")
         self._clean_qva: _Clean = state_check(self._model, "v", "a")
         self._clean_qvtau: _Clean = state_check(self._model, "v", "tau")
 
+    def _set_shares_of_fixed_bodies(self) -> None:
+        """Compute what Pinocchio leaves out of its sums.
+
+        That is what is fixed to the universe: link_0 on a fixed base.
+        """
+        moving_mass = _moving_mass(self._model)
+        fixed = self._model.inertias[0]
+        total_mass = moving_mass + fixed.mass
+        self._moving_fraction = np.full(3, moving_mass / total_mass)
+        self._fixed_fraction = fixed.lever * (fixed.mass / total_mass)
+
+        gravity = self._model.gravity
+        net = self._net.inertias[0]
+        self._link_0_load = net * -gravity
+        self._fixed_potential = float(-net.mass * (gravity.linear @ net.lever))
+
     @property
     def data(self) -> Any:
-        """pin.Data of `model`, the caller's to use: one for each thread; no method touches it."""
+        """pin.Data of `model`, the caller's to use: one for each thread.
+
+        No method touches it.
+        """
         return self._own.callers_data
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints that q runs over, base to tip (without the free-flyer)."""
-        joints = zip(self._model.names, self._model.joints, strict=True)
-        return tuple(name for name, joint in list(joints)[1:] if joint.nv == 1)
+        """Names of the joints that q runs over, base to tip, without the free-flyer."""
+        names = list(self._model.names)[1:]
+        joints = list(self._model.joints)[1:]
+        return tuple(
+            name for name, joint in zip(names, joints, strict=True) if joint.nv == 1
+        )
 
     @property
     def limits(self) -> Limits:
         """What the joints may do, in the order of `joint_names`."""
-        m, n = self._model, len(self.joint_names)
-        ends = (
-            m.lowerPositionLimit,
-            m.upperPositionLimit,
-            m.velocityLimit,
-            m.effortLimit,
+        model = self._model
+        n = len(self.joint_names)
+        return Limits(
+            lower=frozen(model.lowerPositionLimit[-n:]),
+            upper=frozen(model.upperPositionLimit[-n:]),
+            velocity=frozen(model.velocityLimit[-n:]),
+            effort=frozen(model.effortLimit[-n:]),
         )
-        return Limits(*(frozen(end[-n:]) for end in ends))
 
     def forward_kinematics(self, q: ArrayLike, frame: str = "tcp") -> Any:
         """Pose of a frame.
 
         Args:
-            q: Joint positions, (nq,) [rad, and m for axis_a]; with a floating base, position [m]
-                and quaternion (x, y, z, w) of base_link come first.
+            q: Joint positions, (nq,) [rad, and m for axis_a]; with a floating base,
+                position [m] and quaternion (x, y, z, w) of base_link come first.
             frame: Name of a frame of the model.
 
         Returns:
-            pin.SE3 ``transform_frame_to_world``; the world is base_link if the base is fixed.
+            pin.SE3 ``transform_frame_to_world``; the world is base_link if the base is
+            fixed.
 
         Raises:
-            InputError: q has the wrong shape or is not finite, or its quaternion has no unit norm.
+            InputError: q has the wrong shape or is not finite, or its quaternion has no
+                unit norm.
             UnknownNameError: No such frame.
         """
         q = self._clean_q(q)
@@ -205,8 +230,8 @@ class Arm:
         Args:
             q: (nq,).
             frame: Name of a frame of the model.
-            reference_frame: Axes and point of the twist, a pin.ReferenceFrame. The default is the
-                velocity of the frame's origin in the axes of the world.
+            reference_frame: Axes and point of the twist, a pin.ReferenceFrame. The
+                default is the velocity of the frame's origin in the axes of the world.
 
         Returns:
             (6, nv), linear rows [m/rad] above angular rows, as Pinocchio has them.
@@ -225,13 +250,15 @@ class Arm:
             position: tcp in ``base_link``, (..., 3) [m].
 
         Raises:
-            InputError: Also an arm with other dimensions or limits than the catalogue's.
+            InputError: Also an arm with other dimensions or limits than the
+                catalogue's.
         """
-        _ = self._kinematics_checked
-        return approach_directions(position)
+        return self._kinematics.approach_directions(position)
 
     def gravity_torque(self, q: ArrayLike) -> FloatArray:
-        """Torque that holds the weight, g(q) on the left side of the equation of motion.
+        """Torque that holds the weight.
+
+        This is g(q) on the left side of the equation of motion.
 
         Args:
             q: (nq,).
@@ -242,7 +269,9 @@ class Arm:
         return _gravity(self._model, self._own.data, self._clean_q(q))
 
     def buoyancy_torque(self, q: ArrayLike) -> FloatArray:
-        """Generalized force that the fluid applies, on the right side of the equation of motion.
+        """Generalized force that the fluid applies.
+
+        This is on the right side of the equation of motion.
 
         Args:
             q: (nq,).
@@ -253,7 +282,9 @@ class Arm:
         return _gravity(self._fluid, self._own.fluid_data, self._clean_q(q))
 
     def hydrostatic_torque(self, q: ArrayLike) -> FloatArray:
-        """Torque that holds the arm still in the fluid: gravity_torque - buoyancy_torque.
+        """Torque that holds the arm still in the fluid.
+
+        This is ``gravity_torque - buoyancy_torque``.
 
         Args:
             q: (nq,).
@@ -264,7 +295,9 @@ class Arm:
         return _gravity(self._net, self._own.net_data, self._clean_q(q))
 
     def hydrostatic_torque_derivative(self, q: ArrayLike) -> FloatArray:
-        """Derivative of `hydrostatic_torque` with respect to q (tangent space for a floating base).
+        """Derivative of `hydrostatic_torque` with respect to q.
+
+        On a floating base, q stands for its tangent space.
 
         Args:
             q: (nq,).
@@ -274,7 +307,8 @@ class Arm:
         """
         q = self._clean_q(q)
         own = self._own
-        # Not of the net weights: Pinocchio joins bodies here, which takes positive masses.
+        # Not of the net weights: Pinocchio joins bodies here, which takes positive
+        # masses.
         out: FloatArray = pin.computeGeneralizedGravityDerivatives(
             self._model, own.data, q
         )
@@ -282,15 +316,17 @@ class Arm:
         return out
 
     def buoyancy_wrenches(self, q: ArrayLike) -> Any:
-        """Buoyancy as one wrench for each joint, by Archimedes at the centres of buoyancy.
+        """Buoyancy as one wrench for each joint.
+
+        Each acts at a centre of buoyancy (Archimedes).
 
         Args:
             q: (nq,).
 
         Returns:
-            pin.StdVec_Force of length njoints, each in its joint's frame: Pinocchio's ``fext``.
-            Entry 0 is what the fluid applies to bodies fixed to the universe, link_0 on a fixed
-            base.
+            pin.StdVec_Force of length njoints, each in its joint's frame: Pinocchio's
+            ``fext``. Entry 0 is what the fluid applies to bodies fixed to the universe,
+            link_0 on a fixed base.
         """
         q = self._clean_q(q)
         data = self._own.data
@@ -299,15 +335,17 @@ class Arm:
         up = -self._model.gravity
         for joint, body in enumerate(self._fluid.inertias):
             if body.mass:
-                out[joint] = body * data.oMi[joint].actInv(
-                    up
-                )  # rho V g, acting at the centre
+                # rho V g, acting at the centre
+                out[joint] = body * data.oMi[joint].actInv(up)
         return out
 
     def potential_energy(self, q: ArrayLike) -> float:
-        """Potential energy of weight and buoyancy, zero for a point at the world's origin [J].
+        """Potential energy of weight and buoyancy [J].
 
-        Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a constant.
+        It is zero for a point at the world's origin.
+
+        Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a
+        constant.
         """
         moving = pin.computePotentialEnergy(
             self._net, self._own.net_data, self._clean_q(q)
@@ -320,7 +358,9 @@ class Arm:
         return np.asarray(moving * self._moving_fraction + self._fixed_fraction)
 
     def center_of_buoyancy(self, q: ArrayLike) -> FloatArray:
-        """Centroid of the whole arm's displaced volume, link_0 included, in base_link, (3,) [m].
+        """Centroid of the displaced volume in base_link, (3,) [m].
+
+        This is of the whole arm, link_0 included.
 
         It does not depend on the fluid, and is there in air too.
 
@@ -341,16 +381,19 @@ class Arm:
     def in_collision(self, q: ArrayLike) -> bool:
         """Whether the arm touches itself at q, (nq,).
 
-        The bodies are primitives that enclose the drawn ones within 3 mm; links that turn against
-        each other at a joint are not compared, and a payload has no body.
+        The bodies are primitives that enclose the drawn ones within 3 mm; links that
+        turn against each other at a joint are not compared, and a payload has no body.
 
         Raises:
-            InputError: Also an arm with other dimensions than the catalogue's, whose bodies they are.
+            InputError: Also an arm with other dimensions than the catalogue's, whose
+                bodies they are.
         """
         return self._own.collisions.in_collision(self._clean_q(q))
 
     def collision_distance(self, q: ArrayLike) -> float:
-        """Smallest distance between two links that `in_collision` compares [m]; negative inside.
+        """Smallest distance between two links that `in_collision` compares [m].
+
+        It is negative if they overlap.
 
         `alpha5_model.dynamics.collision.CollisionModel` also says where.
         """
@@ -361,7 +404,10 @@ class Arm:
         return _crba(self._model, self._own.data, self._clean_q(q))
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
-        """C(q, v), (nv, nv): C v is Coriolis and centrifugal, and ``dM/dt - 2 C`` skew-symmetric."""
+        """Coriolis matrix C(q, v), (nv, nv).
+
+        C v is the Coriolis and centrifugal torque; ``dM/dt - 2 C`` is skew-symmetric.
+        """
         return _coriolis(self._model, self._own.data, *self._clean_qv(q, v))
 
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
@@ -373,7 +419,9 @@ class Arm:
     def inverse_dynamics(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None
     ) -> FloatArray:
-        """Joint torque for a motion, by the recursive Newton-Euler algorithm, water included.
+        """Joint torque for a motion, water included.
+
+        It is computed by the recursive Newton-Euler algorithm.
 
         Args:
             q: (nq,).
@@ -395,12 +443,14 @@ class Arm:
         """Inverse dynamics as a matrix times the base parameters, water included.
 
         Args:
-            q: (4,), or (N, 4) for many states; a single row is used for all, here and below.
+            q: (4,), or (N, 4) for many states; a single row is used for all, here and
+                below.
             v: (4,) or (N, 4).
             a: (4,) or (N, 4).
 
         Returns:
-            The matrix (4, 38) or (N, 4, 38), the arm's base parameters (38,), their names and units.
+            The matrix (4, 38) or (N, 4, 38), the arm's base parameters (38,), their
+            names and units.
 
         Raises:
             InputError: Also for an arm on a floating base, or with jaws that move.
@@ -410,7 +460,9 @@ class Arm:
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Forces = None
     ) -> FloatArray:
-        """Joint acceleration under a torque, by the articulated-body algorithm, water included.
+        """Joint acceleration under a torque, water included.
+
+        It is computed by the articulated-body algorithm.
 
         Args:
             q: (nq,).
@@ -432,8 +484,8 @@ class Arm:
     ) -> Partials:
         """Analytic derivatives of `inverse_dynamics` [Carpentier2018], water included.
 
-        [Carpentier2018] Carpentier, Mansard: Analytical derivatives of rigid body dynamics
-            algorithms, RSS 2018.
+        [Carpentier2018] Carpentier, Mansard: Analytical derivatives of rigid body
+            dynamics algorithms, RSS 2018.
 
         Args:
             q: (nq,).
@@ -441,8 +493,8 @@ class Arm:
             a: (nv,).
 
         Returns:
-            dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a floating
-            base.
+            dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a
+            floating base.
         """
         q, v, a = self._clean_qva(q, v, a)
         own = self._own
@@ -461,8 +513,8 @@ class Arm:
             tau: (nv,).
 
         Returns:
-            da/dq, da/dv, da/dtau = M^-1, each (nv, nv); dq in the tangent space for a floating
-            base.
+            da/dq, da/dv, da/dtau = M^-1, each (nv, nv); dq in the tangent space for a
+            floating base.
         """
         a = self.forward_dynamics(q, v, tau)
         dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a)
@@ -472,31 +524,35 @@ class Arm:
     def base_wrench(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None
     ) -> Any:
-        """Wrench that the arm exerts on its mount, weight and buoyancy of link_0 included.
+        """Wrench that the arm exerts on its mount.
 
-        At rest it is the weight minus the buoyancy of the whole arm. With a floating base it is the
-        wrench on whatever carries base_link through the motion q, v, a.
+        Weight and buoyancy of link_0 are included.
+
+        At rest it is the weight minus the buoyancy of the whole arm. With a floating
+        base it is the wrench on whatever carries base_link through the motion q, v, a.
 
         Args:
             q: (nq,).
             v: (nv,).
             a: (nv,).
-            fext: Further external forces on the arm, one pin.Force for each joint in its frame
-                (entry 0: on link_0 of a fixed base).
+            fext: Further external forces on the arm, one pin.Force for each joint in
+                its frame (entry 0: on link_0 of a fixed base).
 
         Returns:
-            pin.Force at the origin and in the axes of base_link, force [N] and moment [N m].
+            pin.Force at the origin and in the axes of base_link, force [N] and moment
+            [N m].
         """
         q, v, a = self._clean_qva(q, v, a)
         own = self._own
         outside = () if fext is None else (forces(fext, self._model.njoints),)
         _rnea(self._model, own.data, q, v, a, *outside)
         _gravity(self._fluid, own.fluid_data, q)
-        # What the first joint carries; with a floating base that is base_link itself.
+        # The load of the first joint; on a floating base that is base_link itself.
         load = own.data.f[1] - own.fluid_data.f[1]
         if self.floating_base:
             return -load
-        # RNEA stops at the first joint: here follows the last step, to the bodies of the universe.
+        # RNEA stops at the first joint: here follows the last step, to the bodies of
+        # the universe.
         load = self._link_0_load + own.data.liMi[1].act(load)
         return outside[0][0] - load if outside else -load
 
@@ -511,12 +567,13 @@ class Arm:
             a: (nv,).
 
         Returns:
-            dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the coupling between
-            arm and vehicle, linearised.
+            dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the
+            coupling between arm and vehicle, linearised.
         """
         tree, fluid, embedding = self._free
         state = expanded(embedding, *self._clean_qva(q, v, a))
-        data, fluid_data = (self._own.pool(m).getData(0) for m in (tree, fluid))
+        data = self._own.pool(tree).getData(0)
+        fluid_data = self._own.pool(fluid).getData(0)
         dq, dv, da = pin.computeRNEADerivatives(tree, data, *state)
         water = pin.computeGeneralizedGravityDerivatives(fluid, fluid_data, state[0])
         g = embedding[0]
@@ -533,12 +590,14 @@ class Arm:
         """`inverse_dynamics` of many states, in parallel.
 
         Args:
-            q: (N, nq), one state in each row; a single row is used for all states, here and below.
+            q: (N, nq), one state in each row; a single row is used for all states, here
+                and below.
             v: (N, nv).
             a: (N, nv).
-            threads: How many Pinocchio uses at most, where the kernels (`alpha5_model.backend`) do not
-                know the arm: on a floating base, with jaws. None for all that this process may use;
-                one for each full 5000 states is used, and only one in a forked process.
+            threads: How many Pinocchio uses at most, where the kernels
+                (`alpha5_model.backend`) do not know the arm: on a floating base, with
+                jaws. None for all that this process may use; one for each full 5000
+                states is used, and only one in a forked process.
 
         Returns:
             (N, nv).
@@ -548,7 +607,10 @@ class Arm:
     def forward_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
     ) -> FloatArray:
-        """`forward_dynamics` of many states, in parallel; arguments as `inverse_dynamics_batch`."""
+        """`forward_dynamics` of many states, in parallel.
+
+        Arguments are as of `inverse_dynamics_batch`.
+        """
         return kernel_rows(self, "forward_dynamics", 4, threads, q=q, v=v, tau=tau)
 
     def base_wrench_batch(
@@ -578,22 +640,23 @@ class Arm:
         Args:
             mass: [kg].
             com: Centre of mass in ``frame``, (3,) [m].
-            inertia: At the COM in the axes of ``frame``, URDF sign, (3, 3) [kg m^2]; None for a
-                point mass.
+            inertia: At the COM in the axes of ``frame``, URDF sign, (3, 3) [kg m^2];
+                None for a point mass.
             volume: Displaced volume [m^3].
             cob: Centre of buoyancy in ``frame``, (3,) [m]; None for the COM.
             frame: Name of the frame that carries it.
 
         Returns:
-            The arm with one more body frame, ``payload`` (``payload_2``, ... for further ones).
+            The arm with one more body frame, ``payload`` (``payload_2``, ... for
+            further ones).
 
         Raises:
             InputError: Negative mass or volume, or an inertia that no body can have.
             UnknownNameError: No such frame.
 
         Warns:
-            ImplausibleWarning: A mass, distance, volume or density that is most likely meant in
-                another unit, such as 500 g or 20 mm.
+            ImplausibleWarning: A mass, distance, volume or density that is most likely
+                meant in another unit, such as 500 g or 20 mm.
         """
         body = added_body(mass, com, inertia, volume, cob)
         model, displaced = with_payload(self._arguments[0], frame, body)
@@ -605,18 +668,22 @@ class Arm:
         level: str = "nominal",
         numbers: str = "estimated",
     ) -> HydrodynamicArm:
-        """The same arm in moving water: added mass and drag, which are estimated, not published.
+        """The same arm in moving water: with added mass and drag.
+
+        They are estimated, not published.
 
         Args:
             current: Velocity of the water, uniform, in the world, (3,) [m/s].
             level: ``low``, ``nominal`` or ``high`` end of the numbers' interval.
-            numbers: ``estimated`` (our own), or ``supplementary`` (strip theory that circulates;
-                worse).
+            numbers: ``estimated`` (our own), or ``supplementary`` (strip theory that
+                circulates; worse).
 
         Raises:
-            UnknownNameError: No such level or numbers, or a model without the arm's links.
-            InputError: An arm with other dimensions than the catalogue's, whose links they are; give
-                it those of yours: ``HydrodynamicArm(arm, bodies, current)``.
+            UnknownNameError: No such level or numbers, or a model without the arm's
+                links.
+            InputError: An arm with other dimensions than the catalogue's, whose links
+                they are; give it those of yours: ``HydrodynamicArm(arm, bodies,
+                current)``.
 
         Warns:
             ImplausibleWarning: A current that no water has.
@@ -626,9 +693,12 @@ class Arm:
         return in_moving_water(self, current, level, numbers)
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
-        """This arm, afloat, with a vehicle in place of the mount; only the vehicle moves water.
+        """This arm, afloat, with a vehicle in place of the mount.
 
-        For an arm that moves water, too: ``arm.with_hydrodynamics().on_vehicle(vehicle)``.
+        Only the vehicle moves water.
+
+        For an arm that moves water, too:
+        ``arm.with_hydrodynamics().on_vehicle(vehicle)``.
         """
         from alpha5_model.water.arm import HydrodynamicArm
 
@@ -636,9 +706,10 @@ class Arm:
 
     @cached_property
     def _embedded(self) -> tuple[Any, Any, Embedding]:
-        """A model in which every joint is its own, its fluid, and how the arm's states lie in it."""
-        m = self._model
-        return m, self._fluid, (np.eye(m.nv), np.eye(m.nq), np.zeros(m.nq))
+        """A tree in which every joint is its own, its fluid, the arm's embedding."""
+        model = self._model
+        embedding = np.eye(model.nv), np.eye(model.nq), np.zeros(model.nq)
+        return model, self._fluid, embedding
 
     @cached_property
     def _free(self) -> tuple[Any, Any, Embedding]:
@@ -646,14 +717,14 @@ class Arm:
         if self.floating_base:
             return self._embedded
         tree, fluid, (g, g_q, g_0) = self._embedded
-        g, g_q = (
-            np.vstack([np.zeros((n, x.shape[1])), x]) for n, x in ((6, g), (7, g_q))
+        of_base_velocity = np.zeros((6, g.shape[1]))
+        of_base_position = np.zeros((7, g_q.shape[1]))
+        embedding = (
+            np.vstack([of_base_velocity, g]),
+            np.vstack([of_base_position, g_q]),
+            np.append(_HOME, g_0),
         )
-        return (
-            on_free_flyer(tree),
-            on_free_flyer(fluid),
-            (g, g_q, np.append(_HOME, g_0)),
-        )
+        return on_free_flyer(tree), on_free_flyer(fluid), embedding
 
     def _frame(self, name: str) -> int:
         try:
@@ -667,16 +738,17 @@ class Arm:
         return np.concatenate([_HOME, checked[7:]]) if self.floating_base else checked
 
     @cached_property
-    def _kinematics_checked(self) -> bool:
-        """True; once for each arm, since it never changes.
+    def _kinematics(self) -> ArmKinematics:
+        """The arm's kinematics.
 
         Raises:
-            InputError: Other dimensions or limits than those that the inverse kinematics knows.
+            InputError: Other dimensions or limits than those that the inverse
+                kinematics knows.
         """
         needed_for = "the inverse kinematics"
         check_dimensions(self._model, needed_for)
         check_limits(self._model, needed_for)
-        return True
+        return ArmKinematics(self.parameters)
 
     @cached_property
     def _kernel_parameters(self) -> FloatArray | None:
@@ -701,7 +773,15 @@ class Arm:
 
     def __repr__(self) -> str:
         base = "floating" if self.floating_base else "fixed"
-        bodies = (f for f in self._model.frames if f.name.startswith("payload"))
-        held = (f", {f.name} {f.inertia.mass:g} kg" for f in bodies)
-        joints = f"{type(self).__name__}({', '.join(self.joint_names)}; {base} base, "
-        return f"{joints}fluid {self.fluid_density:g} kg/m^3{''.join(held)})"
+        parts = [f"fluid {self.fluid_density:g} kg/m^3"]
+        for frame in self._model.frames:
+            if frame.name.startswith("payload"):
+                parts.append(f"{frame.name} {frame.inertia.mass:g} kg")
+        joints = ", ".join(self.joint_names)
+        contents = ", ".join(parts)
+        return f"{type(self).__name__}({joints}; {base} base, {contents})"
+
+
+def _moving_mass(model: Any) -> float:
+    """Mass of all that is not fixed to the universe [kg]."""
+    return float(sum(inertia.mass for inertia in list(model.inertias)[1:]))

@@ -83,7 +83,9 @@ def _computed(
 
 
 def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
-    """Origin of a frame, state by state; in base_link on a fixed base, else in the world.
+    """Origin of a frame, state by state.
+
+    It is in base_link on a fixed base, else in the world.
 
     Args:
         arm: The arm.

@@ -1,4 +1,4 @@
-"""Buoyancy as a second model: the fluid that an arm displaces, carried by the same joints.
+"""Buoyancy as a second model: the displaced fluid, carried by the same joints.
 
 Archimedes: the fluid presses on a body with the weight of the displaced fluid, upwards,
 at the centroid of its volume. A model whose bodies are point masses rho V at the
@@ -120,7 +120,7 @@ def displaced_fluid_model(
 
 
 def check_inertias(model: Any) -> None:
-    """Check that the bodies on each joint of a pin.Model are possible; point masses are.
+    """Check that the bodies on the joints of a pin.Model are possible, or points.
 
     Raises:
         InputError: A negative mass, or an inertia that no body can have.

@@ -1,22 +1,25 @@
-"""Whether the arm touches itself, and its distance from that: Pinocchio and coal on primitives.
+"""Self-collision of the arm and its distance from that, by Pinocchio and coal.
 
-Pairs of links that turn against each other at a joint are left out, as in ``urdf/alpha5.srdf``.
+Bodies are primitives.
 
-`without_self_collision` asks it of many joint positions, at some wrist angle: the wrist turns the
-hand about an axis through the tcp and moves no point, so a point of the workspace is reached
-without self-collision if any wrist angle is free of it.
+Pairs of links that turn against each other at a joint are left out, as in
+``urdf/alpha5.srdf``.
+
+`without_self_collision` asks it of many joint positions, at some wrist angle: the wrist
+turns the hand about an axis through the tcp and moves no point, so a point of the
+workspace is reached without self-collision if any wrist angle is free of it.
 
 References:
-    [ReachAlpha] Manufacturer's document, Figure 2: "without self collision".
-    [Pan2012] Pan, Chitta, Manocha: FCL: A general purpose library for collision and proximity
-        queries, ICRA 2012 (dynamic AABB trees).
+    [ReachAlpha] Manufacturer's document, Figure 2: "without self collision". [Pan2012]
+    Pan, Chitta, Manocha: FCL: A general purpose library for collision and proximity
+    queries, ICRA 2012 (dynamic AABB trees).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import coal
 import numpy as np
@@ -34,7 +37,7 @@ from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.description.srdf import srdf
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import JointParameters, parameters
 
 #: Wrist angles that are tried, evenly over the range of axis_b: one every 15 degrees.
 WRISTS = 25
@@ -56,10 +59,13 @@ class Clearance:
 
 
 class CollisionModel:
-    """The collision bodies of a model, with Pinocchio's scratch memory: one for each thread.
+    """The collision bodies of a model, with the memory that Pinocchio computes in.
+
+    Each thread needs one of its own.
 
     Attributes:
-        geometry: pin.GeometryModel with a pair of objects for each pair of links that is checked.
+        geometry: pin.GeometryModel with a pair of objects for each pair of links that
+            is checked.
         data: pin.GeometryData.
     """
 
@@ -67,15 +73,16 @@ class CollisionModel:
         """Collect the primitives of a model's links.
 
         Args:
-            model: pin.Model of the arm; with frames ``finger_1`` and ``finger_2`` the jaws move,
-                without them they are closed and part of link_4.
+            model: pin.Model of the arm; with frames ``finger_1`` and ``finger_2`` the
+                jaws move, without them they are closed and part of link_4.
         """
         self._model = model
         self._data = model.createData()
         self.geometry = collision_geometry(model)
         self.data = self.geometry.createData()
-        # Pinocchio has each search start where the last one ended: then the answer at q depends, by
-        # a micrometre, on what was asked before. coal's own request starts afresh.
+        # Pinocchio has each search start where the last one ended: then the answer at q
+        # depends, by a micrometre, on what was asked before. coal's own request starts
+        # afresh.
         self.data.distanceRequests[:] = [coal.DistanceRequest()] * len(
             self.data.distanceRequests
         )
@@ -87,52 +94,58 @@ class CollisionModel:
     def colliding_links(self, q: FloatArray) -> tuple[tuple[str, str], ...]:
         """Every pair of links that touch at q, (nq,), each once."""
         self._closest_pair(q)
-        results = zip(
-            self.geometry.collisionPairs, self.data.distanceResults, strict=True
-        )
-        pairs = [
-            self._links(pair) for pair, result in results if result.min_distance <= 0.0
+        pairs = self.geometry.collisionPairs
+        results = self.data.distanceResults
+        touching = [
+            self._links(pair)
+            for pair, result in zip(pairs, results, strict=True)
+            if result.min_distance <= 0.0
         ]
-        return tuple(dict.fromkeys(pairs))
+        return tuple(dict.fromkeys(touching))
 
     def clearance(self, q: FloatArray) -> Clearance:
         """The closest place at q, (nq,), to a micrometre."""
         index = self._closest_pair(q)
-        result, pair = (
-            self.data.distanceResults[index],
-            self.geometry.collisionPairs[index],
+        result = self.data.distanceResults[index]
+        return Clearance(
+            distance=float(result.min_distance),
+            links=self._links(self.geometry.collisionPairs[index]),
+            points=frozen([result.getNearestPoint1(), result.getNearestPoint2()]),
         )
-        points = frozen([result.getNearestPoint1(), result.getNearestPoint2()])
-        return Clearance(float(result.min_distance), self._links(pair), points)
 
     def _closest_pair(self, q: FloatArray) -> int:
-        # Distances, not coal's quicker yes or no: that one starts from the contact of the last call
-        # and was seen to miss an overlap of 0.03 mm.
+        # Distances, not coal's quicker yes or no: that one starts from the contact of
+        # the last call and was seen to miss an overlap of 0.03 mm.
         pin.updateGeometryPlacements(
             self._model, self._data, self.geometry, self.data, q
         )
         return int(pin.computeDistances(self.geometry, self.data))
 
     def _links(self, pair: Any) -> tuple[str, str]:
-        objects = self.geometry.geometryObjects
-        one, other = (objects[i].parentFrame for i in (pair.first, pair.second))
-        return self._model.frames[one].name, self._model.frames[other].name
+        return self._link(pair.first), self._link(pair.second)
+
+    def _link(self, number: int) -> str:
+        """Name of the link that has a collision object."""
+        frame = self.geometry.geometryObjects[number].parentFrame
+        return str(self._model.frames[frame].name)
 
 
 def collision_geometry(model: Any) -> Any:
-    """Primitives of the links of a pin.Model as pin.GeometryModel, with the pairs to be checked.
+    """Primitives of the links of a pin.Model, with the pairs to be checked.
+
+    This is a pin.GeometryModel.
 
     Both are Pinocchio's own reading of the URDF and the SRDF with the model's gripper.
 
     Raises:
-        InputError: A model with other dimensions than those that the bodies are drawn for.
+        InputError: A model with other dimensions than those that the bodies are drawn
+            for.
     """
     check_dimensions(model, "its bodies", DRAWN)
-    gripper, kind = (
-        "jaws" if model.existFrame("finger_1") else "locked",
-        pin.GeometryType.COLLISION,
+    gripper = "jaws" if model.existFrame("finger_1") else "locked"
+    geometry = pin.buildGeomFromUrdfString(
+        model, _urdf(gripper), pin.GeometryType.COLLISION
     )
-    geometry = pin.buildGeomFromUrdfString(model, _urdf(gripper), kind)
     geometry.addAllCollisionPairs()
     pin.removeCollisionPairsFromXML(model, geometry, srdf(gripper))
     return geometry
@@ -144,30 +157,32 @@ def _urdf(gripper: str) -> str:
 
 
 def without_self_collision(q: ArrayLike, wrists: int = WRISTS) -> BoolArray:
-    """Whether there is a wrist angle at which the arm does not touch itself, the jaws closed.
+    """Whether the arm does not touch itself at some wrist angle, with the jaws closed.
 
     Args:
         q: (..., 4) [rad]; theta_3 is the first wrist angle that is tried.
-        wrists: How many more are tried, evenly over the range of axis_b. A window that is narrower
-            than their distance can be missed.
+        wrists: How many more are tried, evenly over the range of axis_b. A window that
+            is narrower than their distance can be missed.
 
     Returns:
         (...) bool.
 
     Raises:
-        InputError: Not finite real numbers of that shape, or no whole number of wrist angles.
+        InputError: Not finite real numbers of that shape, or no whole number of wrist
+            angles.
     """
     position = float_array("q", q, (4,))
-    joint = parameters().joints[3]
-    turns = np.linspace(joint.lower, joint.upper, count("wrists", wrists))
+    wrist = parameters().joints[3]
+    angles = np.linspace(wrist.lower, wrist.upper, count("wrists", wrists))
     rows = position.reshape(-1, 4).copy()
-    model, before_wrist, with_wrist = _model()
+    pairs = _wrist_pairs(wrist)
+
     free = np.zeros(len(rows), np.bool_)
-    left = np.flatnonzero(~_collides(model, before_wrist, rows))
-    for angle in (None, *turns):
+    left = np.flatnonzero(~_collides(pairs.model, pairs.before_wrist, rows))
+    for angle in (None, *angles):
         if angle is not None:
             rows[left, 3] = angle
-        hits = _collides(model, with_wrist, rows[left])
+        hits = _collides(pairs.model, pairs.with_wrist, rows[left])
         free[left[~hits]] = True
         left = left[hits]
         if not len(left):
@@ -175,11 +190,25 @@ def without_self_collision(q: ArrayLike, wrists: int = WRISTS) -> BoolArray:
     return free.reshape(position.shape[:-1])
 
 
+class _WristPairs(NamedTuple):
+    """The pairs of bodies of the arm with closed jaws.
+
+    Attributes:
+        model: pin.Model of the arm.
+        before_wrist: pin.GeometryModel with the pairs that the wrist does not move.
+        with_wrist: The same with the pairs that it moves.
+    """
+
+    model: Any
+    before_wrist: Any
+    with_wrist: Any
+
+
 @cache
-def _model() -> tuple[Any, Any, Any]:
-    """The arm, its pairs of bodies that the wrist does not move, and those that it does."""
+def _wrist_pairs(joint: JointParameters) -> _WristPairs:
+    """The pairs of bodies of the shipped arm, apart by whether the wrist moves them."""
     model = pin.buildModelFromXML(_urdf("locked"))
-    wrist = model.getJointId(parameters().joints[3].name)
+    wrist = model.getJointId(joint.name)
 
     before_wrist = collision_geometry(model)
     with_wrist = collision_geometry(model)
@@ -187,7 +216,7 @@ def _model() -> tuple[Any, Any, Any]:
         geometry = before_wrist if _moved_by(wrist, pair, before_wrist) else with_wrist
         geometry.removeCollisionPair(pair)
 
-    return model, before_wrist, with_wrist
+    return _WristPairs(model=model, before_wrist=before_wrist, with_wrist=with_wrist)
 
 
 def _pairs(geometry: Any) -> list[Any]:
@@ -210,7 +239,8 @@ def _moved_by(joint: int, pair: Any, geometry: Any) -> bool:
 
 def _collides(model: Any, geometry: Any, q: FloatArray) -> BoolArray:
     """Whether any pair touches at q, (N, 4)."""
-    data, objects = model.createData(), geometry.createData()
+    data = model.createData()
+    objects = geometry.createData()
     # A search that starts where the last one ended was seen to miss overlaps.
     objects.collisionRequests[:] = [coal.CollisionRequest()] * len(
         objects.collisionRequests
@@ -218,6 +248,5 @@ def _collides(model: Any, geometry: Any, q: FloatArray) -> BoolArray:
     tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
         model, geometry, objects
     )
-    return np.array(
-        [pin.computeCollisions(model, data, tree, row, True) for row in q], np.bool_
-    )
+    hits = [pin.computeCollisions(model, data, tree, row, True) for row in q]
+    return np.array(hits, np.bool_)

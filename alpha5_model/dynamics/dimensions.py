@@ -18,8 +18,8 @@ from alpha5_model.description.frames import (
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
-#: How far a joint may be from its place [m], and turned from it [rad], for a closed form
-#: or a kernel: what rounding does to the numbers of a file.
+#: How far a joint may be from its place [m], and turned from it [rad], for a closed
+#: form or a kernel: what rounding does to the numbers of a file.
 EXACT = 1e-9
 #: The same for drawn bodies. Primitives enclose them within 3 mm; sets of numbers that
 #: round to the printed ones differ by 2 mm.

@@ -26,7 +26,7 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
 class JawArm(Arm):
-    """An `Arm` whose last coordinate ``axis_a`` [m] also turns the fingers; see there."""
+    """An `Arm` whose last coordinate ``axis_a`` [m] also turns the fingers."""
 
     def __init__(
         self,
@@ -97,7 +97,8 @@ class JawArm(Arm):
 
     @property
     def _arguments(self) -> tuple[Any, ...]:
-        # Pinocchio 4.1 pickles mimic joints into a model that crashes; the tree is sound.
+        # Pinocchio 4.1 pickles mimic joints into a model that crashes. The tree is
+        # sound.
         return self._tree._model, self.displacements, self.fluid_density, self._mimics
 
 

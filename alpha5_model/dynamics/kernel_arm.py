@@ -1,4 +1,4 @@
-"""The arm on the generated kernels: single calls are those of the compiled module itself."""
+"""The arm on the generated kernels: its single calls are the compiled module's."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _NO_FORCE = pin.Force.Zero()
 
 
 class KernelArm(Arm):
-    """An `Arm` on a fixed base with locked jaws; see there.
+    """An `Arm` on a fixed base with locked jaws.
 
     The methods of an instance are its kernels. They leave to the methods of the class
     what is not plainly a state.

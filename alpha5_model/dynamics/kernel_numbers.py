@@ -38,7 +38,10 @@ def arm_parameters(arm: Any) -> FloatArray:
 
 
 def kernel_parameters(arm: Any) -> FloatArray | None:
-    """Base parameters of an arm in its fluid, (41,); None for joints unknown to them."""
+    """Base parameters of an arm in its fluid, (41,).
+
+    They are None if the kernels do not know the arm's joints.
+    """
     model = arm._model
     if not _has_the_joints_of(made_for(), model):
         return None

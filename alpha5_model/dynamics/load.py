@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pinocchio as pin
 from numpy.typing import ArrayLike
@@ -47,16 +47,17 @@ def load(
 
     Args:
         fluid_density: [kg/m^3]; ``SEA_WATER``, ``FRESH_WATER``, ``AIR`` or any other.
-        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a, the jaw rod, which the fingers
-            follow).
+        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a, the jaw rod, which the
+            fingers follow).
         floating_base: Puts base_link on Pinocchio's free-flyer joint, ``root_joint``.
-        gravity: In the world, (3,) [m/s^2]; the world is base_link if the base is fixed, so for a
-            tilted mount pass ``gravity_in_base(rotation)``.
-        corrections: Recorded corrections to the document. Other than the default ones, the URDF is
-            generated in memory.
-        backend: What computes single calls: ``pinocchio``, or ``kernels`` that are generated from the
-            same equations, see `alpha5_model.backend`. Batches run on kernels in any case; a floating
-            base, jaws and external forces are Pinocchio's in any case.
+        gravity: In the world, (3,) [m/s^2]; the world is base_link if the base is
+            fixed, so for a tilted mount pass ``gravity_in_base(rotation)``.
+        corrections: Recorded corrections to the document. Other than the default ones,
+            the URDF is generated in memory.
+        backend: What computes single calls: ``pinocchio``, or ``kernels`` that are
+            generated from the same equations, see `alpha5_model.backend`. Batches run
+            on kernels in any case; a floating base, jaws and external forces are
+            Pinocchio's in any case.
 
     Returns:
         An arm, independent of every other one.
@@ -66,26 +67,27 @@ def load(
         UnknownNameError: No such gripper, correction or backend.
 
     Warns:
-        ImplausibleWarning: A density that no fluid has, gravity of an implausible strength, or a
-            tuple or list of gravity that points straight up. What `gravity_in_base` returns may
-            point anywhere.
+        ImplausibleWarning: A density that no fluid has, gravity of an implausible
+            strength, or a tuple or list of gravity that points straight up. What
+            `gravity_in_base` returns may point anywhere.
     """
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
-    on_kernels = choice("backend", backend, BACKENDS) == "kernels" and not floating_base
+    choice("backend", backend, BACKENDS)
     density = density_of(fluid_density)
-    g = array("gravity", gravity, 3)
-    plausibility.check_gravity(gravity, g)
-    parsed, mimics, displaced = _parsed(
-        gripper, flag("floating_base", floating_base), chosen
-    )
-    tree = parsed.copy()
-    tree.gravity.linear = g
+    checked_gravity = array("gravity", gravity, 3)
+    plausibility.check_gravity(gravity, checked_gravity)
+    flag("floating_base", floating_base)
+
     record = parameters(chosen)
-    if mimics:
-        return JawArm(tree, displaced, density, mimics, parameters=record)
-    kind = KernelArm if on_kernels else Arm
-    return kind(tree, displaced, density, parameters=record)
+    parsed = _parsed(gripper, floating_base, record)
+    tree = parsed.tree.copy()
+    tree.gravity.linear = checked_gravity
+    volumes = parsed.displacements
+    if parsed.mimics:
+        return JawArm(tree, volumes, density, parsed.mimics, parameters=record)
+    kind = KernelArm if backend == "kernels" and not floating_base else Arm
+    return kind(tree, volumes, density, parameters=record)
 
 
 def arm_of(
@@ -93,31 +95,42 @@ def arm_of(
     fluid_density: float = SEA_WATER,
     gravity: ArrayLike = GRAVITY,
 ) -> Arm:
-    """The arm of a parameter set, Table 1 and limits included, on a fixed base with locked jaws.
+    """The arm of a parameter set, on a fixed base with locked jaws.
+
+    Dimensions and limits are those of the set, too.
 
     Args:
         parameters: From `alpha5_model.numbers.parameters`, or a set of
             `alpha5_model.uncertainty.sample`.
         fluid_density, gravity: See `alpha5_model.load`.
     """
-    model, p = load(fluid_density, gravity=gravity).model, parameters
-    frames = base_placement(p), *joint_placements(p), tcp_placement(p)
-    base, first, *places, tip = (pin.SE3(pose(at.xyz, at.rpy)) for at in frames)
-    for joint, place in enumerate((base * first, *places), 1):
-        model.jointPlacements[joint] = place
-    for at, own in enumerate(p.joints[:4]):
-        model.lowerPositionLimit[at] = own.lower
-        model.upperPositionLimit[at] = own.upper
-        model.velocityLimit[at] = own.velocity
-        model.effortLimit[at] = own.effort
-    for name, place in (("link_0", base), ("tcp", tip)):
-        model.frames[model.getFrameId(name)].placement = place
-    for link in p.links:
+    model = load(fluid_density, gravity=gravity).model
+    _set_placements(model, parameters)
+    for number, joint in enumerate(parameters.joints[:4]):
+        model.lowerPositionLimit[number] = joint.lower
+        model.upperPositionLimit[number] = joint.upper
+        model.velocityLimit[number] = joint.velocity
+        model.effortLimit[number] = joint.effort
+    for link in parameters.links:
         frame = model.frames[model.getFrameId(link.name)]
         body = pin.Inertia(link.mass, link.com, link.inertia)
         model.inertias[frame.parentJoint] = frame.placement.act(body)
-    displaced = displacements(model, p, "locked")
-    return Arm(model, displaced, fluid_density, parameters=p)
+    volumes = displacements(model, parameters, "locked")
+    return Arm(model, volumes, fluid_density, parameters=parameters)
+
+
+def _set_placements(model: Any, parameters: Alpha5Parameters) -> None:
+    """Move the joints, link_0 and the tcp of a pin.Model to their places."""
+    placements = [
+        base_placement(parameters),
+        *joint_placements(parameters),
+        tcp_placement(parameters),
+    ]
+    base, first, *others, tip = (pin.SE3(pose(at.xyz, at.rpy)) for at in placements)
+    for number, placement in enumerate((base * first, *others), 1):
+        model.jointPlacements[number] = placement
+    model.frames[model.getFrameId("link_0")].placement = base
+    model.frames[model.getFrameId("tcp")].placement = tip
 
 
 def robot_wrapper(
@@ -125,7 +138,9 @@ def robot_wrapper(
     floating_base: bool = False,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
 ) -> Any:
-    """The arm with its meshes as Pinocchio's RobotWrapper, as example-robot-data returns robots.
+    """The arm with its meshes as Pinocchio's RobotWrapper.
+
+    This is what the loaders of example-robot-data return.
 
     Water is left out: see `load`. With ``gripper="jaws"`` the fingers are mimic joints.
 
@@ -142,30 +157,52 @@ def robot_wrapper(
 
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
-    text, folder = _urdf(gripper, chosen), str(Path(URDF_PATH).parent)
-    model = mimicking(
-        *_parsed(gripper, flag("floating_base", floating_base), chosen)[:2]
+    text = _urdf(gripper, chosen)
+    flag("floating_base", floating_base)
+    parsed = _parsed(gripper, floating_base, parameters(chosen))
+    model = mimicking(parsed.tree, parsed.mimics)
+
+    def geometry(kind: Any) -> Any:
+        folder = str(Path(URDF_PATH).parent)
+        return pin.buildGeomFromUrdfString(model, text, kind, package_dirs=[folder])
+
+    return RobotWrapper(
+        model,
+        collision_model=geometry(pin.GeometryType.COLLISION),
+        visual_model=geometry(pin.GeometryType.VISUAL),
     )
-    collision, visual = (
-        pin.buildGeomFromUrdfString(model, text, kind, package_dirs=[folder])
-        for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)
-    )
-    return RobotWrapper(model, collision_model=collision, visual_model=visual)
+
+
+class _Parsed(NamedTuple):
+    """What a URDF says.
+
+    Attributes:
+        tree: pin.Model with every joint free to move.
+        mimics: The joints that follow others.
+        displacements: The volumes on the joints.
+    """
+
+    tree: Any
+    mimics: tuple[UrdfJoint, ...]
+    displacements: tuple[Displacement, ...]
 
 
 @cache
-def _parsed(
-    gripper: str, floating_base: bool, corrections: tuple[str, ...]
-) -> tuple[Any, tuple[UrdfJoint, ...], tuple[Displacement, ...]]:
-    """The URDF's tree with every joint free to move, which joints follow which, and the volumes."""
-    text = _urdf(gripper, corrections)
+def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> _Parsed:
+    """Read the URDF of the catalogue's arm with some corrections."""
+    text = _urdf(gripper, parameters.corrections)
     root = [pin.JointModelFreeFlyer()] if floating_base else []
     tree = pin.buildModelFromXML(text, *root)
-    mimics = tuple(j for j in parse_urdf(text).joints.values() if j.mimic is not None)
-    return tree, mimics, displacements(tree, parameters(corrections), gripper)
+    joints = parse_urdf(text).joints.values()
+    return _Parsed(
+        tree=tree,
+        mimics=tuple(joint for joint in joints if joint.mimic is not None),
+        displacements=displacements(tree, parameters, gripper),
+    )
 
 
 def _urdf(gripper: str, corrections: tuple[str, ...]) -> str:
+    """Text of the URDF: the shipped one, or generated for other corrections."""
     if corrections == DEFAULT_CORRECTIONS:
         path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
         return read_named(path, "the generated URDF (alpha5 generate)").decode()

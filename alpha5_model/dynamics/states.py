@@ -1,7 +1,8 @@
 """Input checks of states, one or many.
 
-One state that is plainly clean is known by a single call. What is not (a list, integers, a wrong shape,
-NaN, masked, too large, no unit quaternion) goes through `array`, which converts it or says what is wrong.
+One state that is plainly clean is known by a single call. What is not (a list,
+integers, a wrong shape, NaN, masked, too large, no unit quaternion) goes through
+`array`, which converts it or says what is wrong.
 """
 
 from __future__ import annotations
@@ -32,24 +33,22 @@ Embedding = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def state_check(model: Any, *rates: str) -> Callable[..., Any]:
-    """A function of q and of rates with these names, which raises if they cannot be used.
+    """A function that checks q and rates with these names.
 
     It returns them, converted if need be: q alone, or all of them.
     """
-    nq, nv, fixed, plain = (
-        model.nq,
-        model.nv,
-        model.nq == model.nv,
-        kernels.module().is_state,
-    )
+    nq = model.nq
+    nv = model.nv
+    fixed_base = nq == nv
+    is_plain_state = kernels.module().is_state
 
     def check(*state: Any) -> Any:
-        good = plain(nq, nv, *state)
-        if good and (fixed or pin.isNormalized(model, state[0], ROTATION_TOLERANCE)):
+        if is_plain_state(nq, nv, *state) and (
+            fixed_base or pin.isNormalized(model, state[0], ROTATION_TOLERANCE)
+        ):
             return state if rates else state[0]
-        clean = state_vectors(
-            model, state[0], **dict(zip(rates, state[1:], strict=True))
-        )
+        given_rates = dict(zip(rates, state[1:], strict=True))
+        clean = state_vectors(model, state[0], **given_rates)
         return clean if rates else clean[0]
 
     return check
@@ -60,11 +59,15 @@ def state_vectors(model: Any, q: Any, **rates: Any) -> list[FloatArray]:
     position = array("q", q, model.nq)
     if model.nq > model.nv:
         _check_quaternions(position)
-    return [position, *(array(name, x, model.nv) for name, x in rates.items())]
+    checked_rates = [array(name, rate, model.nv) for name, rate in rates.items()]
+    return [position, *checked_rates]
 
 
 def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
-    """Check and convert states in rows; the first one has nq columns, the others nv, a current 3.
+    """Check and convert states in rows.
+
+    The first one has nq columns, the others nv; ``current`` has 3. A single row is used
+    for all.
 
     Raises:
         InputError: Not real numbers, too large ones, or a quaternion without unit norm.
@@ -73,23 +76,42 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
     """
     arrays: dict[str, FloatArray] = {}
     for name, value in states.items():
-        n = 3 if name == "current" else model.nv if arrays else model.nq
-        given = bounded(name, float_array(name, value, (n,)))
-        if given.ndim > 2:
-            raise ShapeError(name, given.shape, f"shape (N, {n})")
-        arrays[name] = np.atleast_2d(given)
-    n_rows = max(map(len, arrays.values()), key=lambda n: (n != 1, n))
+        columns = model.nv if arrays else model.nq
+        if name == "current":
+            columns = 3
+        arrays[name] = _as_rows(name, value, columns)
+    n_rows = _number_of_rows(arrays)
+    if model.nq > model.nv:
+        _check_quaternions(arrays["q"])
+    return [
+        np.ascontiguousarray(np.broadcast_to(given, (n_rows, given.shape[1])))
+        for given in arrays.values()
+    ]
+
+
+def _as_rows(name: str, value: ArrayLike, columns: int) -> FloatArray:
+    given = bounded(name, float_array(name, value, (columns,)))
+    if given.ndim > 2:
+        raise ShapeError(name, given.shape, f"shape (N, {columns})")
+    return np.atleast_2d(given)
+
+
+def _number_of_rows(arrays: dict[str, FloatArray]) -> int:
+    """Common number of rows of arrays; those with one row go with any number."""
+    lengths = [len(given) for given in arrays.values()]
+    several = [length for length in lengths if length != 1]
+    n_rows = max(several, default=1)
     for name, given in arrays.items():
         if len(given) not in (1, n_rows):
             raise ShapeError(name, given.shape, f"{n_rows} rows, as the others, or one")
-    if model.nq > model.nv:
-        _check_quaternions(arrays["q"])
-    whole = (np.broadcast_to(x, (n_rows, x.shape[1])) for x in arrays.values())
-    return [*map(np.ascontiguousarray, whole)]
+    return n_rows
 
 
 def is_one_state(*states: ArrayLike) -> bool:
-    """Whether none of these has rows; of what is no array at all, `rows` says what is wrong."""
+    """Whether none of these has rows.
+
+    This refuses nothing: `rows` says what is wrong with what is no array at all.
+    """
     try:
         return all(np.ndim(state) < 2 for state in states)
     except ValueError:  # lists of different lengths
@@ -99,10 +121,10 @@ def is_one_state(*states: ArrayLike) -> bool:
 def _check_quaternions(q: FloatArray) -> None:
     norms = np.linalg.norm(q[..., 3:7], axis=-1)
     for row in np.argwhere(np.abs(norms - 1.0) > ROTATION_TOLERANCE):
-        place, norm = ", ".join([*map(str, row), "3:7"]), norms[tuple(row)]
-        raise InputError(
-            f"q[{place}]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)"
-        )
+        place = ", ".join([*map(str, row), "3:7"])
+        norm = norms[tuple(row)]
+        expected = "a unit quaternion (x, y, z, w)"
+        raise InputError(f"q[{place}]", f"norm {norm:.6g}", expected)
 
 
 def forces(fext: Any, njoints: int) -> Any:
@@ -117,13 +139,13 @@ def forces(fext: Any, njoints: int) -> Any:
     """
     expected = f"{njoints} pin.Force, one for each joint and the universe"
     given = listed("fext", fext, expected)
-    if len(given) != njoints or not all(
-        isinstance(force, pin.Force) for force in given
-    ):
+    all_forces = all(isinstance(force, pin.Force) for force in given)
+    if len(given) != njoints or not all_forces:
         raise InputError("fext", fext, expected)
     for joint, force in enumerate(given):
-        if not isfinite(sum(force.vector.tolist())):
-            raise NonFiniteError("fext", force.vector.tolist(), (joint,))
+        components = force.vector.tolist()
+        if not isfinite(sum(components)):
+            raise NonFiniteError("fext", components, (joint,))
         bounded(f"fext[{joint}]", force.vector)
     return fext if isinstance(fext, pin.StdVec_Force) else pin.StdVec_Force(given)
 
@@ -131,7 +153,9 @@ def forces(fext: Any, njoints: int) -> Any:
 def expanded(
     embedding: Embedding, q: FloatArray, *rates: FloatArray
 ) -> list[FloatArray]:
-    """States (..., n) of a tree in which an arm is embedded: ``G_q q + g_0``, then ``G v`` of each rate.
+    """States (..., n) of a tree in which an arm is embedded.
+
+    They are ``G_q q + g_0``, then ``G v`` of each rate.
 
     Args:
         embedding: Of the arm.

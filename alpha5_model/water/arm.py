@@ -1,8 +1,9 @@
 """The arm in moving water: added mass and drag besides buoyancy, in a uniform current.
 
-``(M(q) + sum J^T A J) a + ... = tau + tau_buoyancy(q) + tau_drag``. Everything is computed on a tree in which
-every joint is its own and the base stands on a free-flyer: its velocities are ``G v``, so torques are
-``G^T tau_tree``, and on a fixed base the first six of the tree are the load on the mount.
+``(M(q) + sum J^T A J) a + ... = tau + tau_buoyancy(q) + tau_drag``. Everything is
+computed on a tree in which every joint is its own and the base stands on a free-flyer:
+its velocities are ``G v``, so torques are ``G^T tau_tree``, and on a fixed base the
+first six of the tree are the load on the mount.
 """
 
 from __future__ import annotations
@@ -50,20 +51,24 @@ def in_moving_water(
 ) -> HydrodynamicArm:
     """An arm in moving water: see `Arm.with_hydrodynamics`."""
     gripper = "jaws" if "finger_1" in arm._frames else "locked"
-    bodies = hydrodynamics(gripper, level, numbers)
+    links = hydrodynamics(gripper, level, numbers)
     check_dimensions(arm._model, "the moving water at its links", DRAWN)
-    water = [joint_water(arm, name, data) for name, data in bodies.items()]
+    bodies = [joint_water(arm, link, data) for link, data in links.items()]
     flow = array("current", current, 3)
     plausibility.check("current", flow, plausibility.CURRENT)
-    return HydrodynamicArm(arm, water, flow)
+    return HydrodynamicArm(arm, bodies, flow)
 
 
 class HydrodynamicArm:
-    """An arm in moving water. Make one with `Arm.with_hydrodynamics`, or with `on_vehicle`.
+    """An arm in moving water.
 
-    Arguments are those of `alpha5_model.dynamics.arm.Arm`, and so are the errors; what is not listed here
-    (kinematics, weight, buoyancy, collisions, `model`, `joint_names`, ...) is answered by that arm. Every method
-    that depends on it takes a current of its own, uniform, in the world, (3,) [m/s]; batches take one for each row.
+    Make one with `Arm.with_hydrodynamics`, or with `on_vehicle`.
+
+    Arguments are those of `alpha5_model.dynamics.arm.Arm`, and so are the errors; what
+    is not listed here (kinematics, weight, buoyancy, collisions, `model`,
+    `joint_names`, ...) is answered by that arm. Every method that depends on it takes a
+    current of its own, uniform, in the world, (3,) [m/s]; batches take one for each
+    row.
 
     Attributes:
         still: The same arm in water that only bears it.
@@ -77,16 +82,19 @@ class HydrodynamicArm:
         bodies: Iterable[JointWater],
         current: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
-        self.still, self.bodies, self._model = still, tuple(bodies), still._model
+        self.still = still
+        self.bodies = tuple(bodies)
+        self._model = still._model
         self.current = frozen(array("current", current, 3))
         self._tree = HydrodynamicTree(still, self.bodies)
 
     def __getattr__(self, name: str) -> Any:
-        # Moving water changes nothing of what this class does not define, or has no such thing.
-        if name.startswith("_") or name in ("still", "with_hydrodynamics", "regressor"):
-            raise AttributeError(
-                f"{type(self).__name__!r} object has no attribute {name!r}"
-            )
+        # Moving water changes nothing of what this class does not define, or has no
+        # such thing.
+        without = ("still", "with_hydrodynamics", "regressor")
+        if name.startswith("_") or name in without:
+            own_type = type(self).__name__
+            raise AttributeError(f"{own_type!r} object has no attribute {name!r}")
         return getattr(self.still, name)
 
     def __dir__(self) -> list[str]:
@@ -102,20 +110,26 @@ class HydrodynamicArm:
         """
         bodies = {body.body: body.data for body in self.bodies}
         data = bodies[choice("link", link, tuple(bodies))]
-        return np.asarray(data.added_mass * (self.still.fluid_density / WATER_DENSITY))
+        share = self.still.fluid_density / WATER_DENSITY
+        return np.asarray(data.added_mass * share)
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """``M(q) + sum J^T A J``, (nv, nv), symmetric positive definite [kg m^2]."""
-        return self._tree.mass(*self._tree.expand(self.still._clean_q(q)))
+        (q_tree,) = self._tree.expand(self.still._clean_q(q))
+        return self._tree.mass(q_tree)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """C(q, v) in still water, (nv, nv), with ``dM/dt - 2 C`` skew-symmetric."""
-        return self._tree.coriolis(*self._tree.expand(*self.still._clean_qv(q, v)))
+        q_tree, v_tree = self._tree.expand(*self.still._clean_qv(q, v))
+        return self._tree.coriolis(q_tree, v_tree)
 
     def nonlinear_effects(
         self, q: ArrayLike, v: ArrayLike, current: Flow = None
     ) -> FloatArray:
-        """Inverse dynamics without acceleration: Coriolis, weight, buoyancy, drag, (nv,) [N m]."""
+        """Inverse dynamics without acceleration, (nv,) [N m].
+
+        This is Coriolis torque, weight, buoyancy and drag.
+        """
         still = np.zeros(self._model.nv)
         return self.inverse_dynamics(q, v, still, current=current)
 
@@ -129,14 +143,13 @@ class HydrodynamicArm:
     ) -> FloatArray:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
         flow = self.current if current is None else current
-        out: FloatArray | None = (
-            self._kernels[0](q, v, a, flow) if fext is None else None
-        )
+        kernel = self._kernels[0]
+        out: FloatArray | None = kernel(q, v, a, flow) if fext is None else None
         if out is not None:
             return out
         state = self.still._clean_qva(q, v, a)
         if fext is None and self._numbers is not None:
-            return cast(FloatArray, self._kernels[0](*state, self._flow(current)))
+            return cast(FloatArray, kernel(*state, self._flow(current)))
         return np.asarray(self._tree.g.T @ self._torque(state, fext, current))
 
     def forward_dynamics(
@@ -147,38 +160,47 @@ class HydrodynamicArm:
         fext: Any = None,
         current: Flow = None,
     ) -> FloatArray:
-        """Joint acceleration under a torque, (nv,) [rad/s^2]; see `Arm.forward_dynamics`."""
+        """Joint acceleration under a torque, (nv,) [rad/s^2].
+
+        See `Arm.forward_dynamics`.
+        """
         flow = self.current if current is None else current
-        out: FloatArray | None = (
-            self._kernels[1](q, v, tau, flow) if fext is None else None
-        )
+        kernel = self._kernels[1]
+        out: FloatArray | None = kernel(q, v, tau, flow) if fext is None else None
         if out is not None:
             return out
         q, v, torque = self.still._clean_qvtau(q, v, tau)
         if fext is None and self._numbers is not None:
-            return cast(FloatArray, self._kernels[1](q, v, torque, self._flow(current)))
+            return cast(FloatArray, kernel(q, v, torque, self._flow(current)))
         bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
-        return np.asarray(
-            np.linalg.solve(self.mass_matrix(q), torque - bias), dtype=np.float64
-        )
+        a = np.linalg.solve(self.mass_matrix(q), torque - bias)
+        return np.asarray(a, dtype=np.float64)
 
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> Partials:
-        """dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); see `Arm.inverse_dynamics_derivatives`."""
+        """dtau/dq, dtau/dv, dtau/da = M, each (nv, nv).
+
+        See `Arm.inverse_dynamics_derivatives`.
+        """
         dq, dv, da, _ = self._derivatives(current, q, v, a)
-        return self._tree.g.T @ dq, self._tree.g.T @ dv, self._tree.g.T @ da
+        to_arm = self._tree.g.T
+        return to_arm @ dq, to_arm @ dv, to_arm @ da
 
     def inverse_dynamics_current_derivative(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> FloatArray:
-        """Derivative of `inverse_dynamics` with respect to the current, (nv, 3) [N s]."""
-        return np.asarray(self._tree.g.T @ self._derivatives(current, q, v, a)[3])
+        """Derivative of `inverse_dynamics` by the current, (nv, 3) [N s]."""
+        _, _, _, du = self._derivatives(current, q, v, a)
+        return np.asarray(self._tree.g.T @ du)
 
     def forward_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Flow = None
     ) -> Partials:
-        """da/dq, da/dv, da/dtau = M^-1, each (nv, nv); see `Arm.forward_dynamics_derivatives`."""
+        """da/dq, da/dv, da/dtau = M^-1, each (nv, nv).
+
+        See `Arm.forward_dynamics_derivatives`.
+        """
         a = self.forward_dynamics(q, v, tau, current=current)
         dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a, current)
         inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
@@ -190,9 +212,8 @@ class HydrodynamicArm:
         """Derivative of `forward_dynamics` with respect to the current, (nv, 3)."""
         a = self.forward_dynamics(q, v, tau, current=current)
         change = self.inverse_dynamics_current_derivative(q, v, a, current)
-        return np.asarray(
-            -np.linalg.solve(self.mass_matrix(q), change), dtype=np.float64
-        )
+        faster = np.linalg.solve(self.mass_matrix(q), change)
+        return np.asarray(-faster, dtype=np.float64)
 
     def base_wrench(
         self,
@@ -202,10 +223,12 @@ class HydrodynamicArm:
         fext: Any = None,
         current: Flow = None,
     ) -> Any:
-        """Wrench that the arm exerts on its mount, a pin.Force in base_link; see `Arm.base_wrench`."""
-        return pin.Force(
-            -self._torque(self.still._clean_qva(q, v, a), fext, current)[:6]
-        )
+        """Wrench that the arm exerts on its mount, a pin.Force in base_link.
+
+        See `Arm.base_wrench`.
+        """
+        state = self.still._clean_qva(q, v, a)
+        return pin.Force(-self._torque(state, fext, current)[:6])
 
     def base_wrench_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
@@ -218,37 +241,45 @@ class HydrodynamicArm:
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> FloatArray:
         """Derivative of `base_wrench` with respect to the current, (6, 3)."""
-        return -self._derivatives(current, q, v, a)[3][:6]
+        _, _, _, du = self._derivatives(current, q, v, a)
+        return -du[:6]
 
     def current_load(
         self, q: ArrayLike, current: Flow = None
     ) -> tuple[FloatArray, FloatArray]:
-        """What a steady current alone loads an arm at rest with: weight and buoyancy are left out.
+        """Load of a steady current alone on an arm at rest.
+
+        Weight and buoyancy are left out.
 
         Args:
             q: (nq,).
             current: (3,) [m/s], None for the arm's own.
 
         Returns:
-            Torque that holds the joints, (nv,) [N m], and the wrench on the mount, in base_link, (6,).
+            Torque that holds the joints, (nv,) [N m], and the wrench on the mount, in
+            base_link, (6,).
         """
-        still = np.zeros(self._model.nv)
-        change = self._water_torques(
-            self.still._clean_q(q), still, still, self._flow(current)
-        )[0]
+        at_rest = np.zeros(self._model.nv)
+        position = self.still._clean_q(q)
+        flow = self._flow(current)
+        (change,) = self._water_torques(position, at_rest, at_rest, flow)
         return self._tree.g.T @ change, -change[:6]
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> float:
         """Kinetic energy of the arm and of the water that it moves [J].
 
-        The arm's share is ``v^T M v / 2`` in the world, the water's ``nu^T A nu / 2`` of the velocities relative to it.
+        The arm's share is ``v^T M v / 2`` in the world, the water's ``nu^T A nu / 2``
+        of the velocities relative to it.
         """
         return self._tree.kinetic_energy(self._moving(q, v), self._flow(current))
 
     def dissipated_power(
         self, q: ArrayLike, v: ArrayLike, current: Flow = None
     ) -> float:
-        """Power that drag takes out of the motion relative to the water [W]; never negative."""
+        """Power that drag takes out of the motion relative to the water [W].
+
+        It is never negative.
+        """
         nu, _ = self._tree.motion(self._moving(q, v), self._flow(current))
         return float(self._tree.water.dissipated_power(nu)[0])
 
@@ -263,7 +294,8 @@ class HydrodynamicArm:
         """`inverse_dynamics` of many states, (N, nv).
 
         Args:
-            q: (N, nq); v: (N, nv); a: (N, nv); threads: as in `Arm.inverse_dynamics_batch`.
+            q: (N, nq); v: (N, nv); a: (N, nv); threads: as in
+                `Arm.inverse_dynamics_batch`.
             current: (3,), or (N, 3), one for each row.
         """
         out = self._rows_of_kernel(
@@ -282,7 +314,10 @@ class HydrodynamicArm:
         threads: int | None = None,
         current: Flow = None,
     ) -> FloatArray:
-        """`base_wrench` of many states, (N, 6); arguments as `inverse_dynamics_batch`."""
+        """`base_wrench` of many states, (N, 6).
+
+        Arguments are as of `inverse_dynamics_batch`.
+        """
         water = self._water_torques(q, v, a, current)[:, :6]
         return np.asarray(self.still.base_wrench_batch(q, v, a, threads) - water)
 
@@ -294,14 +329,15 @@ class HydrodynamicArm:
         threads: int | None = None,
         current: Flow = None,
     ) -> FloatArray:
-        """`forward_dynamics` of many states, (N, nv); arguments as `inverse_dynamics_batch`."""
+        """`forward_dynamics` of many states, (N, nv).
+
+        Arguments are as of `inverse_dynamics_batch`.
+        """
         kernel = "forward_dynamics_in_current"
         out = self._rows_of_kernel(kernel, threads, current, q=q, v=v, tau=tau)
-        return (
-            solved_rows(self, q, v, tau, threads, current=current)
-            if out is None
-            else out
-        )
+        if out is not None:
+            return out
+        return solved_rows(self, q, v, tau, threads, current=current)
 
     def with_payload(
         self,
@@ -318,7 +354,8 @@ class HydrodynamicArm:
 
         Args:
             mass, com, inertia, volume, cob, frame: As in `Arm.with_payload`.
-            added_mass: (6, 6) about and in ``frame``, in water of 1000 kg/m^3; None for none.
+            added_mass: (6, 6) about and in ``frame``, in water of 1000 kg/m^3; None for
+                none.
             strips: Where it drags, in ``frame``.
         """
         still = self.still.with_payload(mass, com, inertia, volume, cob, frame)
@@ -329,9 +366,8 @@ class HydrodynamicArm:
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         """This arm, afloat, with a vehicle in place of the mount."""
-        return ArmOnVehicle(
-            HydrodynamicArm(afloat(self.still), self.bodies, self.current), vehicle
-        )
+        floating = HydrodynamicArm(afloat(self.still), self.bodies, self.current)
+        return ArmOnVehicle(floating, vehicle)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.still, self.bodies, self.current)
@@ -354,13 +390,11 @@ class HydrodynamicArm:
         outside = None
         if fext is not None:
             # On a fixed base the tree has one joint more, and link_0 hangs on it.
-            given = forces(fext, self._model.njoints)[
-                1 if self.still.floating_base else 0 :
-            ]
-            outside = np.array([one.vector for one in given])
-        return self._tree.torque(
-            self._tree.expand(*state), self._flow(current), outside
-        )
+            first = 1 if self.still.floating_base else 0
+            given = forces(fext, self._model.njoints)[first:]
+            outside = np.array([force.vector for force in given])
+        state_of_tree = self._tree.expand(*state)
+        return self._tree.torque(state_of_tree, self._flow(current), outside)
 
     def _water_torques(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow
@@ -373,44 +407,55 @@ class HydrodynamicArm:
     def _rows_of_kernel(
         self, name: str, threads: int | None, current: Flow, q: Rows, **rates: Rows
     ) -> FloatArray | None:
-        """A kernel's output for each row, (N, 4), None where there is none for this arm."""
+        """A kernel's output for each row, (N, 4); None if it does not know the arm."""
         if self._numbers is None:
             return None
-        flow = float_array(
-            "current", self.current if current is None else current, (3,)
-        )
+        given = self.current if current is None else current
+        flow = float_array("current", given, (3,))
         if flow.ndim == 1 and isinstance(q, np.ndarray) and q.ndim == 2:
-            flow = np.broadcast_to(
-                flow, (len(q), 3)
-            )  # one row for all: kernels know it as such
+            # The kernels see that it is one row for all.
+            flow = np.broadcast_to(flow, (len(q), 3))
         return kernel_rows(
             self.still, name, 4, threads, self._numbers, q=q, **rates, current=flow
         )
 
     @cached_property
     def _numbers(self) -> FloatArray | None:
-        """Parameters of the kernels; None where they do not know the arm, or what moves water on it."""
-        still, joints = self.still._kernel_parameters, [*self._model.names][1:]
-        bodies = [body for body in self.bodies if body.joint in joints]
-        if still is None or not all(body.plain for body in bodies):
+        """Parameters of the kernels; None if they do not know the arm or its water."""
+        of_still_water = self.still._kernel_parameters
+        strips: dict[str, list[DragStrip]] = {
+            joint: [] for joint in list(self._model.names)[1:]
+        }
+        moving = [body for body in self.bodies if body.joint in strips]
+        if of_still_water is None or not all(body.plain for body in moving):
             return None
-        strips = [
-            [s for b in bodies if b.joint == name for s in b.data.strips]
-            for name in joints
-        ]
-        added = self._tree.water.added_mass[1:]
+        for body in moving:
+            strips[body.joint] += body.data.strips
+
         water = water_parameters(
-            added, strips, self.still.fluid_density, self.still.parameters
+            self._tree.water.added_mass[1:],
+            [*strips.values()],
+            self.still.fluid_density,
+            self.still.parameters,
         )
-        return None if water is None else np.concatenate([still + water[0], water[1]])
+        if water is None:
+            return None
+        added, of_moving_water = water
+        return np.concatenate([of_still_water + added, of_moving_water])
 
     @cached_property
     def _kernels(self) -> list[Callable[..., Any]]:
-        """Inverse and forward dynamics of this arm by kernels, or what answers None as they do."""
-        names, numbers = ("inverse_dynamics", "forward_dynamics"), self._numbers
-        if numbers is None:
-            return [lambda *_: None for _ in names]
-        return [kernels.module().bind(f"{name}_in_current", numbers) for name in names]
+        """Inverse and forward dynamics of this arm by kernels.
+
+        Without kernels, they are functions that answer None.
+        """
+        if self._numbers is None:
+            return [lambda *_: None, lambda *_: None]
+        bind = kernels.module().bind
+        return [
+            bind("inverse_dynamics_in_current", self._numbers),
+            bind("forward_dynamics_in_current", self._numbers),
+        ]
 
     def _derivatives(self, current: Flow, *given: ArrayLike) -> tuple[FloatArray, ...]:
         state = self._tree.expand(*self.still._clean_qva(*given))
@@ -418,7 +463,9 @@ class HydrodynamicArm:
 
 
 class ArmOnVehicle(HydrodynamicArm):
-    """A floating arm and its vehicle as one system: q, v, a begin with those of base_link.
+    """A floating arm and its vehicle as one system.
+
+    q, v, a begin with those of base_link.
 
     Attributes:
         arm: The same arm without the vehicle.
@@ -427,10 +474,15 @@ class ArmOnVehicle(HydrodynamicArm):
 
     def __init__(self, arm: HydrodynamicArm, vehicle: Vehicle) -> None:
         still = carrying(arm.still, vehicle)
-        self.arm, self.vehicle = arm, vehicle
-        data = BodyHydrodynamics(vehicle.added_mass)
-        damping = vehicle.linear_damping, vehicle.quadratic_damping
-        body = joint_water(still, "vehicle", data, *damping)
+        self.arm = arm
+        self.vehicle = vehicle
+        body = joint_water(
+            still,
+            "vehicle",
+            BodyHydrodynamics(vehicle.added_mass),
+            vehicle.linear_damping,
+            vehicle.quadratic_damping,
+        )
         super().__init__(still, (*arm.bodies, body), arm.current)
 
     def configuration(
@@ -450,7 +502,7 @@ class ArmOnVehicle(HydrodynamicArm):
     def mount_load(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> Any:
-        """Wrench that the arm exerts on the vehicle through the motion, a pin.Force in base_link."""
+        """Wrench that the arm exerts on the vehicle, a pin.Force in base_link."""
         return self.arm.base_wrench(q, v, a, current=self._flow(current))
 
     def reaction(
@@ -464,20 +516,24 @@ class ArmOnVehicle(HydrodynamicArm):
             current: (3,) [m/s], None for the arm's own.
 
         Returns:
-            Spatial acceleration of base_link in its axes, (6,), and the torque of the joints, (nv - 6,).
+            Spatial acceleration of base_link in its axes, (6,), and the torque of the
+            joints, (nv - 6,).
         """
         joints = array("a", a, self._model.nv - 6)
-        bias = self.inverse_dynamics(
-            q, v, np.concatenate([np.zeros(6), joints]), current=current
-        )
+        with_base_held = np.concatenate([np.zeros(6), joints])
+        bias = self.inverse_dynamics(q, v, with_base_held, current=current)
         mass = self.mass_matrix(q)
-        base = np.asarray(np.linalg.solve(mass[:6, :6], -bias[:6]), dtype=np.float64)
-        return base, bias[6:] + mass[6:, :6] @ base
+        of_base = np.linalg.solve(mass[:6, :6], -bias[:6])
+        acceleration = np.asarray(of_base, dtype=np.float64)
+        return acceleration, bias[6:] + mass[6:, :6] @ acceleration
 
     def trim(self, q: ArrayLike) -> Trim:
-        """How the vehicle hangs at rest in still water, thrusters off, for joint positions (n,).
+        """How the vehicle hangs at rest in still water, thrusters off.
 
         What the net weight needs to hold its depth acts at the vehicle's origin.
+
+        Args:
+            q: Joint positions, (n,).
 
         Raises:
             InputError: No righting moment, or gravity that is not along the world's z.
@@ -506,5 +562,10 @@ def joint_water(
     """
     model = arm._arguments[0]
     carrier = model.frames[arm._frame(frame)]
-    joint, action = model.names[carrier.parentJoint], carrier.placement.actionInverse
-    return JointWater(frame, joint, action, data, *damping)
+    return JointWater(
+        frame,
+        model.names[carrier.parentJoint],
+        carrier.placement.actionInverse,
+        data,
+        *damping,
+    )

@@ -51,7 +51,7 @@ class JointWater:
 
     @property
     def plain(self) -> bool:
-        """Whether it has no further damping, and its strips are in the joint's frame."""
+        """Whether it has no further damping and strips in the joint's frame only."""
         if self.linear.any() or self.quadratic.any():
             return False
         return not self.data.strips or np.array_equal(self.action, np.eye(6))
@@ -173,7 +173,11 @@ class MovingWater:
         return np.asarray((resistance * speed**2).sum(axis=(0, 1)))
 
     def _slip(self, nu: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Slip (joints, 2, k, N) of each resistance, its strength and speed (joints, k, N)."""
+        """Slip of each of k resistances, its strength and its speed.
+
+        Returns:
+            (joints, 2, k, N), (joints, k, N) and (joints, k, N).
+        """
         joints, k, _ = self._linear.shape
         slip = (self._rows @ nu).reshape(joints, 2, k, nu.shape[2])
         speed = np.sqrt(slip[:, 0] ** 2 + slip[:, 1] ** 2)
@@ -251,7 +255,11 @@ def cross_force(nu: FloatArray) -> FloatArray:
 
 
 def kirchhoff(momentum: FloatArray) -> FloatArray:
-    """Skew-symmetric C with ``C nu = nu x* h`` for the momentum h = A nu, (..., 6, 6)."""
+    """Skew-symmetric C with ``C nu = nu x* h``, (..., 6, 6).
+
+    Args:
+        momentum: h = A nu, (..., 6).
+    """
     linear = cross_matrix(momentum[..., :3])
     angular = cross_matrix(momentum[..., 3:])
     out = np.zeros((*momentum.shape, 6))

@@ -80,7 +80,11 @@ class TreePass:
         currents: FloatArray,
         weights: list[FloatArray],
     ) -> FloatArray:
-        """Twists of the joints relative to the water and their rates, (joints, 2, 6, N)."""
+        """Twists of the joints relative to the water, and their rates.
+
+        Returns:
+            (joints, 2, 6, N).
+        """
         motion = np.empty((len(self._steps) + 1, 2, 6, q.shape[1]))
         _set_base_motion(motion[0], q, v, a, currents)
         for joint, (step, weight) in enumerate(

@@ -120,7 +120,8 @@ class Trim:
         rotation_vehicle_to_world: The same, (3, 3).
         net_weight: Weight less buoyancy of vehicle and arm [N]. A vertical force has to
             make up for it.
-        righting_moment: For each radian off the trim [N m]; above 0, the trim is stable.
+        righting_moment: For each radian off the trim [N m]. Above 0, the trim is
+            stable.
     """
 
     roll: float
@@ -142,7 +143,7 @@ def afloat(still: Any) -> Any:
 
 
 def carrying(still: Any, vehicle: Vehicle) -> Any:
-    """The floating arm with the vehicle's body at its base, in a new frame ``vehicle``."""
+    """The floating arm with the vehicle at its base, in a new frame ``vehicle``."""
     instance("vehicle", vehicle, Vehicle)
     model = still._arguments[0].copy()
     base = model.getFrameId("base_link")

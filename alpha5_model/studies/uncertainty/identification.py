@@ -75,7 +75,7 @@ def identify(
     alternatives: Names = (),
     **smoothing: Any,
 ) -> Identification:
-    """Base parameters that a motion with its efforts, or the load on the mount, supports.
+    """Identify base parameters from a motion with its efforts or the load on the mount.
 
     Unknown are the printed numbers, scaled so that their intervals are -1 to 1. Torques
     and loads are linear in the base parameters, and these nearly so in the numbers: a

@@ -29,7 +29,8 @@ ALTERNATIVES: dict[str, str] = {
     "link3_cob": CORRECTIONS["link3_cob"].statement,
     "implied_mass": "The masses that best carry Table 2's I_COM to its I_Link, "
     "not those printed.",
-    "torque_constant": "Table 4's K_t for both constants of a motor, which should agree.",
+    "torque_constant": "Table 4's K_t for both constants of a motor, "
+    "which should agree.",
     "voltage_constant": "Table 4's K_v for both; K_t if that is asked for, too.",
     "link2_mass": "Link 2's 0.38 kg is 0.380 kg, printed without its last zero.",
     "motor_efficiency": "Table 4's eta_max is the motor's: "
