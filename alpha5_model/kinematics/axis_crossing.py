@@ -60,32 +60,32 @@ class _Motion(NamedTuple):
     last: float
     needed: float
 
-    @property
-    def turn(self) -> float:
-        """How far theta_0 turns [rad]."""
-        return abs(self.last - self.first)
-
-    def yaw(self, steps: FloatArray, plane: ArmPlane) -> FloatArray:
-        """theta_0 from the start to the end, (L + 1,) [rad]."""
-        turned = np.append(0.0, np.cumsum(steps))
-        theta_0 = self.first + np.copysign(turned, self.last - self.first)
-        theta_0[-1] = self.last
-        # Rounding may have passed a limit.
-        return np.asarray(np.clip(theta_0, plane.lower[0], plane.upper[0]))
-
 
 class _Crossing(NamedTuple):
     """The best way found to an end.
 
     Attributes:
         travel: Since the start of the path [rad].
-        q: Joint positions at the points, (L, 4) [rad].
+        motion: What it does on the axis.
+        yaw_steps: The steps of theta_0, (L,) [rad].
         start: Where in the front it begins.
     """
 
     travel: float
-    q: FloatArray
+    motion: _Motion
+    yaw_steps: FloatArray
     start: int
+
+    def q(self, plane: ArmPlane) -> FloatArray:
+        """Joint positions at the points and at the end, (L, 4) [rad]."""
+        first = self.motion.first
+        last = self.motion.last
+        turned = np.append(0.0, np.cumsum(self.yaw_steps))
+        theta_0 = first + np.copysign(turned, last - first)
+        theta_0[-1] = last
+        # Rounding may have passed a limit.
+        theta_0 = np.clip(theta_0, plane.lower[0], plane.upper[0])
+        return np.column_stack([theta_0, self.motion.joints])[1:]
 
 
 def along_axis(points: PathPoints, first: int, stop: int, front: Front) -> Ways:
@@ -111,23 +111,34 @@ def along_axis(points: PathPoints, first: int, stop: int, front: Front) -> Ways:
             least = min(least, motion.needed)
             if motion.needed > points.max_step:
                 continue
-            steps = shared_turn(motion.size, motion.turn, gap[start], points.max_step)
-            way_size = np.sqrt(motion.size**2 + steps**2).sum()
-            travel = float(front.travel[start] + way_size)
-            if j in crossings and travel >= crossings[j].travel:
-                continue
-            q = np.column_stack([motion.yaw(steps, plane), motion.joints])
-            at_points = q[1:] if leaves else q[1:-1]
-            crossings[j] = _Crossing(travel=travel, q=at_points, start=start)
+            crossing = _crossing(points, front, start, motion, gap[start])
+            if j not in crossings or crossing.travel < crossings[j].travel:
+                crossings[j] = crossing
     if not crossings:
         raise points.jump(stop, least)
 
-    found = crossings.values()
+    found = list(crossings.values())
+    q = np.array([crossing.q(plane) for crossing in found])
     return Ways(
         first=first,
-        q=np.array([crossing.q for crossing in found]),
+        q=q if leaves else q[:, :-1],
         travel=np.array([crossing.travel for crossing in found]),
         origin=np.array([crossing.start for crossing in found]),
+    )
+
+
+def _crossing(
+    points: PathPoints, front: Front, start: int, motion: _Motion, gap: float
+) -> _Crossing:
+    """A motion from a start of the front, with the best steps of theta_0."""
+    turn = abs(motion.last - motion.first)
+    yaw_steps = shared_turn(motion.size, turn, gap, points.max_step)
+    travel_on_axis = np.sqrt(motion.size**2 + yaw_steps**2).sum()
+    return _Crossing(
+        travel=float(front.travel[start] + travel_on_axis),
+        motion=motion,
+        yaw_steps=yaw_steps,
+        start=start,
     )
 
 

@@ -87,9 +87,9 @@ def _feet(plane: ArmPlane, points: FloatArray, pose: str, limits: bool) -> _Feet
     sin = np.sin(azimuth)
 
     # Coordinates in the half-plane, and the distance across it.
-    radius = points[:, 0] * cos + points[:, 1] * sin
-    across = points[:, 1] * cos - points[:, 0] * sin
-    z = points[:, 2]
+    x, y, z = points.T
+    radius = x * cos + y * sin
+    across = y * cos - x * sin
 
     own_foot = np.stack([radius, z], axis=-1)
     found = [own_foot]

@@ -34,19 +34,30 @@ def published_inverse_kinematics(
     overarm = theta[..., 1, :]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         R = np.sqrt(x**2 + y**2)
-        underarm[..., 0] = np.arctan2(y, x) + np.pi
-        underarm[..., 1] = np.pi / 2 + np.arctan2(z - d_0, R - a_0)
-        overarm[..., 0] = np.arctan2(y, x)
-        overarm[..., 1] = 3 * np.pi / 2 - np.arctan2(z - d_0, R + a_0)
+        height = z - d_0
+        azimuth = np.arctan2(y, x)
+        underarm[..., 0] = azimuth + np.pi
+        underarm[..., 1] = np.pi / 2 + np.arctan2(height, R - a_0)
+        overarm[..., 0] = azimuth
+        overarm[..., 1] = 3 * np.pi / 2 - np.arctan2(height, R + a_0)
 
         # The rest is printed alike for both.
         r = np.stack([R - a_0, R + a_0], axis=-1)
-        l_3 = np.sqrt(r**2 + (z - d_0)[..., None] ** 2)
-        theta[..., 1] -= np.arccos((l_1**2 + l_3**2 - l_2**2) / (2 * l_1 * l_3))
-        theta[..., 1] -= np.arcsin(2 * a_2 / l_1)
-        theta[..., 2] = np.arccos((l_1**2 + l_2**2 - l_3**2) / (2 * l_1 * l_2))
-        theta[..., 2] -= np.arcsin(2 * a_2 / l_1)
+        l_3 = np.sqrt(r**2 + height[..., None] ** 2)
+        offset = np.arcsin(2 * a_2 / l_1)
+        theta[..., 1] -= _angle(l_1, l_3, opposite=l_2)
+        theta[..., 1] -= offset
+        theta[..., 2] = _angle(l_1, l_2, opposite=l_3)
+        theta[..., 2] -= offset
         theta[..., 2] -= np.arcsin(a_2 / l_2)
 
     without_value = np.isnan(theta).any(axis=-1, keepdims=True)
     return np.where(without_value, np.nan, theta)
+
+
+def _angle(
+    one: float | FloatArray, other: float | FloatArray, opposite: float | FloatArray
+) -> FloatArray:
+    """The angle between two sides of a triangle, by the law of cosines."""
+    cosine = (one**2 + other**2 - opposite**2) / (2 * one * other)
+    return np.asarray(np.arccos(cosine))
