@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from alpha5_model.viewer import view
     from alpha5_model.water.vehicle import Vehicle
 
-# For checkers of types, which need the names written out; a name that is not imported above they report.
+#: All public names, written out for type checkers.
 __all__ = [
     "AIR",
     "BRANCHES",
@@ -56,16 +56,12 @@ __all__ = [
     "PACKAGE_PATH",
     "REPOSITORY_PATH",
     "SEA_WATER",
-]
-__all__ += [
     "URDF_PATH",
     "Alpha5Error",
     "Arm",
     "DragStrip",
     "UnreachableError",
     "Vehicle",
-]
-__all__ += [
     "__version__",
     "actuators",
     "audit",
@@ -73,28 +69,20 @@ __all__ += [
     "compare",
     "dh",
     "distance_to_reach",
-]
-__all__ += [
     "gravity_in_base",
     "identify",
     "inverse_kinematics",
     "inverse_kinematics_path",
-]
-__all__ += [
     "inverse_kinematics_pose",
     "load",
     "named_pose",
     "nearest_reachable",
     "parameters",
-]
-__all__ += [
     "planar",
     "published",
     "published_inverse_kinematics",
     "reachable",
     "robot_wrapper",
-]
-__all__ += [
     "sweep",
     "trajectory",
     "uncertainty",
@@ -102,55 +90,72 @@ __all__ += [
     "without_self_collision",
     "workspace",
 ]
-#: Module -> the public names that it defines.
-_DEFINED = {
-    "_support.paths": ("PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH"),
-    "codegen.kernels.choice": ("backend",),
-    "description.srdf": ("named_pose",),
-    "dynamics.arm": ("Arm",),
-    "dynamics.collision": ("without_self_collision",),
-    "dynamics.load": ("load", "robot_wrapper"),
-    "kinematics.ik": ("BRANCHES", "inverse_kinematics", "published_inverse_kinematics"),
-    "kinematics.path": ("inverse_kinematics_path",),
-    "kinematics.pose": ("inverse_kinematics_pose",),
-    "kinematics.reach": ("distance_to_reach", "nearest_reachable", "reachable"),
-    "numbers.fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
-    "numbers.hydrodynamics": ("DragStrip",),
-    "numbers.parameters": ("parameters",),
-    "numbers.printed": ("published",),
-    "proofs.audit": ("audit",),
-    "proofs.comparison": ("compare",),
-    "studies.sweep": ("sweep",),
-    "studies.uncertainty": ("identify",),
-    "viewer": ("view",),
-    "water.vehicle": ("Vehicle",),
+
+#: Public name -> the module that defines it.
+_NAMES = {
+    # What was printed, and the same in SI units.
+    "published": "numbers.printed",
+    "parameters": "numbers.parameters",
+    "SEA_WATER": "numbers.fluids",
+    "FRESH_WATER": "numbers.fluids",
+    "AIR": "numbers.fluids",
+    "gravity_in_base": "numbers.fluids",
+    "DragStrip": "numbers.hydrodynamics",
+    # The files.
+    "URDF_PATH": "_support.paths",
+    "PACKAGE_PATH": "_support.paths",
+    "REPOSITORY_PATH": "_support.paths",
+    "named_pose": "description.srdf",
+    # Where the arm can be, and how it moves there.
+    "BRANCHES": "kinematics.ik",
+    "inverse_kinematics": "kinematics.ik",
+    "published_inverse_kinematics": "kinematics.ik",
+    "inverse_kinematics_pose": "kinematics.pose",
+    "inverse_kinematics_path": "kinematics.path",
+    "reachable": "kinematics.reach",
+    "distance_to_reach": "kinematics.reach",
+    "nearest_reachable": "kinematics.reach",
+    # Dynamics, dry, in still and in moving water.
+    "load": "dynamics.load",
+    "robot_wrapper": "dynamics.load",
+    "Arm": "dynamics.arm",
+    "without_self_collision": "dynamics.collision",
+    "backend": "codegen.kernels.choice",
+    "Vehicle": "water.vehicle",
+    # Studies and proofs.
+    "sweep": "studies.sweep",
+    "identify": "studies.uncertainty",
+    "audit": "proofs.audit",
+    "compare": "proofs.comparison",
+    # For the eye.
+    "view": "viewer",
 }
-#: Public modules.
-_MODULES = (
-    "_support.paths",
-    "dynamics.actuators",
-    "kinematics.workspace",
-    "numbers.corrections",
-    "numbers.fluids",
-    "numbers.inertia",
-    "studies.uncertainty",
-    "theory.dh",
-    "theory.planar",
-    "trajectory",
-)
-_PUBLIC = {name: (module, name) for module, names in _DEFINED.items() for name in names}
-_PUBLIC |= {module.rpartition(".")[2]: (module, "") for module in _MODULES}
+#: Public module -> where it is.
+_MODULES = {
+    "paths": "_support.paths",
+    "corrections": "numbers.corrections",
+    "fluids": "numbers.fluids",
+    "inertia": "numbers.inertia",
+    "workspace": "kinematics.workspace",
+    "actuators": "dynamics.actuators",
+    "trajectory": "trajectory",
+    "uncertainty": "studies.uncertainty",
+    "dh": "theory.dh",
+    "planar": "theory.planar",
+}
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _PUBLIC:
+    """Import a public name when it is first used."""
+    if name in _MODULES:
+        value: Any = import_module(f"alpha5_model.{_MODULES[name]}")
+    elif name in _NAMES:
+        value = getattr(import_module(f"alpha5_model.{_NAMES[name]}"), name)
+    else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module_name, attribute = _PUBLIC[name]
-    module = import_module(f"alpha5_model.{module_name}")
-    value = getattr(module, attribute) if attribute else module
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_PUBLIC})
+    return sorted({*globals(), *_NAMES, *_MODULES})

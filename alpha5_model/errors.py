@@ -1,8 +1,9 @@
 """The one tree of errors.
 
-Every error is an :class:`Alpha5Error` and also the built-in that fits, so that both ``except
-Alpha5Error`` and ``except ValueError`` do what a caller expects. Messages are one line that names
-what was given, what was expected and, where there is a choice, the possible choices.
+Every error is an :class:`Alpha5Error` and also the built-in that fits, so that both
+``except Alpha5Error`` and ``except ValueError`` do what a caller expects. Messages are
+one line that names what was given, what was expected and, where there is a choice, the
+possible choices.
 """
 
 from __future__ import annotations
@@ -19,31 +20,29 @@ _LONGEST = 1000
 class Alpha5Error(Exception):
     """Root of all errors of this package.
 
-    Each one can be copied and pickled, message and attributes included, and so reaches the caller
-    of a worker process; an attribute that cannot be pickled arrives as its printed form.
+    Each one can be copied and pickled, message and attributes included, and so reaches
+    the caller of a worker process; an attribute that cannot be pickled arrives as its
+    printed form.
     """
 
     def __init__(self, message: str) -> None:
-        line = " ".join(
-            message.split()
-        )  # names and paths may hold newlines or be very long
-        super().__init__(
-            line if len(line) <= _LONGEST else f"{line[:700]} ... {line[-200:]}"
-        )
+        # Names and paths may hold newlines or be very long.
+        line = " ".join(message.split())
+        if len(line) > _LONGEST:
+            line = f"{line[:700]} ... {line[-200:]}"
+        super().__init__(line)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (
-            type(self),
-            self.args,
-            {k: _sent(v) for k, v in vars(self).items()},
-        )
+        attributes = {name: _picklable(value) for name, value in vars(self).items()}
+        return _restored, (type(self), self.args, attributes)
 
 
 class ImplausibleWarning(UserWarning):
     """A quantity that is possible, but most likely given in another unit.
 
-    It is given when an object is made. ``warnings.simplefilter("ignore", ImplausibleWarning)``
-    silences it; the bounds stand in `alpha5_model.numbers.plausibility`.
+    It is given when an object is made. ``warnings.simplefilter("ignore",
+    ImplausibleWarning)`` silences it; the bounds stand in
+    `alpha5_model.numbers.plausibility`.
     """
 
 
@@ -56,7 +55,9 @@ class InputError(Alpha5Error, ValueError):
     """
 
     def __init__(self, name: str, value: Any, expected: str) -> None:
-        self.name, self.value, self.expected = name, value, expected
+        self.name = name
+        self.value = value
+        self.expected = expected
         super().__init__(f"{name}: expected {expected}, got {_short(value)}")
 
 
@@ -84,7 +85,9 @@ class UnknownNameError(Alpha5Error, ValueError):
     """
 
     def __init__(self, kind: str, name: Any, choices: Iterable[str]) -> None:
-        self.kind, self.name, self.choices = kind, name, tuple(choices)
+        self.kind = kind
+        self.name = name
+        self.choices = tuple(choices)
         super().__init__(
             f"unknown {kind} {_short(name)}; choose from {', '.join(self.choices)}"
         )
@@ -110,7 +113,9 @@ class JointLimitError(Alpha5Error, ValueError):
     def __init__(
         self, joint: str, value: float, bound: float, unit: str = "rad"
     ) -> None:
-        self.joint, self.value, self.bound = joint, value, bound
+        self.joint = joint
+        self.value = value
+        self.bound = bound
         side = "above the upper" if value > bound else "below the lower"
         super().__init__(
             f"{joint}: {value:.6g} {unit} is {side} limit {bound:.6g} {unit}"
@@ -129,7 +134,9 @@ class UnreachableError(Alpha5Error, ValueError):
     def __init__(
         self, position: Any, distance: float, nearest: Any, reason: str = ""
     ) -> None:
-        self.position, self.distance, self.nearest = position, distance, nearest
+        self.position = position
+        self.distance = distance
+        self.nearest = nearest
         super().__init__(
             f"{_metres(position)} cannot be reached{reason}: the nearest reachable point "
             f"{_metres(nearest)} is {distance * 1e3:.3g} mm away"
@@ -147,15 +154,14 @@ class DiscontinuousPathError(Alpha5Error, ValueError):
     """
 
     def __init__(self, index: int, position: Any, step: float, max_step: float) -> None:
-        self.index, self.position, self.step, self.max_step = (
-            index,
-            position,
-            step,
-            max_step,
-        )
+        self.index = index
+        self.position = position
+        self.step = step
+        self.max_step = max_step
         super().__init__(
-            f"positions[{index}] = {_metres(position)} has no continuation within the joint "
-            f"limits: a joint would have to jump by {step:.3g} rad, allowed are {max_step:.3g} rad"
+            f"positions[{index}] = {_metres(position)} has no continuation within the "
+            f"joint limits: a joint would have to jump by {step:.3g} rad, "
+            f"allowed are {max_step:.3g} rad"
         )
 
 
@@ -164,9 +170,8 @@ class MissingParameterError(Alpha5Error, ValueError):
 
     def __init__(self, parameter: str, needed_for: str) -> None:
         self.parameter = parameter
-        remedy = "give it yourself"
         super().__init__(
-            f"{needed_for} needs {parameter}, which is not published: {remedy}"
+            f"{needed_for} needs {parameter}, which is not published: give it yourself"
         )
 
 
@@ -182,8 +187,10 @@ class FileFormatError(Alpha5Error, ValueError):
     """A file that cannot be understood. ``place`` says where: line, column or element."""
 
     def __init__(self, path: Any, problem: str, place: str = "") -> None:
-        self.path, self.place = path, place
-        super().__init__(f"{path}{', ' + place if place else ''}: {problem}")
+        self.path = path
+        self.place = place
+        where = f"{path}, {place}" if place else f"{path}"
+        super().__init__(f"{where}: {problem}")
 
 
 class KernelError(Alpha5Error, RuntimeError):
@@ -240,7 +247,13 @@ class MissingDependencyError(Alpha5Error, ImportError):
 
 @contextmanager
 def needing(needed_for: str, remedy: str, dependency: str = "") -> Iterator[None]:
-    """Imports of what is optional: its lack, by its name, as a `MissingDependencyError`."""
+    """Raise a `MissingDependencyError` if an optional package cannot be imported in it.
+
+    Args:
+        needed_for: What needs the package.
+        remedy: How to install it.
+        dependency: Its name; that of the missing module if not given.
+    """
     try:
         yield
     except ImportError as error:
@@ -249,7 +262,8 @@ def needing(needed_for: str, remedy: str, dependency: str = "") -> Iterator[None
 
 
 def _metres(point: Iterable[float]) -> str:
-    return f"({', '.join(f'{c:.6g}' for c in point)}) m"
+    coordinates = ", ".join(f"{coordinate:.6g}" for coordinate in point)
+    return f"({coordinates}) m"
 
 
 def _restored(
@@ -257,14 +271,14 @@ def _restored(
 ) -> Any:
     """An unpickled error: its own ``__init__`` takes other arguments than the message."""
     error = kind.__new__(kind)
-    super(Alpha5Error, error).__init__(
-        *args
-    )  # the built-in's, which also keeps its own fields
+    # The built-in's, which also keeps its own fields.
+    super(Alpha5Error, error).__init__(*args)
     vars(error).update(attributes)
     return error
 
 
-def _sent(value: Any) -> Any:
+def _picklable(value: Any) -> Any:
+    """The value, or its printed form if it cannot be pickled."""
     try:
         pickle.loads(pickle.dumps(value))
     except Exception:
@@ -273,10 +287,11 @@ def _sent(value: Any) -> Any:
 
 
 def _short(value: Any) -> str:
+    """The printed form of a value on one line of at most 80 characters."""
     try:
-        text = " ".join(repr(value).split())  # arrays print over several lines
-    except (
-        Exception
-    ):  # a foreign class whose repr fails must not hide the error to report
+        # Arrays print over several lines.
+        text = " ".join(repr(value).split())
+    except Exception:
+        # A foreign class whose repr fails must not hide the error to report.
         text = f"a {type(value).__name__}"
     return text if len(text) <= 80 else text[:77] + "..."

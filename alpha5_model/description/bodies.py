@@ -28,7 +28,8 @@ class Body(RigidBody):
 
     Attributes:
         placement: Parent body and pose in it, joint at zero.
-        joint: About or along +z of the body; None for link_0, which is fixed in base_link.
+        joint: About or along +z of the body; None for link_0, which is fixed in
+            base_link.
         meshes: What it looks like: name of a mesh -> its pose in the body.
         shapes: What it collides with.
     """
@@ -95,8 +96,8 @@ def _closed_hinges(jaws: Jaws) -> dict[str, Placement]:
     hinges = {}
     for body, joint in zip(jaws.bodies[1:], jaws.joints, strict=True):
         x, y, z = body.origin.tolist()
-        # A closed joint is at its lower limit. Rod and fingers have +z along -z of link_4
-        # or across it.
+        # A closed joint is at its lower limit. Rod and fingers have +z along -z of
+        # link_4 or across it.
         hinges[body.name] = Placement(
             parent="link_4",
             xyz=(x, y, z + joint.lower),

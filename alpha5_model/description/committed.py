@@ -1,4 +1,4 @@
-"""The generated files that are committed, and how far they are from a fresh generation."""
+"""The committed generated files, and how far they are from a fresh generation."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 GLB_NAME = "alpha5.glb"
 #: Packages that part of the files needs -> what is not done without them.
 _NEEDED = {"manifold3d": "meshes are not drawn", "casadi": "formulas are not generated"}
-#: Drawn by ``scripts/figures/make_figures.py``, not compared: pixels depend on the renderer.
+#: Drawn by ``scripts/figures/make_figures.py``, not compared: pixels depend on the
+#: renderer.
 _PICTURE = b"![The arm in its home pose](alpha5.png)"
 
 
@@ -37,7 +38,8 @@ class StaleFile:
 
     Attributes:
         path: Relative to the repository.
-        diff: Unified diff, committed against fresh; one line for binary or missing files.
+        diff: Unified diff, committed against fresh; one line for binary or missing
+            files.
     """
 
     path: str
@@ -47,8 +49,8 @@ class StaleFile:
 def generated_files() -> dict[str, bytes]:
     """Every file that is committed and generated: path in the repository -> content.
 
-    Meshes and formulas are left out if the packages that they need are not installed, see
-    `not_generated`.
+    Meshes and formulas are left out if the packages that they need are not installed,
+    see `not_generated`.
     """
     arm = parameters()
     drawn = {} if "manifold3d" in _lacking() else mesh_files()
@@ -75,7 +77,7 @@ def _formulas() -> dict[str, str]:
 
 
 def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
-    """``mjcf/``: the arm with its jaws locked, and open, in the form of MuJoCo Menagerie."""
+    """``mjcf/`` in the form of MuJoCo Menagerie: jaws locked and moving."""
     locked = mjcf_files()
     jaws = mjcf_files(MjcfOptions(gripper="jaws"))
     title, text = locked["README.md"].split(b"\n\n", 1)
@@ -95,7 +97,7 @@ def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
 
 
 def not_generated() -> tuple[str, ...]:
-    """Why some files are not generated here, one line for each package that is not installed."""
+    """Why some files are not generated here: one line for each package that lacks."""
     lines = []
     for name in _lacking():
         remedy = f"the {_NEEDED[name]} anew (pip install {name})"
@@ -148,7 +150,8 @@ def mesh_files() -> dict[str, bytes]:
     """Name -> content of every file in ``meshes/``; the same bytes every time.
 
     Raises:
-        MissingDependencyError: manifold3d, with which the bodies are drawn, is not installed.
+        MissingDependencyError: manifold3d, with which the bodies are drawn, is not
+            installed.
     """
     surfaces = {name: surface(body.solid) for name, body in bodies().items()}
     objects = {f"{name}.obj": obj(name, drawn) for name, drawn in surfaces.items()}
@@ -159,7 +162,10 @@ def mesh_files() -> dict[str, bytes]:
 def _scene(
     surfaces: Mapping[str, Surface], parameters: Alpha5Parameters
 ) -> Iterator[Node]:
-    """The arm in its home pose; node ``link_i`` turns about z in node ``axis_...`` by the joint angle."""
+    """The arm in its home pose.
+
+    Node ``link_i`` turns about z in node ``axis_...`` by the joint angle.
+    """
     # glTF has y up, the base frame has z up.
     yield Node("base_link", Placement("", rpy=(-math.pi / 2, 0.0, 0.0)))
     angles = iter(NAMED_POSES["home"])

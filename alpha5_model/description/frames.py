@@ -1,7 +1,8 @@
 """Where the frames of the arm are: the poses of links and DH frames in their parents.
 
-Inertial frame {i+1} is DH frame {i} turned by the joint (Section 2), so joint i turns about +z of
-its child link. The rest of the DH row, ``Tz(d) Tx(a) Rx(alpha)``, leads on to the next joint.
+Inertial frame {i+1} is DH frame {i} turned by the joint (Section 2), so joint i turns
+about +z of its child link. The rest of the DH row, ``Tz(d) Tx(a) Rx(alpha)``, leads on
+to the next joint.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ def tcp_placement(parameters: Alpha5Parameters) -> Placement:
 
 
 def fixed_frames(parameters: Alpha5Parameters) -> dict[str, Placement]:
-    """Poses of the frames that are fixed in their parents: link_0, tcp, dh_1 to dh_5."""
+    """Poses of the frames fixed in their parents: link_0, tcp, dh_1 to dh_5."""
     frames = {
         "link_0": base_placement(parameters),
         "tcp": tcp_placement(parameters),
@@ -65,9 +66,9 @@ def _after_joint(i: int, row: DHParameters, angle: float) -> Placement:
 def _roll_yaw(alpha: float, beta: float) -> Triple:
     """Roll, pitch, yaw of ``Rx(alpha) Rz(beta)``, exact for alpha a multiple of pi/2.
 
-    ``Rx(alpha) Rz(beta) Rx(-alpha)`` turns by beta about ``(0, -sin alpha, cos alpha)``, which is
-    then a coordinate axis. Angles that are read off the matrix would fail at axis_b, where the
-    pitch is pi/2.
+    ``Rx(alpha) Rz(beta) Rx(-alpha)`` turns by beta about ``(0, -sin alpha, cos
+    alpha)``, which is then a coordinate axis. Angles that are read off the matrix would
+    fail at axis_b, where the pitch is pi/2.
     """
     sine = round(math.sin(alpha))
     cosine = round(math.cos(alpha))

@@ -41,13 +41,15 @@ class MjcfOptions:
 
     Attributes:
         gripper: ``locked`` or ``jaws``.
-        fluid_density: [kg/m^3]; 0 is air. Adjustable at run time too, see the folder's README.
+        fluid_density: [kg/m^3]; 0 is air. Adjustable at run time too, see the folder's
+            README.
         actuators: ``position``, ``velocity`` or ``motor``.
         drag: Turns MuJoCo's own fluid model on. Its forces are not from the document.
         collision: ``primitives`` or ``none``.
         buoyancy: ``bodies``, or ``none`` for tools without ``gravcomp``, such as brax.
         corrections: Recorded corrections to apply.
-        hydrodynamics: Adds drag by strips, which is estimated, not published; instead of ``drag``.
+        hydrodynamics: Adds drag by strips, which is estimated, not published; instead
+            of ``drag``.
     """
 
     gripper: str = "locked"
@@ -74,8 +76,8 @@ class MjcfOptions:
 def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
     """The folder: path in it -> content.
 
-    ``alpha5.xml`` (the model), ``scene.xml`` (with light and sea bed), ``assets/`` (meshes), ``README.md``,
-    ``CHANGELOG.md``, ``LICENSE``.
+    ``alpha5.xml`` (the model), ``scene.xml`` (with light and sea bed), ``assets/``
+    (meshes), ``README.md``, ``CHANGELOG.md``, ``LICENSE``.
 
     Raises:
         Alpha5Error: See `MjcfOptions`.
@@ -118,7 +120,8 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
 
     Args:
         options: What to write.
-        meshes: File names of the meshes that will be in ``assets/``; others are left out.
+        meshes: File names of the meshes that will be in ``assets/``; others are left
+            out.
     """
     chosen = options or MjcfOptions()
     arm = parameters(chosen.corrections)
@@ -160,7 +163,8 @@ def _add_option(root: ET.Element, options: MjcfOptions) -> None:
         root.append(ET.Comment(f" {comment} "))
         fluid = {"density": options.fluid_density}
 
-    # Without forces that depend on speed both integrators agree, and brax has only Euler.
+    # Without forces that depend on speed both integrators agree, and brax has only
+    # Euler.
     no_damping = options.actuators == "motor" and not fluid
     integrator = "Euler" if no_damping else "implicitfast"
     add(root, "option", integrator=integrator, gravity=GRAVITY, **fluid)
@@ -196,6 +200,7 @@ def _add_equality(root: ET.Element, joints: Iterable[JointRange]) -> None:
                 joint1=joint.name,
                 joint2=joint.leader,
                 polycoef=(joint.offset, joint.multiplier, 0.0, 0.0, 0.0),
-                # With MuJoCo's default, which is softer, servo and fingers excite each other.
+                # With MuJoCo's default, which is softer, servo and fingers excite each
+                # other.
                 solref="0.005 1",
             )

@@ -19,8 +19,8 @@ _STIFFNESS = {
     "axis_b": 5.0,
     "axis_a": 500.0,
 }
-#: Damping of the rod's servo [N s/m]. MuJoCo would take the critical damping from the rod
-#: alone; the fingers weigh more.
+#: Damping of the rod's servo [N s/m]. MuJoCo would take the critical damping from the
+#: rod alone; the fingers weigh more.
 _ROD_DAMPING = 8.0
 #: Kind of actuator -> attribute of a keyframe that holds the targets of its servos.
 _TARGETS = {"position": "ctrl", "velocity": "act"}
@@ -65,7 +65,10 @@ def _servo(joint: JointRange) -> dict[str, Value]:
 
 
 def add_keyframes(root: ET.Element, joints: Sequence[JointRange], kind: str) -> None:
-    """The named poses with closed jaws, servos at rest; ``home`` first, as tools take the first."""
+    """The named poses with closed jaws and servos at rest.
+
+    ``home`` comes first, because tools take the first one.
+    """
     keyframe = add(root, "keyframe")
     driven = [joint.name for joint in _driven(joints)]
     for name, pose in sorted(NAMED_POSES.items()):

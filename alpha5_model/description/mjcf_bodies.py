@@ -1,11 +1,11 @@
 """The bodies of the MuJoCo model, with the buoyancy of Table 3.
 
 MuJoCo has no hydrostatics, but it can compensate a body's weight: a body of mass m with
-``gravcomp = k`` feels ``-k m g`` at its centre of mass. Each link therefore carries, at its centre of
-buoyancy, a child body whose mass is the displaced volume over `DILUTION`; with
-``gravcomp = fluid_density * DILUTION + 1`` its own weight is cancelled and the weight of the displaced
-fluid added, upwards. The mass matrix changes by less than 1e-13 kg m^2: the child's `INERTIA`, which
-Newton wants, is taken off the link.
+``gravcomp = k`` feels ``-k m g`` at its centre of mass. Each link therefore carries, at
+its centre of buoyancy, a child body whose mass is the displaced volume over `DILUTION`;
+with ``gravcomp = fluid_density * DILUTION + 1`` its own weight is cancelled and the
+weight of the displaced fluid added, upwards. The mass matrix changes by less than 1e-13
+kg m^2: the child's `INERTIA`, which Newton wants, is taken off the link.
 """
 
 from __future__ import annotations
@@ -27,10 +27,11 @@ from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics
 from alpha5_model.numbers.jaws import FingerJoint
 from alpha5_model.numbers.parameters import JointRange
 
-#: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
-#: keep every mass above the least that MuJoCo knows, 1e-15 kg.
+#: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt,
+#: small enough to keep every mass above the least that MuJoCo knows, 1e-15 kg.
 DILUTION = 1e9
-#: Moment of inertia of a buoyancy body [kg m^2]: Newton replaces any below 1e-10 by 1e-6.
+#: Moment of inertia of a buoyancy body [kg m^2]: Newton replaces any below 1e-10 by
+#: 1e-6.
 INERTIA = 2e-10
 #: Boxes and cylinders are given by half their lengths.
 _HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
@@ -44,7 +45,8 @@ class BodyWriter:
         fluid_density: [kg/m^3].
         buoyancy: Adds the buoyancy bodies.
         collisions: Adds the collision shapes.
-        water: Link -> the strips along which the water drags it; empty without drag by strips.
+        water: Link -> the strips along which the water drags it; empty without drag by
+            strips.
     """
 
     fluid_density: float
@@ -96,8 +98,8 @@ class BodyWriter:
             "mass": body.mass,
         }
         if body.joint is None and not self.buoyancy:
-            # brax merges a body without joint into the world, which must not have an inertial:
-            # a box of the same mass and moments takes its place.
+            # brax merges a body without joint into the world, which must not have an
+            # inertial: a box of the same mass and moments takes its place.
             squares = 1.5 / body.mass * (moments.sum() - 2.0 * moments)
             add(
                 element,
@@ -170,7 +172,7 @@ def _add_collisions(element: ET.Element, body: Body) -> None:
 
 
 def _principal(inertia: FloatArray) -> tuple[FloatArray, list[float]]:
-    """Principal moments [kg m^2] and the quaternion (w, x, y, z) of their axes in the body.
+    """Principal moments [kg m^2], and the quaternion (w, x, y, z) of their axes.
 
     MuJoCo 3.5 finds them from a full tensor to about 4e-10 kg m^2 only.
     """

@@ -23,12 +23,15 @@ _LIFT = 15 * np.pi / 64
 
 
 def ellipsoids(strip: DragStrip) -> Iterator[dict[str, Value]]:
-    """Geoms that drag in MuJoCo as a strip does: a flat ellipsoid and a needle on each piece.
+    """Geoms that drag in MuJoCo as a strip does.
 
-    An ellipsoid with half axes k r, r, r has, at an angle x to its axis, a shadow that MuJoCo
-    takes as ``pi r^2 sqrt((cos^2 + k^4 sin^2) / (cos^2 + k^2 sin^2))``. With k = 0.8 its slender
-    drag goes within 0.04 like the strip's, ``sin^3 x``. The needle has the strip's resistance to
-    turning and its lift, ``sin^2 x cos x`` against MuJoCo's ``sin x cos x``.
+    Each piece of the strip has a flat ellipsoid and a needle.
+
+    An ellipsoid with half axes k r, r, r has, at an angle x to its axis, a shadow that
+    MuJoCo takes as ``pi r^2 sqrt((cos^2 + k^4 sin^2) / (cos^2 + k^2 sin^2))``. With k =
+    0.8 its slender drag goes within 0.04 like the strip's, ``sin^3 x``. The needle has
+    the strip's resistance to turning and its lift, ``sin^2 x cos x`` against MuJoCo's
+    ``sin x cos x``.
     """
     points = np.linspace(strip.start, strip.end, _PIECES + 1)
     for start, end in pairwise(points):

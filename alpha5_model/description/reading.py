@@ -1,7 +1,8 @@
 """Read any URDF as plain records, and say where it is broken.
 
-Pinocchio's reader is not used here: this one has to cope with any file, name the line of an error, and keep
-what Pinocchio drops (missing inertials, collision shapes, mimic joints).
+Pinocchio's reader is not used here: this one has to cope with any file, name the line
+of an error, and keep what Pinocchio drops (missing inertials, collision shapes, mimic
+joints).
 """
 
 from __future__ import annotations
@@ -9,23 +10,31 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import read_named
-from alpha5_model._support.spatial import pose, rotation_about, transform
+from alpha5_model._support.spatial import pose
+from alpha5_model.description.urdf_robot import (
+    UrdfJoint,
+    UrdfLink,
+    UrdfRobot,
+    UrdfShape,
+)
 from alpha5_model.description.xml_reading import parse_xml
 from alpha5_model.errors import FileFormatError
 
-#: No SI quantity of a robot is this large or this small; beyond, squares and quotients overflow.
-ABSURD, TINY = 1e12, 1e-100
-#: How many files write the limits of wheels and propellers, which have none: as 1e16 or infinity.
+#: No SI quantity of a robot is this large or this small; beyond, squares and quotients
+#: overflow.
+ABSURD = 1e12
+TINY = 1e-100
+#: How many files write the limits of wheels and propellers, which have none: as 1e16 or
+#: infinity.
 NO_LIMIT = re.compile(r"\s*[+-]?(\d[.\d]*e\+?[1-9]\d+|inf(inity)?)\s*$", re.IGNORECASE)
 
 #: The largest public robots have a few hundred links.
@@ -38,109 +47,9 @@ _SIZES: dict[str, dict[str, int]] = {
     "box": {"size": 3},
     "sphere": {"radius": 1},
     "mesh": {},
+    "cylinder": {"radius": 1, "length": 1},
+    "capsule": {"radius": 1, "length": 1},
 }
-_SIZES |= {kind: {"radius": 1, "length": 1} for kind in ("cylinder", "capsule")}
-
-
-@dataclass(frozen=True, eq=False)
-class UrdfShape:
-    """A ``<visual>`` or ``<collision>`` element.
-
-    Attributes:
-        link: Name of the link that carries it.
-        index: Its number among the link's elements of its kind.
-        kind: ``box``, ``cylinder``, ``capsule``, ``sphere`` or ``mesh``.
-        size: Edges x, y, z; radius and length; radius; nothing for a mesh [m].
-        file: File name of a mesh.
-        placement: Pose in the link, (4, 4).
-        color: Red, green, blue, alpha, each 0 to 1; empty without a colour of its own.
-    """
-
-    link: str
-    index: int
-    kind: str
-    size: tuple[float, ...]
-    file: str
-    placement: FloatArray
-    color: tuple[float, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class UrdfLink:
-    """A link.
-
-    Attributes:
-        name: Its name.
-        mass: [kg]; None without an ``<inertial>``.
-        com: In the link frame, (3,) [m].
-        inertia: At the COM, in the link's axes, (3, 3) [kg m^2].
-        volume: Of all collision primitives, summed [m^3].
-        shape_centre: Their centroid in the link frame, (3,) [m]; zero without any.
-        meshes: File names of collision meshes, whose volume is not counted.
-        files: File names of all meshes.
-    """
-
-    name: str
-    mass: float | None
-    com: FloatArray
-    inertia: FloatArray
-    volume: float
-    shape_centre: FloatArray
-    meshes: tuple[str, ...]
-    files: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class UrdfJoint:
-    """A joint.
-
-    Attributes:
-        name, kind, parent, child: As written; kind is the attribute ``type``.
-        transform: Pose of the child in the parent at position zero, (4, 4).
-        axis: Unit vector in the child's frame, (3,).
-        lower, upper: Limits [rad or m]; None where there is none.
-        velocity, effort: Limits [rad/s, N m] or [m/s, N]; None where there is none.
-        mimic: Joint that it follows by ``multiplier * position + offset``; None if none.
-        multiplier, offset: 1 and 0 if it follows none.
-        printed: The texts of xyz and rpy of its ``<origin>``: how many digits they have.
-    """
-
-    name: str
-    kind: str
-    parent: str
-    child: str
-    transform: FloatArray
-    axis: FloatArray
-    lower: float | None = None
-    upper: float | None = None
-    velocity: float | None = None
-    effort: float | None = None
-    mimic: str | None = None
-    multiplier: float = 1.0
-    offset: float = 0.0
-    printed: tuple[str, str] = ("", "")
-
-    @property
-    def source(self) -> str:
-        """Name of the joint whose position it follows: itself, or the one it mimics."""
-        return self.mimic or self.name
-
-    def motion(self, position: float) -> FloatArray:
-        """What the joint adds to `transform` at a position [rad or m], (4, 4)."""
-        if self.kind == "prismatic":
-            return transform(translation=position * self.axis)
-        turns = self.kind in ("revolute", "continuous")
-        return transform(rotation_about(self.axis, position) if turns else None)
-
-
-@dataclass(frozen=True, eq=False)
-class UrdfRobot:
-    """A tree of links; ``joints`` from the root outwards, each after the joint before it."""
-
-    name: str
-    root: str
-    links: dict[str, UrdfLink]
-    joints: dict[str, UrdfJoint]
 
 
 def read_urdf(path: str | Path) -> UrdfRobot:
@@ -171,7 +80,25 @@ def urdf_shapes(text: str | bytes, element: str = "visual") -> tuple[UrdfShape, 
     return tuple(_Reader(text, "URDF").shapes(element))
 
 
+class _Geometry(NamedTuple):
+    """The ``<geometry>`` of a visual or a collision; see `UrdfShape`."""
+
+    kind: str
+    size: tuple[float, ...]
+    file: str
+
+
+class _Inertial(NamedTuple):
+    """The ``<inertial>`` of a link; see `UrdfLink`."""
+
+    mass: float | None
+    com: FloatArray
+    inertia: FloatArray
+
+
 class _Reader:
+    """Reads the elements of one file; an error names the line of its element."""
+
     def __init__(self, text: str | bytes, origin: str) -> None:
         self.origin = origin
         tree = parse_xml(text, origin)
@@ -181,60 +108,71 @@ class _Reader:
     def fail(self, element: ET.Element, problem: str) -> FileFormatError:
         return FileFormatError(self.origin, problem, f"line {self.lines[element]}")
 
+    # --- attributes
+
     def attribute(self, element: ET.Element, name: str) -> str:
         value = element.get(name)
         if value is None:
             raise self.fail(element, f"<{element.tag}> has no attribute {name!r}")
         return value
 
+    def number(self, element: ET.Element, name: str) -> float:
+        return self.numbers(element, name, 1)[0]
+
     def numbers(
         self, element: ET.Element, name: str, count: int, default: str = ""
     ) -> list[float]:
         text = element.get(name, default) if default else self.attribute(element, name)
-        values: list[float] = []
-        if (
-            text.isascii() and "_" not in text
-        ):  # Python reads more as numbers, URDF readers do not
-            with suppress(ValueError):
-                values = [float(part) for part in text.split()]
-        if len(values) != count or not all(
-            v == 0 or TINY < abs(v) < ABSURD for v in values
-        ):
+        values = _floats(text)
+        plausible = all(v == 0 or TINY < abs(v) < ABSURD for v in values)
+        if len(values) != count or not plausible:
             expected = "a finite number" if count == 1 else f"{count} finite numbers"
             shown = text if len(text) < 40 else text[:37] + "..."
-            raise self.fail(
-                element, f"<{element.tag} {name}>: expected {expected}, got {shown!r}"
-            )
+            problem = f"<{element.tag} {name}>: expected {expected}, got {shown!r}"
+            raise self.fail(element, problem)
         return values
 
-    def number(self, element: ET.Element, name: str) -> float:
-        return self.numbers(element, name, 1)[0]
-
     def pose(self, element: ET.Element) -> FloatArray:
-        """The <origin> of an element, (4, 4)."""
+        """The ``<origin>`` of an element, (4, 4)."""
         origin = element.find("origin")
         if origin is None:
             return np.eye(4)
-        return pose(
-            *(self.numbers(origin, name, 3, "0 0 0") for name in ("xyz", "rpy"))
-        )
+        xyz = self.numbers(origin, "xyz", 3, default="0 0 0")
+        rpy = self.numbers(origin, "rpy", 3, default="0 0 0")
+        return pose(xyz, rpy)
+
+    # --- the robot
 
     def robot(self) -> UrdfRobot:
         if self.top.tag != "robot":
             raise self.fail(self.top, f"expected <robot>, got <{self.top.tag}>")
-        count = len(self.top.findall("link"))
-        if count > MOST_LINKS:
-            raise self.fail(
-                self.top, f"expected at most {MOST_LINKS} links, got {count}"
-            )
+        links = self.all_links()
+        joints = self.all_joints(links)
+        root = self.root(links, joints)
+        return UrdfRobot(
+            name=self.top.get("name", ""),
+            root=root,
+            links=links,
+            joints=self.outwards(root, joints),
+        )
+
+    def all_links(self) -> dict[str, UrdfLink]:
+        elements = self.top.findall("link")
+        if len(elements) > MOST_LINKS:
+            problem = f"expected at most {MOST_LINKS} links, got {len(elements)}"
+            raise self.fail(self.top, problem)
         links: dict[str, UrdfLink] = {}
-        for element in self.top.findall("link"):
+        for element in elements:
             link = self.link(element)
             if link.name in links:
                 raise self.fail(element, f"link {link.name!r} is there twice")
             links[link.name] = link
+        return links
+
+    def all_joints(self, links: dict[str, UrdfLink]) -> dict[str, UrdfJoint]:
+        """The joints in the order of the file; no link has two parents."""
         joints: dict[str, UrdfJoint] = {}
-        parents, children = set[str](), dict[str, list[UrdfJoint]]()
+        children = set()
         for element in self.top.findall("joint"):
             joint = self.joint(element)
             if joint.name in joints:
@@ -242,133 +180,211 @@ class _Reader:
             for end in (joint.parent, joint.child):
                 if end not in links:
                     raise self.fail(element, f"joint {joint.name!r}: no link {end!r}")
-            if joint.child in parents:
+            if joint.child in children:
                 raise self.fail(element, f"link {joint.child!r} has two parents")
-            parents.add(joint.child)
-            children.setdefault(joint.parent, []).append(joint)
+            children.add(joint.child)
             joints[joint.name] = joint
+        return joints
+
+    def root(self, links: Iterable[str], joints: dict[str, UrdfJoint]) -> str:
+        """The one link that no joint carries."""
         if not links:
             raise self.fail(self.top, "there is no <link>")
-        roots = [name for name in links if name not in parents]
-        if len(roots) != 1:
-            words = (
-                f"{len(roots)} root links: {', '.join(roots[:4])}"
-                if roots
-                else "no root link"
-            )
-            raise self.fail(self.top, f"expected one tree of links, found {words}")
-        ordered, outwards = {}, [roots[0]]
-        for link_name in outwards:
-            for joint in children.get(link_name, ()):
+        children = {joint.child for joint in joints.values()}
+        roots = [name for name in links if name not in children]
+        if len(roots) == 1:
+            return roots[0]
+        found = "no root link"
+        if roots:
+            found = f"{len(roots)} root links: {', '.join(roots[:4])}"
+        raise self.fail(self.top, f"expected one tree of links, found {found}")
+
+    def outwards(self, root: str, joints: dict[str, UrdfJoint]) -> dict[str, UrdfJoint]:
+        """The joints from the root outwards, each after the joint before it."""
+        carried_by: dict[str, list[UrdfJoint]] = {}
+        for joint in joints.values():
+            carried_by.setdefault(joint.parent, []).append(joint)
+
+        ordered: dict[str, UrdfJoint] = {}
+        links = [root]
+        for link in links:
+            for joint in carried_by.get(link, ()):
                 ordered[joint.name] = joint
-                outwards.append(joint.child)
+                links.append(joint.child)
         if len(ordered) != len(joints):
             raise self.fail(self.top, "the joints form a loop")
-        return UrdfRobot(self.top.get("name", ""), roots[0], links, ordered)
+        return ordered
+
+    # --- links
 
     def link(self, element: ET.Element) -> UrdfLink:
         collisions = element.findall("collision")
         shapes = [self.geometry(collision) for collision in collisions]
-        volumes = [_volume(kind, *size) for kind, size, _ in shapes]
+        volumes = [_volume(shape.kind, shape.size) for shape in shapes]
         volume = sum(volumes, 0.0)
         centre = np.zeros(3)
         if volume > 0:
             centres = [self.pose(collision)[:3, 3] for collision in collisions]
             centre = np.average(centres, axis=0, weights=volumes)
-        mass, com, inertia = None, np.zeros(3), np.zeros((3, 3))
-        inertial = element.find("inertial")
-        if inertial is not None:
-            mass_element, tensor = inertial.find("mass"), inertial.find("inertia")
-            if mass_element is None or tensor is None:
-                raise self.fail(inertial, "<inertial> needs <mass> and <inertia>")
-            mass = self.number(mass_element, "value")
-            pose = self.pose(inertial)
-            six = [
-                self.number(tensor, f"i{axes}")
-                for axes in ("xx", "xy", "xz", "yy", "yz", "zz")
-            ]
-            rotation, com = pose[:3, :3], pose[:3, 3]
-            inertia = (
-                rotation @ np.take(six, [[0, 1, 2], [1, 3, 4], [2, 4, 5]]) @ rotation.T
-            )
-        files = tuple(self.attribute(mesh, "filename") for mesh in element.iter("mesh"))
-        name, meshes = (
-            self.attribute(element, "name"),
-            tuple(file for *_, file in shapes if file),
-        )
-        return UrdfLink(name, mass, com, inertia, volume, centre, meshes, files)
 
-    def geometry(self, element: ET.Element) -> tuple[str, list[float], str]:
-        """Kind, size and file name of a visual's or collision's shape; see `UrdfShape`."""
+        inertial = self.inertial(element)
+        files = [self.attribute(mesh, "filename") for mesh in element.iter("mesh")]
+        return UrdfLink(
+            name=self.attribute(element, "name"),
+            mass=inertial.mass,
+            com=inertial.com,
+            inertia=inertial.inertia,
+            volume=volume,
+            shape_centre=centre,
+            meshes=tuple(shape.file for shape in shapes if shape.file),
+            files=tuple(files),
+        )
+
+    def inertial(self, link: ET.Element) -> _Inertial:
+        element = link.find("inertial")
+        if element is None:
+            return _Inertial(mass=None, com=np.zeros(3), inertia=np.zeros((3, 3)))
+        mass = element.find("mass")
+        tensor = element.find("inertia")
+        if mass is None or tensor is None:
+            raise self.fail(element, "<inertial> needs <mass> and <inertia>")
+
+        kilograms = self.number(mass, "value")
+        placement = self.pose(element)
+        rotation = placement[:3, :3]
+        return _Inertial(
+            mass=kilograms,
+            com=placement[:3, 3],
+            inertia=rotation @ self.tensor(tensor) @ rotation.T,
+        )
+
+    def tensor(self, element: ET.Element) -> FloatArray:
+        """The ``<inertia>`` of an inertial, in the axes of its ``<origin>``, (3, 3)."""
+        xx, xy, xz, yy, yz, zz = (
+            self.number(element, name)
+            for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        )
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+    # --- shapes
+
+    def geometry(self, element: ET.Element) -> _Geometry:
         shape = element.find("geometry/*")
         if shape is None:
             raise self.fail(element, f"<{element.tag}> has no geometry")
         if shape.tag not in _SIZES:
             raise self.fail(shape, f"unknown shape <{shape.tag}>")
-        sizes = _SIZES[shape.tag].items()
-        size = [
-            number
-            for name, count in sizes
-            for number in self.numbers(shape, name, count)
-        ]
-        return (
-            shape.tag,
-            size,
-            self.attribute(shape, "filename") if shape.tag == "mesh" else "",
-        )
+        size: list[float] = []
+        for name, count in _SIZES[shape.tag].items():
+            size += self.numbers(shape, name, count)
+        file = self.attribute(shape, "filename") if shape.tag == "mesh" else ""
+        return _Geometry(kind=shape.tag, size=tuple(size), file=file)
 
     def shapes(self, element: str) -> Iterator[UrdfShape]:
         for link in self.top.findall("link"):
             for index, item in enumerate(link.findall(element)):
-                kind, size, file = self.geometry(item)
+                geometry = self.geometry(item)
                 color = item.find("material/color")
                 rgba = [] if color is None else self.numbers(color, "rgba", 4)
-                name, placement = self.attribute(link, "name"), self.pose(item)
                 yield UrdfShape(
-                    name, index, kind, tuple(size), file, placement, tuple(rgba)
+                    link=self.attribute(link, "name"),
+                    index=index,
+                    kind=geometry.kind,
+                    size=geometry.size,
+                    file=geometry.file,
+                    placement=self.pose(item),
+                    color=tuple(rgba),
                 )
 
+    # --- joints
+
     def joint(self, element: ET.Element) -> UrdfJoint:
-        name, kind = self.attribute(element, "name"), self.attribute(element, "type")
+        name = self.attribute(element, "name")
+        kind = self.attribute(element, "type")
         if kind not in JOINT_TYPES:
             raise self.fail(element, f"joint {name!r}: unknown type {kind!r}")
-        more: dict[str, Any] = {}
-        for tag in ("parent", "child"):
-            end = element.find(tag)
-            if end is None:
-                raise self.fail(element, f"joint {name!r} has no <{tag}>")
-            more[tag] = self.attribute(end, "link")
-        axis = np.array([1.0, 0.0, 0.0])
-        line = element.find("axis")
-        if line is not None and kind not in (
-            "fixed",
-            "floating",
-        ):  # those have none: often 0 0 0
-            axis = np.array(self.numbers(line, "xyz", 3))
-            length = float(np.linalg.norm(axis))
-            if not 0 < length < math.inf:
-                raise self.fail(line, f"joint {name!r}: the axis has no direction")
-            axis = axis / length
-        limit, mimic, origin = (
-            element.find(tag) for tag in ("limit", "mimic", "origin")
-        )
-        if limit is not None:
-            for key in LIMITS[2 if kind == "continuous" else 0 :]:
-                if key in limit.attrib and not NO_LIMIT.match(limit.attrib[key]):
-                    more[key] = self.number(limit, key)
-        if mimic is not None:
-            factors = (key for key in ("multiplier", "offset") if key in mimic.attrib)
-            more |= {key: self.number(mimic, key) for key in factors}
-            more["mimic"] = self.attribute(mimic, "joint")
+        parent = self.end_of_joint(element, name, "parent")
+        child = self.end_of_joint(element, name, "child")
+        axis = self.axis(element, name, kind)
+        optional: dict[str, Any] = {
+            **self.limits(element, kind),
+            **self.mimic(element),
+        }
+        origin = element.find("origin")
         if origin is not None:
-            more["printed"] = (origin.get("xyz", ""), origin.get("rpy", ""))
-        return UrdfJoint(name, kind, transform=self.pose(element), axis=axis, **more)
+            optional["printed"] = (origin.get("xyz", ""), origin.get("rpy", ""))
+        return UrdfJoint(
+            name=name,
+            kind=kind,
+            parent=parent,
+            child=child,
+            transform=self.pose(element),
+            axis=axis,
+            **optional,
+        )
+
+    def end_of_joint(self, joint: ET.Element, name: str, tag: str) -> str:
+        """Name of the joint's parent or child."""
+        end = joint.find(tag)
+        if end is None:
+            raise self.fail(joint, f"joint {name!r} has no <{tag}>")
+        return self.attribute(end, "link")
+
+    def axis(self, joint: ET.Element, name: str, kind: str) -> FloatArray:
+        """Unit vector of the joint's axis, along x if none is written, (3,)."""
+        element = joint.find("axis")
+        # Fixed and floating joints have no axis: often 0 0 0 is written.
+        if element is None or kind in ("fixed", "floating"):
+            return np.array([1.0, 0.0, 0.0])
+        axis = np.array(self.numbers(element, "xyz", 3))
+        length = float(np.linalg.norm(axis))
+        if not 0 < length < math.inf:
+            raise self.fail(element, f"joint {name!r}: the axis has no direction")
+        return axis / length
+
+    def limits(self, joint: ET.Element, kind: str) -> dict[str, float]:
+        """The limits that are written; a continuous joint has no ends."""
+        element = joint.find("limit")
+        if element is None:
+            return {}
+        names = ("velocity", "effort") if kind == "continuous" else LIMITS
+        limits = {}
+        for name in names:
+            text = element.get(name)
+            if text is not None and not NO_LIMIT.match(text):
+                limits[name] = self.number(element, name)
+        return limits
+
+    def mimic(self, joint: ET.Element) -> dict[str, Any]:
+        """The joint that this one follows, with the factors that are written."""
+        element = joint.find("mimic")
+        if element is None:
+            return {}
+        mimic: dict[str, Any] = {}
+        for name in ("multiplier", "offset"):
+            if name in element.attrib:
+                mimic[name] = self.number(element, name)
+        mimic["mimic"] = self.attribute(element, "joint")
+        return mimic
 
 
-def _volume(kind: str, *size: float) -> float:
-    """Volume of a shape with these sizes; none of a mesh, whose file is not read."""
+def _floats(text: str) -> list[float]:
+    """The numbers of a text; none if one of them is not a number for URDF readers."""
+    # Python also reads digits of other scripts, and 1_000.
+    if text.isascii() and "_" not in text:
+        with suppress(ValueError):
+            return [float(part) for part in text.split()]
+    return []
+
+
+def _volume(kind: str, size: Sequence[float]) -> float:
+    """Volume of a shape with these sizes; 0 for a mesh, whose file is not read."""
     if kind == "box":
         return math.prod(size)
-    r, length = (*size, 0.0, 0.0)[:2]
-    ball = 0.0 if kind == "cylinder" else 4 / 3 * math.pi * (r * r * r)
-    return math.pi * (r * r) * length + ball
+    if kind == "mesh":
+        return 0.0
+    radius = size[0]
+    length = size[1] if kind in ("cylinder", "capsule") else 0.0
+    tube = math.pi * (radius * radius) * length
+    ball = 4 / 3 * math.pi * (radius * radius * radius)
+    return tube if kind == "cylinder" else tube + ball

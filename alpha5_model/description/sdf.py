@@ -1,9 +1,10 @@
 """Gazebo: a model and a world in SDF 1.9 or 1.11, with the buoyancy of Table 3.
 
-Gazebo's buoyancy system takes the sum of a link's collision volumes as its displaced volume and the
-volume-weighted mean of the collisions' pose origins as its centre of buoyancy (gz-sim,
-``systems::Buoyancy``). One box per link, of exactly the printed volume and placed at the printed centre,
-therefore gives Table 3. A box is also the shape for which the system's graded density works.
+Gazebo's buoyancy system takes the sum of a link's collision volumes as its displaced
+volume and the volume-weighted mean of the collisions' pose origins as its centre of
+buoyancy (gz-sim, ``systems::Buoyancy``). One box per link, of exactly the printed
+volume and placed at the printed centre, therefore gives Table 3. A box is also the
+shape for which the system's graded density works.
 
 Added mass and drag, on request, are written by `alpha5_model.description.sdf_water`.
 """
@@ -39,7 +40,8 @@ from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, parameters
 
-#: 1.9 is the most that Debian's libsdformat reads; 1.11 has ``mimic`` and ``fluid_added_mass``.
+#: 1.9 is the most that Debian's libsdformat reads; 1.11 has ``mimic`` and
+#: ``fluid_added_mass``.
 SDF_VERSIONS = ("1.9", "1.11")
 
 
@@ -48,10 +50,12 @@ class SdfOptions:
     """What can be chosen about the Gazebo model.
 
     Attributes:
-        gripper: ``locked`` or ``jaws``. The fingers move freely in SDF 1.9, which has no mimic joints.
+        gripper: ``locked`` or ``jaws``. The fingers move freely in SDF 1.9, which has
+            no mimic joints.
         fluid_density: Of the world [kg/m^3]; 0 is air.
         corrections: Recorded corrections to apply.
-        hydrodynamics: Adds drag and added mass, which are estimated, not published; in SDF 1.11.
+        hydrodynamics: Adds drag and added mass, which are estimated, not published; in
+            SDF 1.11.
         sdf_version: ``1.9`` or ``1.11``, in which the fingers follow the rod.
     """
 
@@ -77,8 +81,8 @@ class SdfOptions:
 def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
     """The folder: path in it -> content.
 
-    ``model.sdf``, ``model.config`` (what Gazebo looks for), ``world.sdf`` (the arm fixed in a uniform
-    fluid), ``meshes/``.
+    ``model.sdf``, ``model.config`` (what Gazebo looks for), ``world.sdf`` (the arm
+    fixed in a uniform fluid), ``meshes/``.
 
     Raises:
         Alpha5Error: See `SdfOptions`.
@@ -99,7 +103,8 @@ def sdf(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
 
     Args:
         options: What to write.
-        meshes: File names of the meshes that will be in ``meshes/``; others are left out.
+        meshes: File names of the meshes that will be in ``meshes/``; others are left
+            out.
     """
     chosen = options or SdfOptions()
     arm = parameters(chosen.corrections)
@@ -109,9 +114,10 @@ def sdf(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
 
 
 def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
-    """Text of a world: gravity, buoyancy system, uniform fluid, and the arm fixed at base_link.
+    """Text of a world: gravity, buoyancy, uniform fluid, the arm fixed at base_link.
 
-    The arm is written into it, so that no search path is needed. Arguments as for `sdf`.
+    The arm is written into it, so that no search path is needed. Arguments as for
+    `sdf`.
     """
     chosen = options or SdfOptions()
     arm = parameters(chosen.corrections)
@@ -145,7 +151,8 @@ def _model(
 ) -> ET.Element:
     """The arm as a model.
 
-    base_link and tcp have no mass: they are frames, because a simulated link needs some.
+    base_link and tcp have no mass: they are frames, because a simulated link needs
+    some.
     """
     model = ET.Element(
         "model", name="alpha5", canonical_link="link_0", placement_frame="base_link"

@@ -1,11 +1,15 @@
-"""Moving water in Gazebo: added mass and drag of a link. Estimated, not published; in SDF 1.11.
+"""Moving water in Gazebo: added mass and drag of a link, in SDF 1.11.
 
-Added mass goes into ``<fluid_added_mass>``, which is about the link's origin [SDFormat]_. Drag is
-computed by Gazebo's hydrodynamics system. It takes no coefficient but those of products
-``nu_j |nu_k|`` about the link's origin (``yVabsV``, negative where they brake), so its drag is the
-strips' for each component of a velocity alone and near it for others.
+The numbers are estimated, not published.
 
-.. [SDFormat] SDFormat 1.11, inertial.sdf, ``fluid_added_mass``; gz-sim, ``systems::Hydrodynamics``.
+Added mass goes into ``<fluid_added_mass>``, which is about the link's origin
+[SDFormat]_. Drag is computed by Gazebo's hydrodynamics system. It takes no coefficient
+but those of products ``nu_j |nu_k|`` about the link's origin (``yVabsV``, negative
+where they brake), so its drag is the strips' for each component of a velocity alone and
+near it for others.
+
+.. [SDFormat] SDFormat 1.11, inertial.sdf, ``fluid_added_mass``; gz-sim,
+``systems::Hydrodynamics``.
 """
 
 from __future__ import annotations
@@ -29,9 +33,9 @@ _ADDED = "xyzpqr"
 #: Names of the components of a force, and of a velocity, in damping.
 _FORCE = "xyzkmn"
 _VELOCITY = "UVWPQR"
-#: Share of a velocity that counts beside another one. A norm is no sum of sizes; with this share the
-#: damping is within a tenth of the strips in a current and a sixth where joints move (root mean
-#: square), 0 and 1 both err by more.
+#: Share of a velocity that counts beside another one. A norm is no sum of sizes; with
+#: this share the damping is within a tenth of the strips in a current and a sixth where
+#: joints move (root mean square), 0 and 1 both err by more.
 _BESIDE = 0.45
 #: Points of the quadrature along a strip: in a file more points cost nothing.
 _POINTS = 8
@@ -49,8 +53,8 @@ def added_mass(water: BodyHydrodynamics, density: float) -> dict[str, Nested]:
 def drag(water: BodyHydrodynamics, density: float) -> dict[str, Nested]:
     """Coefficients of quadratic damping about and in the link's frame, by their names.
 
-    Force i is ``D[i, j, k] nu_j |nu_k|``, exact for each component of the velocity alone, linear
-    before angular; it never adds energy.
+    Force i is ``D[i, j, k] nu_j |nu_k|``, exact for each component of the velocity
+    alone, linear before angular; it never adds energy.
     """
     damping = np.zeros((6, 6, 6))
     for strip in water.strips:

@@ -1,4 +1,4 @@
-"""The semantic description: groups, named poses, and pairs of links that need no check."""
+"""The semantic description: groups, named poses, pairs of links without a check."""
 
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ from alpha5_model.numbers.tables import BODY_NAMES
 
 #: Joint positions axis_e, axis_d, axis_c, axis_b [rad].
 #:
-#: - ``stow``: folded in front of the base, the pose in which the arm rests in pool recordings of 2023
+#: - ``stow``: folded in front of the base, the pose in which the arm rests in pool
+#:   recordings of 2023
 #:   (hkolano/UVMS-SysID-with-EAs: 3.10, 0.078, 0.027, 1.61), a little rounded.
-#: - ``home``: ready to work, upper arm 45 deg down, forearm level (the underarm pose of Figure 4).
+#: - ``home``: ready to work, upper arm 45 deg down, forearm level (the underarm pose of
+#:   Figure 4).
 #: - ``reach``: stretched out level.
 NAMED_POSES: dict[str, tuple[float, float, float, float]] = {
     "stow": (math.pi, 0.08, 0.03, math.pi / 2),

@@ -31,7 +31,8 @@ class Variant:
     """What can be chosen about a generated URDF.
 
     Attributes:
-        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a and two fingers that follow it).
+        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a and two fingers that
+            follow it).
         prefix: Stands before every link and joint name.
         parent: Name of a link to mount on, which is then made; empty for none.
         xyz: Mount of base_link in the parent [m].
@@ -103,8 +104,8 @@ def urdf(variant: Variant | None = None) -> str:
     """Text of the URDF of a variant, expanded by xacro from the published tables.
 
     Raises:
-        Alpha5Error: See `Variant`, `UnknownNameError` for unknown corrections, and `InputError` for
-            a parent with the name of one of the arm's own links.
+        Alpha5Error: See `Variant`, `UnknownNameError` for unknown corrections, and
+            `InputError` for a parent with the name of one of the arm's own links.
     """
     chosen = variant or Variant()
     numbers = parameter_yaml(parameters(chosen.corrections))

@@ -26,8 +26,9 @@ def expand_xacro(
         packages: Folders of the packages that it names in ``$(find NAME)``.
 
     Returns:
-        The XML text, without xacro's banner, which names the input's path on this machine, and
-        without the comments above the root element, which are about the source.
+        The XML text, without xacro's banner, which names the input's path on this
+        machine, and without the comments above the root element, which are about the
+        source.
 
     Raises:
         InputError, MissingFileError, FileFormatError: See `read_named`.
@@ -53,7 +54,8 @@ def _process_file() -> Callable[..., Any]:
     """The library's function that expands a file."""
     import xacro
 
-    # Beside a folder named xacro/, Python imports that folder if the library is missing.
+    # Beside a folder named xacro/, Python imports that folder if the library is
+    # missing.
     process: Callable[..., Any] | None = getattr(xacro, "process_file", None)
     if process is None:
         raise MissingFileError("xacro", "the xacro library to be installed")
@@ -62,7 +64,7 @@ def _process_file() -> Callable[..., Any]:
 
 @contextmanager
 def _packages_found(packages: Mapping[str, str]) -> Iterator[None]:
-    """Let xacro's ``$(find NAME)`` look into ``packages`` first, then into ROS' own index.
+    """Let xacro's ``$(find NAME)`` look into ``packages`` before ROS' own index.
 
     That index need not exist, so the function of the library is replaced meanwhile.
     """

@@ -10,7 +10,8 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Type of an attribute: a text, a number, or numbers; None is left out.
 Value = str | float | Iterable[float] | None
-#: Content of an element: a text or numbers, or elements by name, each with such content.
+#: Content of an element: a text or numbers, or elements by name, each with such
+#: content.
 Nested = str | float | Iterable[float] | Mapping[str, "Nested"]
 XML_HEAD = '<?xml version="1.0"?>\n'
 
@@ -29,7 +30,7 @@ def text_of(value: str | float | Iterable[float]) -> str:
 def add(
     parent: ET.Element, tag: str, class_: Value = None, /, **attributes: Value
 ) -> ET.Element:
-    """Append a new child element with these attributes, ``class`` first, and return it."""
+    """Append and return a child element with these attributes, ``class`` first."""
     texts = {}
     for name, value in {"class": class_, **attributes}.items():
         if value is not None:
@@ -38,7 +39,7 @@ def add(
 
 
 def fill(parent: ET.Element, /, **content: Nested) -> None:
-    """Append child elements by name, with their text or with child elements of their own."""
+    """Append child elements by name, each with its text or its own children."""
     for name, value in content.items():
         child = add(parent, name)
         if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""Read XML that somebody else wrote: no entities, no other file, bounded size and depth."""
+"""Read XML of others: no entities, no other file, bounded size and depth."""
 
 from __future__ import annotations
 
@@ -31,12 +31,13 @@ def parse_xml(text: str | bytes, origin: str) -> XmlTree:
     """Read an XML text; names keep their prefixes, since namespaces are not looked at.
 
     Args:
-        text: The text, as bytes in any encoding that expat knows, or in UTF-16 with its mark.
+        text: The text, as bytes in any encoding that expat knows, or in UTF-16 with its
+            mark.
         origin: What errors call the text.
 
     Raises:
-        FileFormatError: Not XML, too large or too deep, or with a document type, which could
-            declare entities or name other files. The message names the line.
+        FileFormatError: Not XML, too large or too deep, or with a document type, which
+            could declare entities or name other files. The message names the line.
     """
     if len(text) > MOST_BYTES:
         most = MOST_BYTES // 2**20

@@ -18,7 +18,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.description.reading import UrdfJoint
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm, Forces
 from alpha5_model.dynamics.buoyancy import Displacement
 from alpha5_model.dynamics.states import Embedding, Partials, expanded

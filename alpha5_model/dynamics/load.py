@@ -19,8 +19,9 @@ from alpha5_model.description.frames import (
     joint_placements,
     tcp_placement,
 )
-from alpha5_model.description.reading import UrdfJoint, parse_urdf
+from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement, displacements
 from alpha5_model.dynamics.jaw_arm import JawArm, mimicking

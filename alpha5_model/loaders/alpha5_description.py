@@ -1,7 +1,7 @@
-"""The arm as a module of robot_descriptions: path constants, and the metadata of its index.
+"""The arm as a module of robot_descriptions: paths, and the metadata of its index.
 
-``robot_descriptions.loaders`` read the constants of such a module; to add the arm there, only
-``REPOSITORY_PATH`` would come from its cache instead.
+``robot_descriptions.loaders`` read the constants of such a module; to add the arm
+there, only ``REPOSITORY_PATH`` would come from its cache instead.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ from alpha5_model._support import paths
 from alpha5_model.description.srdf import NAMED_POSES
 
 REPOSITORY_PATH = paths.REPOSITORY_PATH
-URDF_PATH, JAWS_URDF_PATH, XACRO_PATH = (
-    paths.URDF_PATH,
-    paths.JAWS_URDF_PATH,
-    paths.XACRO_PATH,
-)
-#: The collection's loaders find relative mesh paths from here, yourdfpy's from nowhere else.
+URDF_PATH = paths.URDF_PATH
+JAWS_URDF_PATH = paths.JAWS_URDF_PATH
+XACRO_PATH = paths.XACRO_PATH
+#: The collection's loaders find relative mesh paths from here, yourdfpy's from nowhere
+#: else.
 PACKAGE_PATH = str(Path(URDF_PATH).parent)
 #: Collision pairs and the postures below, for ``URDF_PATH``.
 SRDF_PATH = str(Path(URDF_PATH).with_suffix(".srdf"))
 #: Name -> positions of axis_e, axis_d, axis_c, axis_b [rad].
 REFERENCE_POSTURES = NAMED_POSES
-#: Metadata with the keys of robot_descriptions' index (since version 3), formats by name.
+#: Metadata with the keys of robot_descriptions' index (since version 3), formats by
+#: name.
 DESCRIPTION: dict[str, object] = {
     "formats": ("URDF", "SRDF"),
     "tags": ("arm",),

@@ -1,7 +1,8 @@
 """The arm in the forms that collections of robots have.
 
-For example-robot-data: `robot_files`, its folder under ``robots/``, and ``alpha5_loader``, its
-loaders. For robot_descriptions: the modules ``alpha5_description`` and ``alpha5_mj_description``.
+For example-robot-data: `robot_files`, its folder under ``robots/``, and
+``alpha5_loader``, its loaders. For robot_descriptions: the modules
+``alpha5_description`` and ``alpha5_mj_description``.
 """
 
 from __future__ import annotations
@@ -20,14 +21,13 @@ _MESHES = f"package://example-robot-data/robots/{FOLDER}/meshes/"
 
 
 def robot_files() -> dict[str, bytes]:
-    """The folder: path under ``robots/`` -> content, mesh URIs as that collection has them."""
+    """The folder: path under ``robots/`` -> content, with its own mesh URIs."""
     files = {
         "README.md": Path(__file__).with_name("readme.md").read_bytes(),
         "LICENSE": (Path(REPOSITORY_PATH) / "LICENSE").read_bytes(),
-        **{
-            f"meshes/{name}": data for name, data in mesh_assets(".obj", ".mtl").items()
-        },
     }
+    for name, content in mesh_assets(".obj", ".mtl").items():
+        files[f"meshes/{name}"] = content
     for gripper, name in (("locked", "alpha5"), ("jaws", "alpha5_jaws")):
         variant = Variant(gripper=gripper, mesh_prefix=_MESHES)
         files[f"urdf/{name}.urdf"] = urdf(variant).encode()

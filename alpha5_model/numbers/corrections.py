@@ -1,8 +1,8 @@
 """Recorded corrections: every departure from the document's text, by name.
 
-Published numbers are never changed silently. A correction is applied only when its name is in the
-``corrections`` that `alpha5_model.numbers.parameters` is given; ``corrections=()`` is the text to the
-letter.
+Published numbers are never changed silently. A correction is applied only when its name
+is in the ``corrections`` that `alpha5_model.numbers.parameters` is given;
+``corrections=()`` is the text to the letter.
 """
 
 from __future__ import annotations

@@ -42,9 +42,10 @@ def gravity_in_base(rotation: ArrayLike, gravity: ArrayLike = GRAVITY) -> FloatA
     """Gravity seen from a tilted mount or a vehicle, ``R^T g``, for ``load(gravity=...)``.
 
     Args:
-        rotation: ``rotation_base_to_world``, (3, 3): the attitude of base_link; it maps coordinates
-            in base_link to coordinates in the world.
-        gravity: In the world, (3,) [m/s^2]; the default has z up, ``(0, 0, 9.81)`` is for NED.
+        rotation: ``rotation_base_to_world``, (3, 3): the attitude of base_link; it maps
+            coordinates in base_link to coordinates in the world.
+        gravity: In the world, (3,) [m/s^2]; the default has z up, ``(0, 0, 9.81)`` is
+            for NED.
 
     Returns:
         Gravity in base_link, (3,) [m/s^2].

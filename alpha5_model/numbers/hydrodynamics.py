@@ -1,7 +1,8 @@
 """What moving water does to each body, in SI units: added mass and drag strips. Estimated, not published.
 
-The sets are ``estimated`` (our own calculation, with low, nominal and high) and ``supplementary`` (numbers that
-circulate, by strip theory); both stand in ``numbers/``. `alpha5_model.dynamics` computes with them if it is asked to.
+The sets are ``estimated`` (our own calculation, with low, nominal and high) and
+``supplementary`` (numbers that circulate, by strip theory); both stand in ``numbers/``.
+`alpha5_model.dynamics` computes with them if it is asked to.
 """
 
 from __future__ import annotations
@@ -31,9 +32,11 @@ from alpha5_model.numbers.tables import BODY_NAMES
 
 LEVELS = ("low", "nominal", "high")
 SETS = ("estimated", "supplementary")
-#: Density of the water that added masses and damping are given for [kg/m^3]; another fluid scales them.
+#: Density of the water that added masses and damping are given for [kg/m^3]; another
+#: fluid scales them.
 WATER_DENSITY = 1000.0
-#: Relative to the largest product of diagonal entries: how far from symmetric and definite is still rounding.
+#: Relative to the largest product of diagonal entries: how far from symmetric and
+#: definite is still rounding.
 _ROUNDING = 1e-6
 
 
@@ -41,8 +44,8 @@ _ROUNDING = 1e-6
 class DragStrip:
     """A straight piece of a slender body in the cross-flow principle (Morison).
 
-    A length ds resists the water's velocity u across it with ``rho / 2 across diameter ds |u| u``, and likewise
-    the velocity along it.
+    A length ds resists the water's velocity u across it with ``rho / 2 across diameter
+    ds |u| u``, and likewise the velocity along it.
 
     Attributes:
         start, end: In the body's frame, (3,) [m].
@@ -78,8 +81,8 @@ class BodyHydrodynamics:
     """What moving water does to one body, in its frame.
 
     Attributes:
-        added_mass: Linear before angular, about the frame's origin, (6, 6) [kg, kg m, kg m^2], in water of
-            `WATER_DENSITY`.
+        added_mass: Linear before angular, about the frame's origin, (6, 6) [kg, kg m,
+            kg m^2], in water of `WATER_DENSITY`.
         strips: Where it drags.
 
     Raises:
@@ -103,7 +106,8 @@ _legendre = cache(np.polynomial.legendre.leggauss)
 def gauss_count(strip: DragStrip) -> int:
     """Points of Gauss's quadrature on a strip: 4 up to 0.1 m, else 6.
 
-    At any speed of the water and of this arm's joints they err by at most 5e-4 of the median torque of its drag.
+    At any speed of the water and of this arm's joints they err by at most 5e-4 of the
+    median torque of its drag.
     """
     return 6 if np.linalg.norm(strip.end - strip.start) > 0.1 else 4
 
@@ -122,7 +126,8 @@ def added_mass(matrix: ArrayLike) -> FloatArray:
         The symmetric part, (6, 6).
 
     Raises:
-        InputError: Not symmetric, or with a negative eigenvalue; ShapeError: not (6, 6).
+        InputError: Not symmetric, or with a negative eigenvalue; ShapeError: not (6,
+            6).
     """
     given = array("added_mass", matrix, 6, 6)
     diagonal = np.sqrt(np.abs(np.diag(given)))
@@ -143,12 +148,14 @@ def hydrodynamics(
     """Moving water at each body of the arm.
 
     Args:
-        gripper: ``locked`` (link_4 with closed jaws) or ``jaws`` (wrist and fingers, each alone).
+        gripper: ``locked`` (link_4 with closed jaws) or ``jaws`` (wrist and fingers,
+            each alone).
         level: ``low``, ``nominal`` or ``high`` end of the interval.
         numbers: ``estimated`` or ``supplementary``.
 
     Returns:
-        Name of the link -> what the water does to it; bodies of which the set knows nothing are left out.
+        Name of the link -> what the water does to it; bodies of which the set knows
+        nothing are left out.
 
     Raises:
         UnknownNameError: No such gripper, level or set.

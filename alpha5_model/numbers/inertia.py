@@ -1,17 +1,19 @@
 """Conversions and checks of rigid-body inertia: pure functions on arrays.
 
-Conventions: a *tensor* is (..., 3, 3) [kg m^2] with the products of inertia as negative integrals,
-``I_xy = -(integral of x y dm)``, as URDF, Pinocchio and every textbook tensor have it. SolidWorks
-prints the products with the opposite sign. ``com`` is (..., 3) [m], ``mass`` (...) [kg]. Other
-input raises an `InputError`, leading shapes that do not broadcast a `ShapeError`.
+Conventions: a *tensor* is (..., 3, 3) [kg m^2] with the products of inertia as negative
+integrals, ``I_xy = -(integral of x y dm)``, as URDF, Pinocchio and every textbook
+tensor have it. SolidWorks prints the products with the opposite sign. ``com`` is (...,
+3) [m], ``mass`` (...) [kg]. Other input raises an `InputError`, leading shapes that do
+not broadcast a `ShapeError`.
 
-References:
-    [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically consistent
+References: [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for
+    physically consistent
         inertial parameter identification, IEEE RA-L 3(1), 2018.
-    [Traversaro2016] Traversaro, Brossette, Escande, Nori: Identification of fully physical
-        consistent inertial parameters using optimization on manifolds, IROS 2016.
-    [Bhatia2000] Bhatia, Davis: A better bound on the variance, Amer. Math. Monthly 107(4), 2000.
-    [ReachAlpha] Manufacturer's document, Section 2.1.
+    [Traversaro2016] Traversaro, Brossette, Escande, Nori: Identification of fully
+        physical consistent inertial parameters using optimization on manifolds, IROS
+        2016.
+    [Bhatia2000] Bhatia, Davis: A better bound on the variance, Amer. Math. Monthly
+    107(4), 2000. [ReachAlpha] Manufacturer's document, Section 2.1.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ from alpha5_model.errors import InputError
 def flip_products(inertia: ArrayLike) -> FloatArray:
     """Change the sign of the products of inertia: SolidWorks to URDF, and back.
 
-    [ReachAlpha] prints ``+(integral of x y dm)`` off the diagonal; URDF expects the negative.
+    [ReachAlpha] prints ``+(integral of x y dm)`` off the diagonal; URDF expects the
+    negative.
 
     Args:
         inertia: (..., 3, 3) [kg m^2].
@@ -50,8 +53,9 @@ def flip_products(inertia: ArrayLike) -> FloatArray:
 def point_mass_tensor(mass: ArrayLike, position: ArrayLike) -> FloatArray:
     """Tensor of a point mass about the origin, ``m ((p . p) E_3 - p p^T)``.
 
-    This is the parallel-axis term. The document's equation (1) prints ``(p . p)^T`` for the outer
-    product and equation (2) prints ``+m skew(p)^2`` where ``-m skew(p)^2`` is meant.
+    This is the parallel-axis term. The document's equation (1) prints ``(p . p)^T`` for
+    the outer product and equation (2) prints ``+m skew(p)^2`` where ``-m skew(p)^2`` is
+    meant.
 
     Args:
         mass: (...) [kg].
@@ -120,8 +124,8 @@ def combine(
     Args:
         masses: (N,) [kg].
         coms: (N, 3) [m], in one common frame.
-        inertias: (N, 3, 3), each about its own COM, in that frame's axes [kg m^2]; those of a
-            body to be taken out negated like its mass.
+        inertias: (N, 3, 3), each about its own COM, in that frame's axes [kg m^2];
+            those of a body to be taken out negated like its mass.
 
     Returns:
         Mass [kg], COM (3,) [m], tensor about that COM (3, 3) [kg m^2].
@@ -210,12 +214,13 @@ def inconsistencies(
 ) -> tuple[str, ...]:
     """What makes one body physically impossible; empty if nothing does.
 
-    Positive mass, a symmetric and positive definite tensor, the triangle inequality of the
-    principal moments, and a positive definite pseudo-inertia [Traversaro2016, Wensing2018]. With
-    the body's outer bounds also: the COM lies inside, and along each axis the variance of the mass
-    is at most ``(max - com)(com - min)`` [Bhatia2000]. The bounds find what the triangle inequality
-    cannot: a tensor about the link frame in place of the COM, a COM on the wrong side, a guessed
-    inertia larger than the body.
+    Positive mass, a symmetric and positive definite tensor, the triangle inequality of
+    the principal moments, and a positive definite pseudo-inertia [Traversaro2016,
+    Wensing2018]. With the body's outer bounds also: the COM lies inside, and along each
+    axis the variance of the mass is at most ``(max - com)(com - min)`` [Bhatia2000].
+    The bounds find what the triangle inequality cannot: a tensor about the link frame
+    in place of the COM, a COM on the wrong side, a guessed inertia larger than the
+    body.
 
     Args:
         mass: [kg].
@@ -280,7 +285,8 @@ def check_possible(
         mass, com, inertia: See `inconsistencies`.
 
     Raises:
-        InputError: No body can have this mass and inertia, or they are no finite real numbers.
+        InputError: No body can have this mass and inertia, or they are no finite real
+            numbers.
     """
     wrong = inconsistencies(mass, com, inertia)
     if wrong and (mass or np.any(inertia)):

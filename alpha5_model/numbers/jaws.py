@@ -1,16 +1,17 @@
 """Link 4 taken apart: wrist, jaw rod and two fingers that together are Table 2's link 4.
 
-The document prints link 4 with its jaws closed as one body. The fingers and the rod are estimated
-(their geometry and densities are supplementary values); the wrist is what remains, so that with
-closed jaws mass, first and second moments of the assembly are the printed ones whatever the
-estimate.
+The document prints link 4 with its jaws closed as one body. The fingers and the rod are
+estimated (their geometry and densities are supplementary values); the wrist is what
+remains, so that with closed jaws mass, first and second moments of the assembly are the
+printed ones whatever the estimate.
 
 Frames, by their pose in link_4 (wrist axis along -z, tip at negative z):
 
-- ``link_4``: the wrist, frame unchanged.
-- ``jaw_rod``: +z towards the tip; ``axis_a`` slides it along its +z.
-- ``finger_1`` on the -x side, ``finger_2`` on the +x side: +z along the hinge; each turns about its
-  +z by ``finger_turn`` times the rod's travel, and a positive angle opens it. Closed is 0.
+- ``link_4``: the wrist, frame unchanged. - ``jaw_rod``: +z towards the tip; ``axis_a``
+slides it along its +z. - ``finger_1`` on the -x side, ``finger_2`` on the +x side: +z
+along the hinge; each turns about its
+  +z by ``finger_turn`` times the rod's travel, and a positive angle opens it. Closed is
+  0.
 """
 
 from __future__ import annotations
@@ -64,7 +65,8 @@ class Jaws:
 
     Attributes:
         wrist, rod, finger_1, finger_2: The bodies.
-        joints: The rod's joint and the two that follow it, in the order of rod and fingers.
+        joints: The rod's joint and the two that follow it, in the order of rod and
+            fingers.
     """
 
     wrist: JawBody
@@ -82,18 +84,20 @@ class Jaws:
 def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     """Take the rod and the fingers out of link 4.
 
-    A finger is a box of the measured length, width and volume, its centre halfway along and halfway
-    between its pivot and the wrist axis; the rod is a cylinder centred at the jaw collar's base.
+    A finger is a box of the measured length, width and volume, its centre halfway along
+    and halfway between its pivot and the wrist axis; the rod is a cylinder centred at
+    the jaw collar's base.
 
     Args:
         parameters: The arm's parameters.
 
     Returns:
-        The bodies. Their sum with closed jaws is ``parameters.links[4]`` up to rounding.
+        The bodies. Their sum with closed jaws is ``parameters.links[4]`` up to
+        rounding.
     """
     rod = _rod(parameters)
-    # Finger 1 sits at -x and turns about +y of link_4, finger 2 mirrors it: both open with a
-    # positive angle, so one multiplier and one range serve both.
+    # Finger 1 sits at -x and turns about +y of link_4, finger 2 mirrors it: both open
+    # with a positive angle, so one multiplier and one range serve both.
     volume_1 = parameters.jaws.finger_volume
     volume_2 = parameters.jaws.second_finger_volume
     finger_1 = _finger("finger_1", side=-1.0, volume=volume_1, parameters=parameters)

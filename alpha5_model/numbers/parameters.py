@@ -38,7 +38,8 @@ class DHParameters:
         theta_offset: Constant part of theta [rad].
         a: Length of the common normal [m].
         alpha: Angle about the common normal [rad].
-        variable: Name of the joint variable in the document; None for the fixed last row.
+        variable: Name of the joint variable in the document; None for the fixed last
+            row.
 
     Raises:
         InputError: Not finite numbers.
@@ -131,8 +132,8 @@ class JointRange:
     """Range, speed and effort of a joint; [rad, rad/s, N m], for the jaw rod [m, m/s, N].
 
     Attributes:
-        name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod), ``finger_1_joint``,
-            ``finger_2_joint``.
+        name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod),
+            ``finger_1_joint``, ``finger_2_joint``.
         lower, upper: Ends of the range.
         velocity: Largest speed.
         effort: A placeholder that every public model copies; no rating is published.
@@ -202,8 +203,8 @@ class ActuatorParameters:
         gear_ratio: Motor turns per output turn.
 
     Raises:
-        InputError: A negative number, a resistance, constant or ratio of zero, or an efficiency that is
-            not above 0 and at most 1.
+        InputError: A negative number, a resistance, constant or ratio of zero, or an
+            efficiency that is not above 0 and at most 1.
 
     Warns:
         ImplausibleWarning: Numbers that seem to be in another unit.
@@ -247,7 +248,8 @@ class JawParameters:
         rod_length, rod_diameter: Estimated [m].
         rod_density: Estimated [kg/m^3].
         finger_turn: Turn of each finger per rod travel [rad/m].
-        sdk_plane: Plane of the fingers in the SDK's URDF, from x of link_4 [rad]; not used here.
+        sdk_plane: Plane of the fingers in the SDK's URDF, from x of link_4 [rad]; not
+            used here.
 
     Raises:
         InputError: A length, volume, density or turn that is not above 0.
@@ -294,7 +296,8 @@ class Alpha5Parameters:
         joints: ``axis_e, axis_d, axis_c, axis_b`` and the jaw rod ``axis_a``.
         actuators: Actuators 0 to 4 of Table 4; number 4 drives the jaw rod.
         jaws: Geometry of the jaws.
-        base_yaw: Rotation about z from link_0 to base_link [rad]: 0, or pi without ``base_frame``.
+        base_yaw: Rotation about z from link_0 to base_link [rad]: 0, or pi without
+            ``base_frame``.
         corrections: Names of the corrections applied.
 
     Raises:
@@ -334,8 +337,9 @@ def parameters(corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> Alpha5Parame
     """The arm's parameters in SI units and URDF convention.
 
     Args:
-        corrections: Names of recorded corrections (`alpha5_model.numbers.corrections.CORRECTIONS`);
-            ``()`` is the document to the letter.
+        corrections: Names of recorded corrections
+            (`alpha5_model.numbers.corrections.CORRECTIONS`); ``()`` is the document to
+            the letter.
 
     Returns:
         A frozen record, the same object for the same corrections.
@@ -431,8 +435,9 @@ def _link(
     inertial, buoyancy, body = rows
     cob = in_si(buoyancy.cob)
     if body.name == "link_3" and "link3_cob" in corrections:
-        # Links 1 and 3 carry the same kind of part. In {1} its second axis passes through
-        # (a_0, ., d_0); in {3} that axis is z_3, and the first one lies a_2 along x_3.
+        # Links 1 and 3 carry the same kind of part. In {1} its second axis passes
+        # through (a_0, ., d_0); in {3} that axis is z_3, and the first one lies a_2
+        # along x_3.
         x, y, z = cob
         cob = [dh[2].a - x, z - dh[0].d, y]
     return {

@@ -1,10 +1,12 @@
 """What a quantity of an arm may plausibly be, and the warning about one that is not.
 
-An impossible value (a negative mass) raises where it is checked. A value that is possible, but
-most likely given in another unit, is worth an `ImplausibleWarning` that names the unit which
-seems meant. The warning is given when an object is made, never by a method that computes.
+An impossible value (a negative mass) raises where it is checked. A value that is
+possible, but most likely given in another unit, is worth an `ImplausibleWarning` that
+names the unit which seems meant. The warning is given when an object is made, never by
+a method that computes.
 
-All bounds stand here, each with its reason. They are wide: what a user may mean must pass.
+All bounds stand here, each with its reason. They are wide: what a user may mean must
+pass.
 """
 
 from __future__ import annotations
@@ -33,7 +35,8 @@ class Plausible:
         unit: SI unit.
         ranges: Closed ranges of the magnitude; 0 is plausible in any case.
         expected: The ranges in words.
-        units: Other units that people use -> their size in SI units, the likeliest first.
+        units: Other units that people use -> their size in SI units, the likeliest
+            first.
     """
 
     unit: str
@@ -52,8 +55,8 @@ _VOLUMES = {"L": 1e-3, "cm^3": 1e-6, "mm^3": 1e-9}
 _MASSES = {"g": 1e-3}
 _ANGLES = {"deg": math.pi / 180}
 
-#: Ideal gas at 1 atm: 1.40 kg/m^3 at -20 °C, 1.11 at 45 °C. Liquids: pentane has 626 kg/m^3, the
-#: heaviest drilling fluids have 2400.
+#: Ideal gas at 1 atm: 1.40 kg/m^3 at -20 °C, 1.11 at 45 °C. Liquids: pentane has 626
+#: kg/m^3, the heaviest drilling fluids have 2400.
 FLUID_DENSITY = Plausible(
     unit="kg/m^3",
     ranges=((1.1, 1.4), (500.0, 2500.0)),
@@ -67,8 +70,8 @@ GRAVITY = Plausible(
     expected="1.5 to 25, or 0",
     units={"mm/s^2": 1e-3, "cm/s^2": 1e-2, "g": 9.81},
 )
-#: 20 kg at the arm's reach of 0.5 m take 98 N m: the shoulder stalls at about that, from 24 V and
-#: without any limit of its current.
+#: 20 kg at the arm's reach of 0.5 m take 98 N m: the shoulder stalls at about that,
+#: from 24 V and without any limit of its current.
 MASS = Plausible(
     unit="kg", ranges=((0.0, 20.0),), expected="at most 20 on this arm", units=_MASSES
 )
@@ -76,7 +79,8 @@ MASS = Plausible(
 POSITION = Plausible(
     unit="m", ranges=((0.0, 2.0),), expected="at most 2 on this arm", units=_LENGTHS
 )
-#: Such a buoy lifts with 1000 N: at 0.5 m, five times what the shoulder's motor can hold.
+#: Such a buoy lifts with 1000 N: at 0.5 m, five times what the shoulder's motor can
+#: hold.
 VOLUME = Plausible(
     unit="m^3", ranges=((0.0, 0.1),), expected="at most 0.1 on this arm", units=_VOLUMES
 )
@@ -98,7 +102,8 @@ SOLID_DENSITY = Plausible(
     expected="100 to 23000 for a solid",
     units={"g/cm^3": 1e3},
 )
-#: The heaviest remotely operated vehicles have about 10 t and displace their own weight.
+#: The heaviest remotely operated vehicles have about 10 t and displace their own
+#: weight.
 VEHICLE_MASS = Plausible(
     unit="kg",
     ranges=((0.0, 2e4),),
@@ -111,7 +116,8 @@ VEHICLE_VOLUME = Plausible(
     expected="at most 20 for a vehicle",
     units=_VOLUMES,
 )
-#: Neutral is 1000 kg/m^3: a frame of steel with nothing in it, or a boat, is within a factor of 10.
+#: Neutral is 1000 kg/m^3: a frame of steel with nothing in it, or a boat, is within a
+#: factor of 10.
 VEHICLE_DENSITY = Plausible(
     unit="kg/m^3", ranges=((100.0, 1e4),), expected="100 to 10000 for a vehicle"
 )
@@ -286,8 +292,9 @@ def _check_inertia(
 def check_gravity(given: ArrayLike, gravity: FloatArray) -> None:
     """Warn of implausible gravity.
 
-    A vector that someone has written, a tuple or a list, that points straight up is most likely
-    meant to point down. One that was computed, as by `gravity_in_base`, may point anywhere.
+    A vector that someone has written, a tuple or a list, that points straight up is
+    most likely meant to point down. One that was computed, as by `gravity_in_base`, may
+    point anywhere.
 
     Args:
         given: As it was given.

@@ -9,8 +9,8 @@ from decimal import Decimal
 
 from alpha5_model.errors import PublishedDataError
 
-#: Powers of ten from a printed unit to SI. Shifting the decimal point keeps every printed digit:
-#: ``float("-7.120") * 1e-3`` is not the double nearest to -0.00712.
+#: Powers of ten from a printed unit to SI. Shifting the decimal point keeps every
+#: printed digit: ``float("-7.120") * 1e-3`` is not the double nearest to -0.00712.
 DECIMAL_SHIFT: dict[str, int] = {
     **dict.fromkeys(("", "kg", "m", "rad", "Nm", "N", "Ohm", "kg.m", "kg.m^2"), 0),
     **dict.fromkeys(("Nm/A", "V/rad/s", "kg/m^3", "rad/m"), 0),
@@ -20,8 +20,8 @@ DECIMAL_SHIFT: dict[str, int] = {
 }
 #: Units that need more than a shift of the decimal point.
 FACTOR: dict[str, float] = {"deg": math.pi / 180.0, "deg/s": math.pi / 180.0}
-#: What a printed number looks like; `Decimal` alone would also take "1_0", "1e3", "NaN" and "١٢", and no
-#: document prints so many digits that a double overflows.
+#: What a printed number looks like; `Decimal` alone would also take "1_0", "1e3", "NaN"
+#: and "١٢", and no document prints so many digits that a double overflows.
 _PRINTED = re.compile(r"[+-]?[0-9]{1,20}(\.[0-9]{1,20})?")
 
 

@@ -32,8 +32,9 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
     """Read the texts of the two data files.
 
     Raises:
-        PublishedDataError: Not TOML, duplicate, missing or unknown key, wrong unit, not a number,
-            asymmetric tensor, rows out of order, unknown status, empty source.
+        PublishedDataError: Not TOML, duplicate, missing or unknown key, wrong unit, not
+            a number, asymmetric tensor, rows out of order, unknown status, empty
+            source.
     """
     document = _root(_DOCUMENT, document_text)
     document.table("document", "table_1", "workspace", "table_2", "table_3", "table_4")
@@ -70,7 +71,8 @@ def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
     """The bodies of ``estimated_hydrodynamics.toml`` or ``supplementary_hydrodynamics.toml``.
 
     Raises:
-        PublishedDataError: As of `parse`; also a matrix that is not symmetric, or an interval out of order.
+        PublishedDataError: As of `parse`; also a matrix that is not symmetric, or an
+            interval out of order.
     """
     file = f"{numbers}_hydrodynamics.toml"
     return parse_hydrodynamics(file, _text(file))

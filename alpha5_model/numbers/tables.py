@@ -77,7 +77,8 @@ class Table(Generic[RowT]):
     Attributes:
         source: Where it stands.
         rows: One record per printed row.
-        origins: Column -> how the document obtained it, quoted; empty where it does not say.
+        origins: Column -> how the document obtained it, quoted; empty where it does not
+            say.
     """
 
     source: Source
@@ -125,7 +126,8 @@ class WorkspaceNumbers:
         source: Where they stand.
         inner_offset: 39.94, added to a_2 in the inner torus [mm].
         inner_length: 145.3, added to d_3 in the inner torus [mm].
-        downward_drop: 145.3, from the shoulder to the centre of the downward torus [mm].
+        downward_drop: 145.3, from the shoulder to the centre of the downward torus
+            [mm].
     """
 
     source: Source
@@ -316,9 +318,10 @@ class HydrodynamicRow:
     """What moving water does to a body; nothing of it is published.
 
     Attributes:
-        name: ``link_0`` to ``link_4`` (closed jaws), ``link_4_open``, ``wrist`` (link 4 without its fingers),
-            ``finger_1``, ``finger_2``.
-        added_mass: 6x6, linear before angular, about and in the link's frame, for 1000 kg/m^3.
+        name: ``link_0`` to ``link_4`` (closed jaws), ``link_4_open``, ``wrist`` (link 4
+            without its fingers), ``finger_1``, ``finger_2``.
+        added_mass: 6x6, linear before angular, about and in the link's frame, for 1000
+            kg/m^3.
         added_mass_factor: Of all its entries: low, nominal, high.
         strips: Where it drags.
         status: One of ``STATUSES``.

@@ -11,7 +11,8 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import transform
-from alpha5_model.description.reading import UrdfJoint, urdf_shapes
+from alpha5_model.description.reading import urdf_shapes
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.kinematics import ik, reach
 from alpha5_model.viewer.poses import link_poses

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice, float_array
-from alpha5_model.description.reading import UrdfJoint, parse_urdf
+from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.srdf import NAMED_POSES
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import InputError
 from alpha5_model.viewer.scene import WORLD, Scene

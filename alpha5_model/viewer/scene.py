@@ -16,7 +16,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, transform
-from alpha5_model.description.reading import UrdfJoint
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.viewer.shapes import Mesh
 

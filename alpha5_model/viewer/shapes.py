@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import read_named
 from alpha5_model._support.spatial import transform
-from alpha5_model.description.reading import UrdfShape
+from alpha5_model.description.urdf_robot import UrdfShape
 from alpha5_model.errors import FileFormatError
 
 

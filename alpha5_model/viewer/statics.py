@@ -8,7 +8,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.base_parameters import regrouped
-from alpha5_model.description.reading import UrdfJoint
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import displaced_fluid_model
 from alpha5_model.numbers.hydrodynamics import WATER_DENSITY, DragStrip, hydrodynamics

@@ -33,7 +33,7 @@ SAMPLES = 2000
 
 
 def verify_generated() -> tuple[FileCheck, ...]:
-    """Check the committed URDF files, jaws locked and moving, and that no generated file is stale."""
+    """Check the committed URDF files, and that no generated file is stale."""
     rows: list[FileCheck] = []
     for path in (URDF_PATH, JAWS_URDF_PATH):
         try:
@@ -66,9 +66,11 @@ def verify_urdf(
     """Check a URDF of the arm against the printed tables.
 
     Args:
-        path: The file; whether it has jaws, and the prefix of its names, are read from it.
+        path: The file; whether it has jaws, and the prefix of its names, are read from
+            it.
         corrections: Recorded corrections that it was generated with.
-        samples: Number of random joint positions within the limits; the limits come on top.
+        samples: Number of random joint positions within the limits; the limits come on
+            top.
 
     Returns:
         One row per check.
@@ -97,7 +99,7 @@ def verify_urdf(
 
 
 def _check_values(text: Subject, check: str, find: Finder, claim: str) -> FileCheck:
-    """A row with the first problems that are found, or with the claim if there is none."""
+    """A row with the first problems found, or with the claim if there is none."""
     problems = list(find(text))
     if not problems:
         return text.row(check, "passed", claim)
@@ -107,7 +109,8 @@ def _check_values(text: Subject, check: str, find: Finder, claim: str) -> FileCh
 
 def _check_urdf(text: Subject) -> FileCheck:
     """Let urdfdom's program read the file."""
-    # The environment of this Python may not be activated, so its folder is searched too.
+    # The environment of this Python may not be activated, so its folder is searched
+    # too.
     beside = str(Path(sys.executable).parent)
     program = shutil.which("check_urdf") or shutil.which("check_urdf", path=beside)
     if program is None:

@@ -1,4 +1,4 @@
-"""Frames that other tools compute from the file, against the product of Table 1's rows."""
+"""Frames that other tools compute, against the product of Table 1's rows."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.theory.dh.link import dh_transform
 from alpha5_model.theory.dh.urdf import urdf_model
 
-#: Largest error of a frame, in metres and in radians; the project's promise for other tools is 1e-9.
+#: Largest error of a frame, in metres and in radians; the project's promise for other
+#: tools is 1e-9.
 FRAME_BOUND = 1e-12
 YOURDFPY_BOUND = 1e-9
 
 # What yourdfpy logs about a file, its row says.
 logging.getLogger("yourdfpy").addHandler(logging.NullHandler())
 
-#: From the file, names of its frames without prefix, base_link first, and joint positions (N, 4) to the
-#: frames' poses in base_link, N times (F, 4, 4).
+#: From the file, names of its frames without prefix, base_link first, and joint
+#: positions (N, 4) to the frames' poses in base_link, N times (F, 4, 4).
 Tool = Callable[[Subject, list[str], FloatArray], Iterator[list[FloatArray]]]
 
 
 def check_frames(
     tool: str, text: Subject, q: FloatArray, compute: Tool, bound: float
 ) -> FileCheck:
-    """Compare the forward kinematics of every frame by another tool with `dh_product`."""
+    """Compare every frame as another tool computes it with `dh_product`."""
     check = f"frames, {tool}"
     expected = dh_product(text.expected, q)
     wanted = _wanted_frames(text, expected)
@@ -75,7 +76,7 @@ def _wanted_frames(text: Subject, expected: dict[str, FloatArray]) -> list[str]:
 
 
 def configurations(p: Alpha5Parameters, count: int) -> FloatArray:
-    """Seeded random joint positions within the limits, and every corner of the limits, (N, 4)."""
+    """Every corner of the limits, and seeded random positions within them, (N, 4)."""
     joints = p.joints[:4]
     lower = np.array([joint.lower for joint in joints])
     upper = np.array([joint.upper for joint in joints])
@@ -86,14 +87,15 @@ def configurations(p: Alpha5Parameters, count: int) -> FloatArray:
 
 
 def dh_product(p: Alpha5Parameters, q: FloatArray) -> dict[str, FloatArray]:
-    """Poses in base_link of all frames, from Table 1 and Section 2, by the relative poses A_j.
+    """Poses in base_link of all frames, from Table 1 and Section 2, as products of A_j.
 
     Args:
         p: Table 1 in SI units.
         q: (N, 4) [rad].
 
     Returns:
-        ``base_link``, ``link_0`` to ``link_4``, ``dh_1`` to ``dh_5`` and ``tcp`` -> (N, 4, 4).
+        ``base_link``, ``link_0`` to ``link_4``, ``dh_1`` to ``dh_5`` and ``tcp`` -> (N,
+        4, 4).
     """
     pose = np.broadcast_to(np.eye(4), (len(q), 4, 4))
     frames = {
@@ -103,7 +105,8 @@ def dh_product(p: Alpha5Parameters, q: FloatArray) -> dict[str, FloatArray]:
     for i, row in enumerate(p.dh):
         angle = row.theta_offset + (q[:, i] if row.variable else 0.0)
         if row.variable:
-            # Section 2: the link's frame is after the rotation, before the rest of the row.
+            # Section 2: the link's frame is after the rotation, before the rest of the
+            # row.
             frames[f"link_{i + 1}"] = pose @ dh_transform(angle, 0, 0, 0)
         pose = pose @ dh_transform(angle, row.d, row.a, row.alpha)
         frames[f"dh_{i + 1}"] = pose
@@ -115,7 +118,8 @@ def frame_error(given: FloatArray, expected: FloatArray) -> float:
     """Larger of the errors in position [m] and orientation [rad], over all samples."""
     shift = np.linalg.norm(given[:, :3, 3] - expected[:, :3, 3], axis=-1)
     relative = np.swapaxes(expected[:, :3, :3], -1, -2) @ given[:, :3, :3]
-    # |R - R^T| / sqrt(8) is sin(angle): exact for small angles, where acos of the trace is blind.
+    # |R - R^T| / sqrt(8) is sin(angle): exact for small angles, where acos of the trace
+    # is blind.
     skew = relative - np.swapaxes(relative, -1, -2)
     sine = np.linalg.norm(skew, axis=(-2, -1)) / np.sqrt(8)
     cosine = (np.trace(relative, axis1=-2, axis2=-1) - 1) / 2

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.description.reading import UrdfJoint
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.description.verification.frames import FRAME_BOUND
 from alpha5_model.description.verification.subject import (
     JAW_LINKS,
@@ -20,10 +20,11 @@ from alpha5_model.numbers.inertia import pseudo_inertia
 
 
 def check_closed_jaws(text: Subject) -> FileCheck:
-    """Largest relative error of the assembly's pseudo-inertia about the origin of link 4.
+    """Compare the assembly's pseudo-inertia about the origin of link 4 with Table 2's.
 
-    The 4x4 pseudo-inertia holds mass, first and second moments, and adds up over the bodies, so the
-    sum needs no parallel-axis theorem. Each entry is compared with the size of its block.
+    The 4x4 pseudo-inertia holds mass, first and second moments, and adds up over the
+    bodies, so the sum needs no parallel-axis theorem. Each entry is compared with the
+    size of its block.
     """
     total = _assembly(text)
     if total is None:
@@ -44,14 +45,18 @@ def check_closed_jaws(text: Subject) -> FileCheck:
     return text.row(
         "closed jaws",
         verdict="passed" if error <= FRAME_BOUND else "failed",
-        finding="wrist, rod and fingers have link 4's mass, first and second moments (relative)",
+        finding="wrist, rod and fingers have link 4's mass, "
+        "first and second moments (relative)",
         measured=error,
         bound=FRAME_BOUND,
     )
 
 
 def _assembly(text: Subject) -> FloatArray | None:
-    """Pseudo-inertia in link_4 of wrist, rod and fingers, jaws closed, (4, 4); None if one lacks."""
+    """Pseudo-inertia in link_4 of wrist, rod and fingers, jaws closed, (4, 4).
+
+    None if one of them, or its joint, is missing.
+    """
     wrist = text.prefix + "link_4"
     total = np.zeros((4, 4))
     for name in (wrist, *(text.prefix + link for link in JAW_LINKS)):
@@ -76,7 +81,7 @@ def _closed_pose(text: Subject, joint: UrdfJoint) -> FloatArray:
 
 
 def jaw_limit_differences(text: Subject) -> Iterator[str]:
-    """Fingers whose range or speed is not what the rod's range and speed make of them."""
+    """Fingers whose range or speed does not follow from the rod's."""
     rod = text.joints.get(text.prefix + "axis_a")
     if rod is None or rod.lower is None or rod.upper is None or rod.velocity is None:
         yield "axis_a: no limits"

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from alpha5_model.description.reading import UrdfJoint, UrdfRobot, read_urdf
+from alpha5_model.description.reading import read_urdf
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 Verdict = Literal["passed", "failed", "not run"]

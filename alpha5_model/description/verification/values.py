@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.description.reading import LIMITS, UrdfJoint, UrdfLink
+from alpha5_model.description.reading import LIMITS
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfLink
 from alpha5_model.description.verification.subject import JAW_LINKS, Subject
 from alpha5_model.numbers.inertia import inconsistencies
 from alpha5_model.numbers.parameters import JointRange, in_si
@@ -39,7 +40,8 @@ class PrintedBody(NamedTuple):
 def table_2() -> list[PrintedBody]:
     """Table 2, from the printed digits and not from the record that the generator uses.
 
-    SolidWorks prints ``+(integral of x y dm)`` off the diagonal, the format wants the negative.
+    SolidWorks prints ``+(integral of x y dm)`` off the diagonal, the format wants the
+    negative.
     """
     bodies = []
     for row in published().table_2.rows:
@@ -106,7 +108,8 @@ def _limits(joint: JointRange | UrdfJoint) -> dict[str, Any]:
 def _inertial_differences(text: Subject) -> Iterator[str]:
     """Masses, COMs and tensors that are not Table 2's, to the last bit.
 
-    With jaws, link 4 is in four parts, and the check of the closed jaws compares their sum.
+    With jaws, link 4 is in four parts, and the check of the closed jaws compares their
+    sum.
     """
     count = 4 if text.jaws else 5
     for i, printed in enumerate(table_2()[:count]):
@@ -146,14 +149,15 @@ def _alike(one: FloatArray, other: FloatArray) -> bool:
 
 
 def _stray_masses(text: Subject) -> Iterator[str]:
-    """Links besides the arm's that weigh something, and massless frames that do not say so."""
+    """Other links that weigh something, and massless frames that do not say so."""
     heavy = {text.prefix + name for name in BODY_NAMES}
     if text.jaws:
         heavy |= {text.prefix + name for name in JAW_LINKS}
     for name in sorted(_carried_by_base(text) - heavy):
         given = text.links.get(name)
         if given is None or given.mass is None:
-            # PyBullet gives such a link a mass of 1 kg; on a root KDL warns about any inertial element.
+            # PyBullet gives such a link a mass of 1 kg; on a root KDL warns about any
+            # inertial element.
             if name in text.carriers:
                 yield f"{name}: no inertial element"
         elif given.mass or given.inertia.any():
@@ -170,7 +174,7 @@ def _carried_by_base(text: Subject) -> set[str]:
 
 
 def _impossible_links(text: Subject) -> Iterator[str]:
-    """Links that cannot be bodies; see `alpha5_model.numbers.inertia.inconsistencies`."""
+    """Links that cannot be bodies; see `inconsistencies`."""
     for name, given in text.links.items():
         if given.mass is not None and (given.mass or given.inertia.any()):
             for problem in inconsistencies(given.mass, given.com, given.inertia):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice
-from alpha5_model.description.reading import UrdfJoint, UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES

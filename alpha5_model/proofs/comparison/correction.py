@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rpy_from_rotation
-from alpha5_model.description.reading import UrdfJoint, UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import JointParameters
 from alpha5_model.proofs.comparison.alignment import LENGTH_TOLERANCE, Alignment
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.description.reading import UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.alignment import Alignment, Tolerance, allowed
 from alpha5_model.proofs.comparison.correction import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from alpha5_model.description.reading import UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import finding
 from alpha5_model.proofs.comparison.records import Finding

@@ -8,7 +8,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, rotation_about, transform
-from alpha5_model.description.reading import UrdfJoint
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.inertia import rotate_tensor
 from alpha5_model.proofs.comparison.axis_lines import AxisLines

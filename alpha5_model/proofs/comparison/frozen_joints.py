@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.description.reading import UrdfJoint, UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 
 
 def rest_position(robot: UrdfRobot, joint: UrdfJoint) -> float:

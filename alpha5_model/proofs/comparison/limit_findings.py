@@ -9,7 +9,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import wrap
-from alpha5_model.description.reading import UrdfJoint, UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import JointParameters
 from alpha5_model.proofs.comparison.alignment import ANGLE_TOLERANCE
 from alpha5_model.proofs.comparison.correction import (

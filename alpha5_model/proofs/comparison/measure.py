@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, count
-from alpha5_model.description.reading import UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.best_alignment import align

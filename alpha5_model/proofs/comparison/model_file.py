@@ -11,7 +11,8 @@ from pathlib import Path
 
 from alpha5_model._support.checks import flag
 from alpha5_model._support.files import read_named
-from alpha5_model.description.reading import UrdfRobot, parse_urdf
+from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.description.xml_reading import parse_xml
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from alpha5_model.description.reading import UrdfJoint, UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: A link on the way to axis_e that is lighter than this is a dummy of the arm's base,

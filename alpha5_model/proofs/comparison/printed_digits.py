@@ -12,7 +12,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
-from alpha5_model.description.reading import UrdfJoint, UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.proofs.comparison.poses import origin_of
 
 #: Angles that people write as fractions of pi: multiples of 15 deg, up to a full turn.

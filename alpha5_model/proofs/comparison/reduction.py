@@ -11,7 +11,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.spatial import moved
-from alpha5_model.description.reading import UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.inertia import combine
 from alpha5_model.numbers.parameters import Alpha5Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from alpha5_model.description.reading import UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfRobot
 
 #: What tool frames are called, the likeliest first.
 TOOL_WORDS = ("tcp", "tool", "tip", "grasp", "effector", "eef", "ee")

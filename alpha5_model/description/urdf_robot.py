@@ -1,0 +1,114 @@
+"""A robot as a URDF describes it: links, joints and shapes as plain records."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import rotation_about, transform
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfShape:
+    """A ``<visual>`` or ``<collision>`` element.
+
+    Attributes:
+        link: Name of the link that carries it.
+        index: Its number among the link's elements of its kind.
+        kind: ``box``, ``cylinder``, ``capsule``, ``sphere`` or ``mesh``.
+        size: Edges x, y, z; radius and length; radius; nothing for a mesh [m].
+        file: File name of a mesh.
+        placement: Pose in the link, (4, 4).
+        color: Red, green, blue, alpha, each 0 to 1; empty without a colour of its own.
+    """
+
+    link: str
+    index: int
+    kind: str
+    size: tuple[float, ...]
+    file: str
+    placement: FloatArray
+    color: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfLink:
+    """A link.
+
+    Attributes:
+        name: Its name.
+        mass: [kg]; None without an ``<inertial>``.
+        com: In the link frame, (3,) [m].
+        inertia: At the COM, in the link's axes, (3, 3) [kg m^2].
+        volume: Sum of the volumes of all collision primitives [m^3].
+        shape_centre: Their centroid in the link frame, (3,) [m]; zero without any.
+        meshes: File names of collision meshes, whose volume is not counted.
+        files: File names of all meshes.
+    """
+
+    name: str
+    mass: float | None
+    com: FloatArray
+    inertia: FloatArray
+    volume: float
+    shape_centre: FloatArray
+    meshes: tuple[str, ...]
+    files: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfJoint:
+    """A joint.
+
+    Attributes:
+        name, kind, parent, child: As written; kind is the attribute ``type``.
+        transform: Pose of the child in the parent at position zero, (4, 4).
+        axis: Unit vector in the child's frame, (3,).
+        lower, upper: Limits [rad or m]; None if there is none.
+        velocity, effort: Limits [rad/s, N m] or [m/s, N]; None if there is none.
+        mimic: Joint that it follows by ``multiplier * position + offset``; None if
+            none.
+        multiplier, offset: 1 and 0 if it follows none.
+        printed: The texts of xyz and rpy of its ``<origin>``: how many digits they
+            have.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    transform: FloatArray
+    axis: FloatArray
+    lower: float | None = None
+    upper: float | None = None
+    velocity: float | None = None
+    effort: float | None = None
+    mimic: str | None = None
+    multiplier: float = 1.0
+    offset: float = 0.0
+    printed: tuple[str, str] = ("", "")
+
+    @property
+    def source(self) -> str:
+        """Name of the joint whose position it follows: itself, or the one it mimics."""
+        return self.mimic or self.name
+
+    def motion(self, position: float) -> FloatArray:
+        """What the joint adds to `transform` at a position [rad or m], (4, 4)."""
+        if self.kind == "prismatic":
+            return transform(translation=position * self.axis)
+        turns = self.kind in ("revolute", "continuous")
+        return transform(rotation_about(self.axis, position) if turns else None)
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfRobot:
+    """A tree of links.
+
+    ``joints`` run from the root outwards, each after the joint before it.
+    """
+
+    name: str
+    root: str
+    links: dict[str, UrdfLink]
+    joints: dict[str, UrdfJoint]
