@@ -1,20 +1,7 @@
 """Singular joint positions, and how far from them others are.
 
-Joint 0 moves the tcp across the plane in proportion to its distance r from the yaw
-axis. Joints 1 and 2 move it within the plane, in proportion to sin(gamma). The linear
-Jacobian of the three has the determinant
-
-    |det J_v| = |r| l_1 l_2 |sin gamma|                       [Siciliano2009, 3.3]
-
-which is Yoshikawa's manipulability ``sqrt(det(J_v J_v^T))``. It vanishes if the arm is
-stretched (gamma = pi) or folded (gamma = 0, beyond the limits of theta_2), or the tcp
-is on the yaw axis (r = 0).
-
-References:
-    [Yoshikawa1985] Manipulability of robotic mechanisms, Int. J. Robotics Research
-        4(2).
-    [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, sections 3.3 and
-        3.9.
+`alpha5_model.kinematics.workspace` has the determinant of the tcp's Jacobian, which
+vanishes at them.
 """
 
 from __future__ import annotations

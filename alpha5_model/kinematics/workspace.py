@@ -3,6 +3,22 @@
 `boundary` gives the exact arcs. `reachable`, `distance_to_reach` and
 `nearest_reachable` answer for points, `manipulability` and `singularities` for joint
 positions.
+
+Joint 0 moves the tcp across the plane in proportion to its distance r from the yaw
+axis. Joints 1 and 2 move it within the plane, in proportion to sin(gamma). The linear
+Jacobian of the three has the determinant
+
+    |det J_v| = |r| l_1 l_2 |sin gamma|                       [Siciliano2009, 3.3]
+
+which is Yoshikawa's manipulability ``sqrt(det(J_v J_v^T))``. It vanishes if the arm is
+stretched (gamma = pi) or folded (gamma = 0, beyond the limits of theta_2), or the tcp
+is on the yaw axis (r = 0).
+
+References:
+    [Yoshikawa1985] Manipulability of robotic mechanisms, Int. J. Robotics Research
+        4(2).
+    [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, sections 3.3 and
+        3.9.
 """
 
 from __future__ import annotations
@@ -165,9 +181,9 @@ def singular_elbow_angles() -> dict[str, float]:
 
 
 def manipulability(q: ArrayLike) -> FloatArray:
-    """Yoshikawa's measure of the tcp's linear motion, ``sqrt(det(J_v J_v^T))``.
+    """Yoshikawa's measure of the tcp's linear motion [Yoshikawa1985].
 
-    See [Yoshikawa1985] in `alpha5_model.kinematics.singular`.
+    It is ``sqrt(det(J_v J_v^T))``.
 
     Args:
         q: (..., 4) [rad].
