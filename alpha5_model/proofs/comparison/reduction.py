@@ -26,7 +26,7 @@ from alpha5_model.proofs.comparison.own_base import (
 )
 from alpha5_model.proofs.comparison.poses import carried_to
 from alpha5_model.proofs.comparison.printed_digits import Rounding, last_digits
-from alpha5_model.proofs.comparison.tool_link import tool_link
+from alpha5_model.proofs.comparison.tool_words import tool_link
 
 
 class _Placed(NamedTuple):
