@@ -22,7 +22,6 @@ from alpha5_model.description.assets import mesh_assets
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
-from alpha5_model.numbers.parameters import parameters
 from alpha5_model.proofs.audit import audit
 from alpha5_model.proofs.audit.row import AuditRow
 from alpha5_model.viewer.build import build_scene
@@ -175,6 +174,6 @@ def _scene(q: FloatArray) -> Scene:
         arm,
         closed,
         target=TARGET,
-        motion=tour(stops, parameters()),
+        motion=tour(stops, arm.parameters),
         show=("bodies", "labels", "com", "cob", "weight", "buoyancy", "workspace"),
     )

@@ -12,6 +12,7 @@ from alpha5_model.cli import options, printing
 from alpha5_model.cli.words import WORDS
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.kinematics import workspace as space
+from alpha5_model.kinematics.catalogue_arm import catalogue
 from alpha5_model.studies.uncertainty.effects import reach, sensitivity
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.self_collision_plot import self_collision_figure
@@ -43,7 +44,7 @@ def workspace(
             if share:
                 page = self_collision_figure(samples=samples)
             else:
-                page = workspace_figure()
+                page = workspace_figure(catalogue())
             figures.write_figure(page, plot, dpi=150)
 
     record = _record()

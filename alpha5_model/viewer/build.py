@@ -12,9 +12,8 @@ from alpha5_model._support.checks import FloatArray, array, choice, shaped
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
-from alpha5_model.kinematics import ik, reach
+from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.kinematics.catalogue_arm import catalogue
-from alpha5_model.numbers import parameters as numbers
 from alpha5_model.trajectory import Motion
 from alpha5_model.viewer import drawing
 from alpha5_model.viewer.framing import framed
@@ -66,9 +65,10 @@ def build_scene(
     urdf = source.read_text(encoding="utf-8")
     tree = tree_of(arm, urdf)
     sliders = arm.joint_names
+    kinematics = catalogue()
 
     goal = None if target is None else shaped("target", target, (3,))
-    given = with_base(arm, _start(arm, goal)) if q is None else q
+    given = with_base(arm, _start(arm, kinematics, goal)) if q is None else q
     position = shaped("q", given, (arm.model.nq,))
     flow = array("current", _CURRENT if current is None else current, 3)
     loads = tuple(loads_of(arm, tree))
@@ -83,11 +83,11 @@ def build_scene(
         *drawing.frames(tree, beyond),
         *drawing.centers(np.array(arm.model.gravity.linear), loads),
         *drawing.collision_bodies(urdf, str(source.parent)),
-        *workspace_shapes(),
+        *workspace_shapes(kinematics.plane),
         *drawing.current_arrow(flow),
     ]
     if goal is not None:
-        things += drawing.ghosts(arm, tree, bodies, position, goal)
+        things += drawing.ghosts(arm, kinematics, tree, bodies, position, goal)
     track = None if motion is None else motion_track(motion, arm, position, current)
 
     scene = Scene(
@@ -96,11 +96,11 @@ def build_scene(
         sliders=sliders,
         q=position[-len(sliders) :],
         poses=link_poses(arm, tree, position),
-        plane=catalogue().plane,
+        plane=kinematics.plane,
         shapes=tuple(thing for thing in things if isinstance(thing, Shape)),
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
-        statics=statics_of(arm, loads, tree[0].parent, numbers.parameters()),
+        statics=statics_of(arm, loads, tree[0].parent),
         show=shown,
         named_poses=named_poses(arm),
         motion=track,
@@ -111,13 +111,14 @@ def build_scene(
     return framed(scene)
 
 
-def _start(arm: Arm, goal: FloatArray | None) -> FloatArray:
+def _start(arm: Arm, kinematics: ArmKinematics, goal: FloatArray | None) -> FloatArray:
     """``home`` (n,), with the tcp at a goal (3,), or at the nearest point in reach."""
     home = named_poses(arm)["home"]
     if goal is None:
         return home
-    solutions = ik.inverse_kinematics(reach.nearest_reachable(goal), home[3])
-    return np.concatenate([solutions.best(home[:4]), home[4:]])
+    nearest = kinematics.nearest_reachable(goal)
+    solutions = kinematics.inverse_kinematics(nearest, home[3])
+    return np.concatenate([kinematics.best(solutions, home[:4]), home[4:]])
 
 
 def _default_show(target: bool, current: bool) -> list[str]:

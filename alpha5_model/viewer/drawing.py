@@ -14,7 +14,8 @@ from alpha5_model._support.spatial import transform
 from alpha5_model.description.reading import urdf_shapes
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.kinematics import ik, reach
+from alpha5_model.kinematics.arm_kinematics import ArmKinematics
+from alpha5_model.kinematics.ik import BRANCHES
 from alpha5_model.viewer.poses import link_poses
 from alpha5_model.viewer.scene import (
     ARROWS,
@@ -196,6 +197,7 @@ def current_arrow(flow: FloatArray) -> Iterator[Shape | Label]:
 
 def ghosts(
     arm: Arm,
+    kinematics: ArmKinematics,
     tree: Sequence[UrdfJoint],
     body_shapes: Sequence[Shape],
     q: FloatArray,
@@ -205,18 +207,19 @@ def ghosts(
 
     Args:
         arm: The arm.
+        kinematics: Of the same arm.
         tree: Its joints from the base to the tip.
         body_shapes: Its bodies.
         q: Its joint positions (nq,); a ghost has the same base and jaws.
         target: Position of the tcp in base_link, (3,) [m].
     """
-    solutions = ik.inverse_kinematics(target)
+    solutions = kinematics.inverse_kinematics(target)
     first_joint = len(q) - len(arm.joint_names)
     for i in np.flatnonzero(solutions.exists):
         solution = q.copy()
         solution[first_joint : first_joint + 4] = solutions.q[i]
         poses = link_poses(arm, tree, solution)
-        branch = ik.BRANCHES[i]
+        branch = BRANCHES[i]
         color = tuple(LOOK["ghosts"][i])
         yield from _ghost(branch, color, body_shapes, poses)
 
@@ -225,7 +228,9 @@ def ghosts(
             text += ", beyond the limits"
         elbow = transform(translation=poses["link_3"][:3, 3])
         yield Label("ghosts", text, Rigid(WORLD, elbow), color)
-    yield from _target(arm, q, target)
+    away = float(kinematics.distance_to_reach(target))
+    base = arm.forward_kinematics(q, frame="base_link")
+    yield from _target(base.act(target), away)
 
 
 def _ghost(
@@ -247,11 +252,10 @@ def _ghost(
             )
 
 
-def _target(arm: Arm, q: FloatArray, target: FloatArray) -> Iterator[Shape | Label]:
-    base = arm.forward_kinematics(q, frame="base_link")
-    at = Rigid(WORLD, transform(translation=base.act(target)))
+def _target(point: FloatArray, away: float) -> Iterator[Shape | Label]:
+    """A target at a point of the world (3,), so far out of reach [m]."""
+    at = Rigid(WORLD, transform(translation=point))
     sphere = ball(0.008, _COLORS["pink"], _COLORS["white"])
     yield Shape("ghosts", "target", at, sphere, on_top=2)
-    away = float(reach.distance_to_reach(target))
     text = f"target, out of reach by {1e3 * away:.1f} mm" if away else "target"
     yield Label("ghosts", text, at, (0.75, 0.05, 0.4))

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.kinematics import workspace
-from alpha5_model.kinematics.arcs import planar_arc
+from alpha5_model.kinematics.arcs import Arc, planar_arc
 from alpha5_model.theory import planar
 
 #: Longest chord of an arc of the arm's workspace in a plot [rad].
@@ -25,14 +24,14 @@ def polyline(curve: planar.Curve, step: float) -> FloatArray:
     return curve.point(np.linspace(*curve.interval, count))
 
 
-def loops(arcs: Iterable[workspace.Arc], step: float = CHORD) -> list[FloatArray]:
+def loops(arcs: Iterable[Arc], step: float = CHORD) -> list[FloatArray]:
     """Polygons of the origin and each arc, which together wind once around a region.
 
     Lines from the origin and back cancel, and so does the yaw axis where the boundary
     is open.
 
     Args:
-        arcs: A whole boundary, as `workspace.boundary` gives it.
+        arcs: A whole boundary, as `alpha5_model.workspace.boundary` gives it.
         step: Angle between two points of an arc, at most [rad].
 
     Returns:

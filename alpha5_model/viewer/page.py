@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.errors import MissingDependencyError
-from alpha5_model.kinematics import ik
+from alpha5_model.kinematics.ik import BRANCHES
 from alpha5_model.viewer.commands import (
     anchors,
     link_path,
@@ -73,7 +73,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         ],
         "groups": _groups(scene),
         "seeThrough": SEE_THROUGH,
-        "branches": ik.BRANCHES,
+        "branches": BRANCHES,
         "poses": scene.named_poses,
         "views": VIEWS,
         "plane": scene.plane._asdict(),

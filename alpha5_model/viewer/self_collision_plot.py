@@ -12,9 +12,8 @@ from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.dynamics.load import load
-from alpha5_model.kinematics import workspace
+from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.kinematics.catalogue_arm import catalogue
-from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.viewer.figures import Color, new_figure, style
 from alpha5_model.viewer.shapes import Mesh, read_obj
 from alpha5_model.viewer.workspace_plot import FILL
@@ -45,11 +44,14 @@ class _Cells(NamedTuple):
 def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     """Plot, from above and the side, the share that is reached in self-collision only.
 
+    The arm is the catalogue's, whose bodies are drawn.
+
     Args:
         cell: Edge of the cells whose centres are tried [m].
         samples: Points behind the share in the title.
     """
-    cells = _tried(catalogue().plane, cell)
+    kinematics = catalogue()
+    cells = _tried(kinematics, cell)
     base = _base()
     page = new_figure(9.6, 4.7)
     above, side = page.subplots(1, 2)
@@ -67,7 +69,7 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
         arrowprops={"arrowstyle": "-", "lw": 0.6},
     )
 
-    found = workspace.sampled_share(without_self_collision, samples)
+    found = kinematics.sampled_share(without_self_collision, samples)
     share = f"{1 - found.share:.1%} ± {found.standard_error:.1%}"
     title = f"{share} of the reachable volume is reached only in self-collision"
     page.suptitle(title, fontsize=11)
@@ -76,18 +78,23 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     return page
 
 
-def _tried(plane: ArmPlane, cell: float) -> _Cells:
+def _tried(kinematics: ArmKinematics, cell: float) -> _Cells:
     """Try a grid of points that holds all that the arm can reach."""
-    across = math.ceil((plane.a_0 + plane.longest) / cell)
-    up = math.ceil(plane.longest / cell)
-    x = np.asarray(cell * np.arange(-across, across + 1), np.float64)
+    plane = kinematics.plane
+    x = _centered(plane.a_0 + plane.longest, cell)
     y = x
-    z = np.asarray(cell * np.arange(-up, up + 1) + plane.d_0, np.float64)
+    z = _centered(plane.longest, cell) + plane.d_0
     points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
-    reached = workspace.reachable(points)
+    reached = kinematics.reachable(points)
     free = np.zeros_like(reached)
-    free[reached] = workspace.reachable(points[reached], accept=without_self_collision)
+    free[reached] = kinematics.reachable(points[reached], accept=without_self_collision)
     return _Cells(x=x, y=y, z=z, reached=reached, free=free)
+
+
+def _centered(far: float, cell: float) -> FloatArray:
+    """Multiples of the edge of a cell, from -far to far or a little beyond."""
+    count = math.ceil(far / cell)
+    return np.asarray(cell * np.arange(-count, count + 1), np.float64)
 
 
 def _base() -> Mesh:

@@ -39,16 +39,13 @@ def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
         )
 
 
-def statics_of(
-    arm: Arm, loads: Sequence[Load], base: str, parameters: Alpha5Parameters
-) -> Statics:
+def statics_of(arm: Arm, loads: Sequence[Load], base: str) -> Statics:
     """What the torque is computed from that holds the arm still.
 
     Args:
         arm: The arm.
         loads: Weight and buoyancy of its bodies.
         base: Name of its base link.
-        parameters: Its dimensions.
     """
     links = [base, *(f"link_{i}" for i in range(1, 5))]
     moments = np.zeros((5, 2, 4, 4))
@@ -61,8 +58,8 @@ def statics_of(
         else:
             beyond.append((load.link, net))
     return Statics(
-        parameters=regrouped(moments, arm.model.gravity.linear, parameters),
-        share=_share_of_link_4(parameters),
+        parameters=regrouped(moments, arm.model.gravity.linear, arm.parameters),
+        share=_share_of_link_4(arm.parameters),
         beyond=tuple(beyond),
     )
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model.kinematics import workspace
-from alpha5_model.kinematics.arcs import planar_arc
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics import published_region
+from alpha5_model.kinematics.arcs import Arc, planar_arc
+from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.theory import planar
 from alpha5_model.viewer.figures import Color, new_figure, style
@@ -33,16 +33,19 @@ _LEGEND = (
     grid={"color": "0.9", "linewidth": 0.5},
     legend={"fontsize": 8.5},
 )
-def workspace_figure() -> Any:
+def workspace_figure(kinematics: ArmKinematics) -> Any:
     """Plot the exact and the published workspace, as a matplotlib Figure.
 
     Left, the boundary of the reachable set by the joint that stops it. Right, the
     published region over it. Lengths in mm.
+
+    Args:
+        kinematics: Of the arm.
     """
     page = new_figure(9.4, 9.0)
     left, right = page.subplots(1, 2, sharey=True)
-    _draw_exact(left, catalogue().plane)
-    _draw_published(right)
+    _draw_exact(left, kinematics)
+    _draw_published(right, kinematics)
     for axes in (left, right):
         legend_below(axes, 0.08)
         axes.set(aspect="equal", xlim=(0.0, 370.0), ylim=(-310.0, 400.0))
@@ -51,22 +54,22 @@ def workspace_figure() -> Any:
     return page
 
 
-def _draw_exact(axes: Any, plane: ArmPlane) -> None:
-    _fill_arcs(axes, workspace.boundary("both"), FILL)
+def _draw_exact(axes: Any, kinematics: ArmKinematics) -> None:
+    _fill_arcs(axes, kinematics.boundary("both"), FILL)
     for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):
-        for arc in workspace.boundary(side):
+        for arc in kinematics.boundary(side):
             points = polyline(planar_arc(arc), CHORD) * 1e3
             axes.plot(*points.T, _line_style(arc), color=color, linewidth=1.8)
-    _mark_shoulder(axes, plane)
+    _mark_shoulder(axes, kinematics.plane)
     for color, line, text in _LEGEND:
         axes.plot([], [], line, color=color, label=text)
-    area = workspace.cross_section_area() * 1e4
-    volume = workspace.volume() * 1e3
+    area = kinematics.cross_section_area() * 1e4
+    volume = kinematics.volume() * 1e3
     size = f"{area:.0f} cm² of the half-plane, {volume:.1f} L in all"
     axes.set_title(f"What is reached within the joint limits\n{size}")
 
 
-def _line_style(arc: workspace.Arc) -> str:
+def _line_style(arc: Arc) -> str:
     """The line style for what bounds the workspace at an arc, as in `_LEGEND`."""
     if arc.cause == "stretched":
         return "-"
@@ -80,8 +83,9 @@ def _mark_shoulder(axes: Any, plane: ArmPlane) -> None:
     axes.annotate("shoulder", shoulder, (12, -70), fontsize=8, arrowprops=leader)
 
 
-def _draw_published(axes: Any) -> None:
-    for torus in workspace.published_tori():
+def _draw_published(axes: Any, kinematics: ArmKinematics) -> None:
+    parameters = kinematics.parameters
+    for torus in published_region.published_tori(parameters):
         circle = planar.Arc(torus.center, torus.radius, -math.pi)
         points = polyline(circle, CHORD) * 1e3
         # The half-plane ends at the yaw axis.
@@ -89,19 +93,19 @@ def _draw_published(axes: Any) -> None:
         look = {"color": Color.BLACK, "linewidth": 1.0}
         axes.plot(*points.T, **look, label="the three published tori")
 
-    errors = workspace.published_errors()
+    errors = published_region.published_errors(parameters)
     unreachable = errors.unreachable_area / errors.published_area
     missed = errors.missed_area / errors.reachable_area
     for arcs, color, alpha, label in (
-        (workspace.boundary("both"), FILL, None, "published, and reachable"),
+        (kinematics.boundary("both"), FILL, None, "published, and reachable"),
         (
-            workspace.published_but_unreachable(),
+            published_region.published_but_unreachable(parameters, "both"),
             Color.VERMILION,
             0.55,
             f"not reachable: {unreachable:.1%} of the published area",
         ),
         (
-            workspace.reachable_but_unpublished(),
+            published_region.reachable_but_unpublished(parameters, "both"),
             Color.GREEN,
             0.55,
             f"not published: {missed:.1%} of the reachable area",
@@ -118,8 +122,6 @@ def _draw_published(axes: Any) -> None:
     )
 
 
-def _fill_arcs(
-    axes: Any, arcs: Iterable[workspace.Arc], color: str, **options: Any
-) -> None:
+def _fill_arcs(axes: Any, arcs: Iterable[Arc], color: str, **options: Any) -> None:
     """Fill what arcs bound, in mm."""
     fill(axes, [loop * 1e3 for loop in loops(arcs)], color, zorder=0.8, **options)
