@@ -258,7 +258,7 @@ class Actuator:
         """Currents at which the joint stays still under a load, [A].
 
         From the current just enough to keep the load from falling to the one that
-        starts to lift it; contains 0 where friction alone holds.
+        starts to lift it; contains 0 if friction alone holds.
         """
         (tau,) = _numbers(torque=torque)
         eta = self.gear_efficiency
@@ -336,7 +336,7 @@ class Actuator:
                 one the stall torque at 24 V would be beyond 100 N m.
 
         Returns:
-            [N m]; NaN where no current within the limit can be kept at this velocity.
+            [N m]; NaN if no current within the limit can be kept at this velocity.
         """
         supply, limit = _drive(supply_voltage, current_limit)
         (v,) = _numbers(velocity=velocity)

@@ -1,10 +1,10 @@
 """The arm in motion under water: ``M(q) a + C(q, v) v + g(q) = tau + tau_buoyancy(q)``.
 
-A thin layer over Pinocchio: every method is one or two of its algorithms, on the arm
-and on the fluid that the arm displaces; batches run on generated kernels where those
-know the arm (`alpha5_model.dynamics.batch`). The fluid acts by its pressure at rest
-(buoyancy) only. Drag and added mass, for which nothing is published, are estimated:
-`Arm.with_hydrodynamics` gives an arm that has them.
+This is a thin layer over Pinocchio: every method is one or two of its algorithms, on
+the arm and on the fluid that the arm displaces. Batches run on generated kernels if
+those know the arm (`alpha5_model.dynamics.batch`). The fluid acts by its pressure at
+rest (buoyancy) only. Nothing is published about drag and added mass; they are
+estimated, and `Arm.with_hydrodynamics` returns an arm that has them.
 
 Thread safety: an arm never changes after it is made, and each thread computes in its
 own pin.Data, so one arm may be used from any number of threads. What a method returns
@@ -307,8 +307,8 @@ class Arm:
         """
         q = self._clean_q(q)
         own = self._own
-        # Not of the net weights: Pinocchio joins bodies here, which takes positive
-        # masses.
+        # The net weights do not serve here: Pinocchio joins bodies, which takes
+        # positive masses.
         out: FloatArray = pin.computeGeneralizedGravityDerivatives(
             self._model, own.data, q
         )
@@ -594,7 +594,7 @@ class Arm:
                 and below.
             v: (N, nv).
             a: (N, nv).
-            threads: How many Pinocchio uses at most, where the kernels
+            threads: How many Pinocchio uses at most, if the kernels
                 (`alpha5_model.backend`) do not know the arm: on a floating base, with
                 jaws. None for all that this process may use; one for each full 5000
                 states is used, and only one in a forked process.
@@ -681,9 +681,9 @@ class Arm:
         Raises:
             UnknownNameError: No such level or numbers, or a model without the arm's
                 links.
-            InputError: An arm with other dimensions than the catalogue's, whose links
-                they are; give it those of yours: ``HydrodynamicArm(arm, bodies,
-                current)``.
+            InputError: An arm with other dimensions than the catalogue's, for which the
+                numbers hold. Make one with numbers of your own:
+                ``HydrodynamicArm(arm, bodies, current)``.
 
         Warns:
             ImplausibleWarning: A current that no water has.

@@ -1,18 +1,16 @@
 """Self-collision of the arm and its distance from that, by Pinocchio and coal.
 
-Bodies are primitives.
+The bodies are primitives. Pairs of links that turn against each other at a joint are
+left out, as in ``urdf/alpha5.srdf``.
 
-Pairs of links that turn against each other at a joint are left out, as in
-``urdf/alpha5.srdf``.
-
-`without_self_collision` asks it of many joint positions, at some wrist angle: the wrist
-turns the hand about an axis through the tcp and moves no point, so a point of the
-workspace is reached without self-collision if any wrist angle is free of it.
+`without_self_collision` checks many joint positions, each at several wrist angles. The
+wrist turns the hand about an axis through the tcp and does not move the tcp, so the arm
+reaches a point without self-collision if any wrist angle is free of it.
 
 References:
-    [ReachAlpha] Manufacturer's document, Figure 2: "without self collision". [Pan2012]
-    Pan, Chitta, Manocha: FCL: A general purpose library for collision and proximity
-    queries, ICRA 2012 (dynamic AABB trees).
+    [ReachAlpha] Manufacturer's document, Figure 2: "without self collision".
+    [Pan2012] Pan, Chitta, Manocha: FCL: A general purpose library for collision and
+        proximity queries, ICRA 2012 (dynamic AABB trees).
 """
 
 from __future__ import annotations
@@ -80,9 +78,9 @@ class CollisionModel:
         self._data = model.createData()
         self.geometry = collision_geometry(model)
         self.data = self.geometry.createData()
-        # Pinocchio has each search start where the last one ended: then the answer at q
-        # depends, by a micrometre, on what was asked before. coal's own request starts
-        # afresh.
+        # Pinocchio lets each search start from the end of the last one, so the answer
+        # at q would depend, by a micrometre, on the call before. coal's own request
+        # starts afresh.
         self.data.distanceRequests[:] = [coal.DistanceRequest()] * len(
             self.data.distanceRequests
         )
@@ -241,7 +239,7 @@ def _collides(model: Any, geometry: Any, q: FloatArray) -> BoolArray:
     """Whether any pair touches at q, (N, 4)."""
     data = model.createData()
     objects = geometry.createData()
-    # A search that starts where the last one ended was seen to miss overlaps.
+    # A search that starts from the end of the last one was seen to miss overlaps.
     objects.collisionRequests[:] = [coal.CollisionRequest()] * len(
         objects.collisionRequests
     )

@@ -99,7 +99,7 @@ class KernelArm(Arm):
 def _strict(name: str, inputs: Sequence[str]) -> Callable[..., Any]:
     """A method that converts a state for its kernel, or refuses it.
 
-    It leaves to Pinocchio what is more than a state, such as external forces.
+    Pinocchio computes what needs more than a state, such as external forces.
     """
     method = getattr(Arm, name)
 

@@ -1,9 +1,9 @@
 """The arm in moving water: added mass and drag besides buoyancy, in a uniform current.
 
-``(M(q) + sum J^T A J) a + ... = tau + tau_buoyancy(q) + tau_drag``. Everything is
-computed on a tree in which every joint is its own and the base stands on a free-flyer:
-its velocities are ``G v``, so torques are ``G^T tau_tree``, and on a fixed base the
-first six of the tree are the load on the mount.
+The equation of motion is ``(M(q) + sum J^T A J) a + ... = tau + tau_buoyancy(q) +
+tau_drag``. Everything is computed on a tree in which every joint is its own and the
+base stands on a free-flyer. Its velocities are ``G v``, so torques are ``G^T
+tau_tree``. On a fixed base the first six of the tree are the load on the mount.
 """
 
 from __future__ import annotations
@@ -64,15 +64,14 @@ class HydrodynamicArm:
 
     Make one with `Arm.with_hydrodynamics`, or with `on_vehicle`.
 
-    Arguments are those of `alpha5_model.dynamics.arm.Arm`, and so are the errors; what
-    is not listed here (kinematics, weight, buoyancy, collisions, `model`,
-    `joint_names`, ...) is answered by that arm. Every method that depends on it takes a
-    current of its own, uniform, in the world, (3,) [m/s]; batches take one for each
-    row.
+    Arguments and errors are those of `alpha5_model.dynamics.arm.Arm`. The arm in still
+    water answers what is not listed here (kinematics, weight, buoyancy, collisions,
+    `model`, `joint_names`, ...). Every method that depends on the current takes one of
+    its own, uniform, in the world, (3,) [m/s]; batches take one for each row.
 
     Attributes:
         still: The same arm in water that only bears it.
-        current: Velocity of the water where none is given, in the world, (3,) [m/s].
+        current: Velocity of the water if a method gets none, in the world, (3,) [m/s].
         bodies: What moves water, on their joints.
     """
 
