@@ -17,7 +17,7 @@ from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import urdf
 from alpha5_model.numbers.parameters import parameters
-from alpha5_model.proofs.comparison.body_findings import BodyCase, body_findings
+from alpha5_model.proofs.comparison.body_findings import BodyCase, findings_of_body
 from alpha5_model.proofs.comparison.body_replacement import Replacement
 from alpha5_model.proofs.comparison.hypotheses import hypotheses_of
 from alpha5_model.proofs.comparison.measure import compare_robots
@@ -435,7 +435,7 @@ def test_a_body_that_the_other_model_lacks_is_said_to_be_missing():
         instead=Replacement(),
         cost=lambda body, mass, moment: body - mass,
     )
-    (finding,) = body_findings(case)
+    (finding,) = findings_of_body(case)
     assert finding == Finding(
         "link_2", "no link of the other model is this body", True, 2.38, ""
     )

@@ -17,11 +17,11 @@ from alpha5_model.proofs.comparison.diagnosis import (
     explain_inertia,
     explain_mass,
 )
+from alpha5_model.proofs.comparison.document_revisions import revisions
 from alpha5_model.proofs.comparison.guesses import explain_guess, solid_of_size
 from alpha5_model.proofs.comparison.hypotheses import hypotheses_of
 from alpha5_model.proofs.comparison.inertials import Inertial, subjects
 from alpha5_model.proofs.comparison.own_arm import own_arm_of
-from alpha5_model.proofs.comparison.revisions import revisions
 
 LINKS = parameters().links
 KNOWN = [hypotheses_of(own_arm_of(parameters()), body) for body in range(5)]
@@ -141,12 +141,12 @@ def test_nothing_but_comparison_reads_it():
     }
     assert sorted(name for name in texts if "earlier_revision" in texts[name]) == [
         "numbers/reading.py",
-        "proofs/comparison/revisions.py",
+        "proofs/comparison/document_revisions.py",
     ]
     assert sorted(name for name in texts if "revisions()" in texts[name]) == [
         "proofs/comparison/added_inertia.py",
+        "proofs/comparison/document_revisions.py",
         "proofs/comparison/hypotheses.py",
-        "proofs/comparison/revisions.py",
     ]
 
 

@@ -16,13 +16,13 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.numbers.fluids import FRESH_WATER
 from alpha5_model.numbers.inertia import flip_products, point_mass_tensor
 from alpha5_model.proofs.comparison.body_size import body_radius, largest_sizes
+from alpha5_model.proofs.comparison.document_revisions import Revision, revisions
 from alpha5_model.proofs.comparison.hypotheses import (
     I_LINK,
     SOLIDWORKS,
     BodyHypotheses,
 )
 from alpha5_model.proofs.comparison.inertials import Inertial
-from alpha5_model.proofs.comparison.revisions import Revision, revisions
 
 
 class AddedWater(NamedTuple):

@@ -31,7 +31,7 @@ SAME_COM = 1e-3  # [m]
 LENGTHS = 4
 
 
-def axis_findings(evidence: Evidence) -> Iterator[Finding]:
+def findings_of_axes(evidence: Evidence) -> Iterator[Finding]:
     """What is wrong with signs, zeros and dimensions, base to tip."""
     yield from _zeros(evidence)
     yield from _dimensions(evidence)
@@ -141,7 +141,7 @@ def _dimension(evidence: Evidence, index: int, change: float) -> Finding:
 # --------------------------------------------------------------------------------- rest
 
 
-def rest_findings(
+def findings_of_rest(
     evidence: Evidence, corrections: list[JointCorrection]
 ) -> Iterator[Finding]:
     """Joints that no other finding mends, and what the number of printed digits does.

@@ -17,7 +17,7 @@ from alpha5_model.proofs.comparison.records import Finding
 NAMED = 3
 
 
-def mount_findings(evidence: Evidence) -> Iterator[Finding]:
+def findings_of_mount(evidence: Evidence) -> Iterator[Finding]:
     """Where the root of the other model stands, and what it carries besides the arm."""
     yield from _mount(evidence)
     yield from _carried(evidence)
@@ -72,7 +72,7 @@ def _carried(evidence: Evidence) -> Iterator[Finding]:
     yield finding("carried", names=names, excess=excess)
 
 
-def shoulder_findings(evidence: Evidence) -> Iterator[Finding]:
+def findings_of_shoulder(evidence: Evidence) -> Iterator[Finding]:
     """Where the link that was meant to be base_link stands below the shoulder."""
     alignment = evidence.alignment
     if not alignment.same_base:

@@ -80,7 +80,7 @@ class BodyCase:
         return reason(self.known, self.written, explain)
 
 
-def all_body_findings(evidence: Evidence) -> Iterator[Finding]:
+def findings_of_bodies(evidence: Evidence) -> Iterator[Finding]:
     """What is wrong with the bodies, base to tip."""
     transforms = body_transforms(evidence.ours, evidence.theirs, evidence.alignment)
     mended = mended_transforms(evidence.ours, evidence.theirs, evidence.alignment)
@@ -102,7 +102,7 @@ def all_body_findings(evidence: Evidence) -> Iterator[Finding]:
             instead=replacement_of(body.ours, _written(evidence, body, mended[index])),
             cost=cost,
         )
-        found = list(body_findings(case))
+        found = list(findings_of_body(case))
         yield from found
         if not any("<origin" in one.instead for one in found):
             yield from _rounded(case, mended_coms[index])
@@ -162,7 +162,7 @@ def _rounded(case: BodyCase, mended_com: FloatArray) -> Iterator[Finding]:
         )
 
 
-def body_findings(case: BodyCase) -> Iterator[Finding]:
+def findings_of_body(case: BodyCase) -> Iterator[Finding]:
     """What is wrong with one body."""
     name = case.body.name
     yield from _dummies(name, case.written)

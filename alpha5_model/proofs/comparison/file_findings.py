@@ -14,7 +14,7 @@ from alpha5_model.proofs.comparison.records import Finding
 VOLUME_TOLERANCE = 5e-3
 
 
-def file_findings(evidence: Evidence) -> Iterator[Finding]:
+def findings_of_files(evidence: Evidence) -> Iterator[Finding]:
     """Remarks on collision meshes, the volume of collision primitives, and files."""
     yield from _meshes(evidence)
     yield from _volume(evidence)

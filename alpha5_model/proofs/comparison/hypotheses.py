@@ -18,6 +18,7 @@ from alpha5_model.numbers.fluids import FRESH_WATER, SEA_WATER
 from alpha5_model.numbers.inertia import flip_products, point_mass_tensor, rotate_tensor
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import LinkParameters
+from alpha5_model.proofs.comparison.document_revisions import Revision, revisions
 from alpha5_model.proofs.comparison.hypothesis_tables import (
     Hypothesis,
     HypothesisTable,
@@ -30,7 +31,6 @@ from alpha5_model.proofs.comparison.hypothesis_tables import (
 )
 from alpha5_model.proofs.comparison.own_arm import OwnArm
 from alpha5_model.proofs.comparison.poses import rotation_of
-from alpha5_model.proofs.comparison.revisions import Revision, revisions
 
 I_LINK = (
     "I_Link used as I_COM (about the link frame, not the COM: "

@@ -4,35 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from alpha5_model.proofs.comparison.axis_findings import axis_findings, rest_findings
-from alpha5_model.proofs.comparison.base_findings import (
-    mount_findings,
-    shoulder_findings,
+from alpha5_model.proofs.comparison.axis_findings import (
+    findings_of_axes,
+    findings_of_rest,
 )
-from alpha5_model.proofs.comparison.body_findings import all_body_findings
+from alpha5_model.proofs.comparison.base_findings import (
+    findings_of_mount,
+    findings_of_shoulder,
+)
+from alpha5_model.proofs.comparison.body_findings import findings_of_bodies
 from alpha5_model.proofs.comparison.correction import JointCorrection
 from alpha5_model.proofs.comparison.evidence import Evidence
-from alpha5_model.proofs.comparison.file_findings import file_findings
-from alpha5_model.proofs.comparison.limit_findings import limit_findings, mimic_findings
+from alpha5_model.proofs.comparison.file_findings import findings_of_files
+from alpha5_model.proofs.comparison.limit_findings import (
+    findings_of_limits,
+    findings_of_mimics,
+)
 from alpha5_model.proofs.comparison.records import Finding
-from alpha5_model.proofs.comparison.tool_findings import tool_findings
+from alpha5_model.proofs.comparison.tool_findings import findings_of_tool
 
 
 def all_findings(evidence: Evidence) -> Iterator[Finding]:
     """Everything that is wrong or odd, from the base on."""
     axes = [
-        *shoulder_findings(evidence),
-        *axis_findings(evidence),
-        *tool_findings(evidence),
+        *findings_of_shoulder(evidence),
+        *findings_of_axes(evidence),
+        *findings_of_tool(evidence),
     ]
     rest = _not_mended(evidence, axes)
-    yield from mount_findings(evidence)
+    yield from findings_of_mount(evidence)
     yield from axes
-    yield from rest_findings(evidence, rest)
-    yield from limit_findings(evidence)
-    yield from mimic_findings(evidence.other)
-    yield from all_body_findings(evidence)
-    yield from file_findings(evidence)
+    yield from findings_of_rest(evidence, rest)
+    yield from findings_of_limits(evidence)
+    yield from findings_of_mimics(evidence.other)
+    yield from findings_of_bodies(evidence)
+    yield from findings_of_files(evidence)
 
 
 def _not_mended(evidence: Evidence, found: Sequence[Finding]) -> list[JointCorrection]:

@@ -22,7 +22,7 @@ from alpha5_model.proofs.comparison.findings import finding
 from alpha5_model.proofs.comparison.records import Finding
 
 
-def limit_findings(evidence: Evidence) -> Iterator[Finding]:
+def findings_of_limits(evidence: Evidence) -> Iterator[Finding]:
     """Limits of the four joints that are missing, in degrees, or not ours."""
     for joint, correction in enumerate(evidence.corrections):
         ours = correction.ours
@@ -89,7 +89,7 @@ def _range(
         )
 
 
-def mimic_findings(other: UrdfRobot) -> Iterator[Finding]:
+def findings_of_mimics(other: UrdfRobot) -> Iterator[Finding]:
     """Joints that their leader drives beyond their own limits."""
     advised: dict[str, FloatArray] = {}  # joint -> the limits that it should have
     for joint in other.joints.values():

@@ -20,7 +20,7 @@ from alpha5_model.proofs.comparison.records import Finding
 JAWS_FROM, BESIDE, TURNED = 0.13275, 0.002, math.radians(0.5)  # [m], [m], [rad]
 
 
-def tool_findings(evidence: Evidence) -> Iterator[Finding]:
+def findings_of_tool(evidence: Evidence) -> Iterator[Finding]:
     """Where the frame of their tool stands in link_4, if they have one."""
     correction = evidence.tool_correction
     if correction is None:
