@@ -28,7 +28,7 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import in_si
 from alpha5_model.numbers.reading import hydrodynamics as read
-from alpha5_model.numbers.tables import BODY_NAMES
+from alpha5_model.numbers.tables import BODY_NAMES, HydrodynamicRow
 
 LEVELS = ("low", "nominal", "high")
 SETS = ("estimated", "supplementary")
@@ -94,10 +94,10 @@ class BodyHydrodynamics:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "added_mass", frozen(added_mass(self.added_mass)))
-        strips = listed("strips", self.strips, "DragStrips")
-        object.__setattr__(
-            self, "strips", tuple(instance("strips", s, DragStrip) for s in strips)
-        )
+        strips = []
+        for strip in listed("strips", self.strips, "DragStrips"):
+            strips.append(instance("strips", strip, DragStrip))
+        object.__setattr__(self, "strips", tuple(strips))
 
 
 _legendre = cache(np.polynomial.legendre.leggauss)
@@ -114,9 +114,14 @@ def gauss_count(strip: DragStrip) -> int:
 
 def gauss_points(strip: DragStrip, count: int = 0) -> list[tuple[FloatArray, float]]:
     """Points of Gauss's quadrature along a strip, (3,) [m], each with its share of the length; 0 for `gauss_count`."""
-    line, middle = strip.end - strip.start, strip.start + strip.end
-    nodes = zip(*_legendre(count or gauss_count(strip)), strict=True)
-    return [((middle + node * line) / 2, weight / 2) for node, weight in nodes]
+    line = strip.end - strip.start
+    twice_middle = strip.start + strip.end
+    nodes, weights = _legendre(count or gauss_count(strip))
+    points: list[tuple[FloatArray, float]] = []
+    for node, weight in zip(nodes, weights, strict=True):
+        point = (twice_middle + node * line) / 2
+        points.append((point, weight / 2))
+    return points
 
 
 def added_mass(matrix: ArrayLike) -> FloatArray:
@@ -130,14 +135,16 @@ def added_mass(matrix: ArrayLike) -> FloatArray:
             6).
     """
     given = array("added_mass", matrix, 6, 6)
+    symmetric: FloatArray = (given + given.T) / 2
+
+    # Entries are in kg and in kg m^2, so they are compared in units of their diagonal.
     diagonal = np.sqrt(np.abs(np.diag(given)))
-    # kg beside kg m^2: entries in units of their rows.
     scale = np.where(diagonal > 0, diagonal, 1.0)
     relative = given / np.outer(scale, scale)
     if np.abs(relative - relative.T).max() > _ROUNDING:
         raise InputError("added_mass", given.tolist(), "a symmetric matrix")
-    symmetric: FloatArray = (given + given.T) / 2
-    if np.linalg.eigvalsh((relative + relative.T) / 2).min() < -_ROUNDING:
+    eigenvalues = np.linalg.eigvalsh((relative + relative.T) / 2)
+    if eigenvalues.min() < -_ROUNDING:
         raise InputError("added_mass", given.tolist(), "no negative eigenvalue")
     return symmetric
 
@@ -160,19 +167,34 @@ def hydrodynamics(
     Raises:
         UnknownNameError: No such gripper, level or set.
     """
-    at = LEVELS.index(choice("level", level, LEVELS))
+    column = LEVELS.index(choice("level", level, LEVELS))
     rows = read(choice("set", numbers, SETS))
-    moving = choice("gripper", gripper, GRIPPERS) == "jaws"
-    out = {}
-    for link in (*BODY_NAMES, "finger_1", "finger_2") if moving else BODY_NAMES:
-        row = rows.get("wrist" if moving and link == "link_4" else link)
-        if row is not None:
-            strips = (
-                (s.start, s.end, s.diameter, s.across[at], s.along[at])
-                for s in row.strips
+    choice("gripper", gripper, GRIPPERS)
+    # Link -> its row in the file.
+    names = {name: name for name in BODY_NAMES}
+    if gripper == "jaws":
+        names |= {"link_4": "wrist", "finger_1": "finger_1", "finger_2": "finger_2"}
+
+    bodies = {}
+    for link, name in names.items():
+        if name in rows:
+            bodies[link] = _body(rows[name], column)
+    return bodies
+
+
+def _body(row: HydrodynamicRow, column: int) -> BodyHydrodynamics:
+    """A row of the file in SI units, at one of the `LEVELS`."""
+    strips = []
+    for strip in row.strips:
+        strips.append(
+            DragStrip(
+                start=in_si(strip.start),
+                end=in_si(strip.end),
+                diameter=in_si(strip.diameter),
+                across=in_si(strip.across[column]),
+                along=in_si(strip.along[column]),
             )
-            matrix = np.array(in_si(row.added_mass)) * row.added_mass_factor[at].si
-            out[link] = BodyHydrodynamics(
-                matrix, [DragStrip(*in_si(strip)) for strip in strips]
-            )
-    return out
+        )
+    matrix = np.array(in_si(row.added_mass))
+    factor = row.added_mass_factor[column].si
+    return BodyHydrodynamics(added_mass=matrix * factor, strips=strips)

@@ -235,44 +235,67 @@ def inconsistencies(
     Raises:
         InputError: Not finite real numbers; ShapeError: of other shapes.
     """
-    mass, tolerance = real("mass", mass), real("tolerance", tolerance, minimum=0.0)
-    c, tensor = shaped("com", com, (3,)), shaped("inertia_com", inertia_com, (3, 3))
+    mass = real("mass", mass)
+    tolerance = real("tolerance", tolerance, minimum=0.0)
+    c = shaped("com", com, (3,))
+    tensor = shaped("inertia_com", inertia_com, (3, 3))
+
     least = np.linalg.eigvalsh(pseudo_inertia(mass, c, tensor))[0]
-    small, middle, large = principal_moments(tensor)
-    slack, others = tolerance * float(np.abs(tensor).max()), small + middle
-    asymmetric = np.abs(tensor - tensor.T).max() > slack
-    conditions = {
-        f"mass {mass:g} kg is not positive": mass <= 0,
-        "the inertia tensor is not symmetric": asymmetric,
-        f"the smallest principal moment {small:.4g} kg m^2 is not positive": small
-        <= slack,
-        f"the largest principal moment {large:.4g} kg m^2 exceeds the sum of the others, "
-        f"{others:.4g}": large > others * (1 + tolerance),
-    }
-    found = [violation for violation, holds in conditions.items() if holds]
+    found = _violations(mass, tensor, tolerance)
     if not found and least <= 0:
         found.append("the pseudo-inertia is not positive definite")
     if bounds is not None:
         box = array("bounds", bounds, 3, 2)
-        variances = (
-            np.diagonal(second_moments(tensor)) / mass if mass > 0 else np.zeros(3)
-        )
-        for axis, (low, high), position, variance in zip(
-            "xyz", box, c, variances, strict=True
-        ):
-            if not low <= position <= high:
-                at, span = (
-                    f"{position * 1e3:.1f} mm",
-                    f"{low * 1e3:.1f} to {high * 1e3:.1f} mm",
-                )
-                found.append(f"the COM's {axis} = {at} is outside the body, {span}")
-            elif variance > (high - position) * (position - low) * (1 + tolerance):
-                limit = f"{np.sqrt((high - position) * (position - low)) * 1e3:.1f} mm"
-                spread = (
-                    f"the mass spreads {np.sqrt(variance) * 1e3:.1f} mm along {axis}"
-                )
-                found.append(f"{spread}, more than a body of this size can, {limit}")
+        found += _beyond_bounds(mass, c, tensor, box, tolerance)
     return tuple(found)
+
+
+def _violations(mass: float, tensor: FloatArray, tolerance: float) -> list[str]:
+    """Conditions on mass and tensor that do not hold."""
+    slack = tolerance * float(np.abs(tensor).max())
+    small, middle, large = principal_moments(tensor)
+    others = small + middle
+    found = []
+    if mass <= 0:
+        found.append(f"mass {mass:g} kg is not positive")
+    if np.abs(tensor - tensor.T).max() > slack:
+        found.append("the inertia tensor is not symmetric")
+    if small <= slack:
+        found.append(
+            f"the smallest principal moment {small:.4g} kg m^2 is not positive"
+        )
+    if large > others * (1 + tolerance):
+        found.append(
+            f"the largest principal moment {large:.4g} kg m^2 "
+            f"exceeds the sum of the others, {others:.4g}"
+        )
+    return found
+
+
+def _beyond_bounds(
+    mass: float, com: FloatArray, tensor: FloatArray, box: FloatArray, tolerance: float
+) -> list[str]:
+    """Axes along which the COM or the mass is outside of the box, (3, 2)."""
+    variances = np.zeros(3)
+    if mass > 0:
+        variances = np.diagonal(second_moments(tensor)) / mass
+
+    found = []
+    for axis, (low, high), position, variance in zip(
+        "xyz", box, com, variances, strict=True
+    ):
+        largest = (high - position) * (position - low)
+        if not low <= position <= high:
+            place = f"{axis} = {position * 1e3:.1f} mm"
+            span = f"{low * 1e3:.1f} to {high * 1e3:.1f} mm"
+            found.append(f"the COM's {place} is outside the body, {span}")
+        elif variance > largest * (1 + tolerance):
+            spread = f"{np.sqrt(variance) * 1e3:.1f} mm along {axis}"
+            limit = f"{np.sqrt(largest) * 1e3:.1f} mm"
+            found.append(
+                f"the mass spreads {spread}, more than a body of this size can, {limit}"
+            )
+    return found
 
 
 def check_possible(

@@ -358,20 +358,16 @@ def convert(
 ) -> Alpha5Parameters:
     """Printed tables to SI units and URDF convention, with the named corrections."""
     extra = printed.supplementary
-    links = (
-        LinkParameters(**numbers) for numbers in link_numbers(printed, corrections)
-    )
+    links = link_numbers(printed, corrections)
+    actuators = printed.table_4.rows
+    jaws = {name: in_si(value) for name, value in extra.jaws.items()}
     return Alpha5Parameters(
         dh=_dh(printed),
         theta_c=_theta_c(printed),
-        links=tuple(links),
+        links=tuple(LinkParameters(**numbers) for numbers in links),
         joints=tuple(_record(JointParameters, row) for row in extra.joints),
-        actuators=tuple(
-            _record(ActuatorParameters, row) for row in printed.table_4.rows
-        ),
-        jaws=JawParameters(
-            **{name: in_si(value) for name, value in extra.jaws.items()}
-        ),
+        actuators=tuple(_record(ActuatorParameters, row) for row in actuators),
+        jaws=JawParameters(**jaws),
         base_yaw=0.0 if "base_frame" in corrections else math.pi,
         corrections=corrections,
     )
@@ -405,25 +401,33 @@ def _dh_row(row: tables.DHRow, angles: dict[str, float], a_1: float) -> DHParame
     place = f"Table 1, link {row.link}"
     variable, offset = _split_angle(row.theta, angles, place)
     _, alpha = _split_angle(row.alpha, angles, place)
-    a = a_1 if isinstance(row.a, str) else row.a.si
-    return DHParameters(row.d.si, offset, a, alpha, variable)
+    return DHParameters(
+        d=row.d.si,
+        theta_offset=offset,
+        a=a_1 if isinstance(row.a, str) else row.a.si,
+        alpha=alpha,
+        variable=variable,
+    )
 
 
 def _split_angle(
     expression: str, angles: dict[str, float], place: str
 ) -> tuple[str | None, float]:
     """Split ``theta_1 + theta_c - pi/2`` into its joint variable and its constant part [rad]."""
-    variable, constant = None, 0.0
-    for term in expression.replace("-", "+-").replace(" ", "").strip("+").split("+"):
-        name, sign = term.removeprefix("-"), -1.0 if term.startswith("-") else 1.0
+    variable = None
+    constant = 0.0
+    # Each term with its sign, separated by "+".
+    terms = expression.replace("-", "+-").replace(" ", "").strip("+")
+    for term in terms.split("+"):
+        name = term.removeprefix("-")
+        sign = -1.0 if term.startswith("-") else 1.0
         if name in angles:
             constant += sign * angles[name]
         elif name.startswith("theta_") and variable is None and sign > 0:
             variable = name
         else:
-            problem = (
-                f"cannot read {term!r} in {expression!r}; known are {', '.join(angles)}"
-            )
+            known = ", ".join(angles)
+            problem = f"cannot read {term!r} in {expression!r}; known are {known}"
             raise PublishedDataError(place, problem)
     return variable, constant
 

@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -331,13 +332,18 @@ def warn(message: str) -> None:
     """Give an `ImplausibleWarning` at the line that called the package."""
     if _silent.get():
         return
-    level, frame = 1, sys._getframe()
-    while (
-        frame.f_back
-        and frame.f_globals.get("__name__", "").partition(".")[0] in _PASSED
-    ):
-        level, frame = level + 1, frame.f_back
+    level = 1
+    frame = sys._getframe()
+    while frame.f_back and _package_of(frame) in _PASSED:
+        level += 1
+        frame = frame.f_back
     warnings.warn(message, ImplausibleWarning, stacklevel=level)
+
+
+def _package_of(frame: FrameType) -> str:
+    """Name of the package whose code a frame runs."""
+    module: str = frame.f_globals.get("__name__", "")
+    return module.partition(".")[0]
 
 
 @contextmanager

@@ -16,8 +16,7 @@ def published() -> Published:
     Raises:
         PublishedDataError: A data file is malformed; the message names the place.
     """
-    from alpha5_model.numbers.reading import (
-        load,
-    )  # late: `import alpha5_model` stays light
+    # Late, so that `import alpha5_model` stays light.
+    from alpha5_model.numbers.reading import load
 
     return load()

@@ -46,16 +46,15 @@ class Quantity:
         """
         if unit not in DECIMAL_SHIFT and unit not in FACTOR:
             known = ", ".join(repr(u) for u in sorted([*DECIMAL_SHIFT, *FACTOR]))
-            raise PublishedDataError(
-                place, f"unknown unit {unit!r}; known units are {known}"
-            )
-        if isinstance(text, str) and _PRINTED.fullmatch(text):
-            return cls(text, unit)
-        quoted = isinstance(text, str)
-        wanted = (
-            "a printed decimal number" if quoted else "the number as printed, in quotes"
-        )
-        raise PublishedDataError(place, f"expected {wanted}, got {text!r}")
+            problem = f"unknown unit {unit!r}; known units are {known}"
+            raise PublishedDataError(place, problem)
+        if not isinstance(text, str):
+            problem = f"expected the number as printed, in quotes, got {text!r}"
+            raise PublishedDataError(place, problem)
+        if not _PRINTED.fullmatch(text):
+            problem = f"expected a printed decimal number, got {text!r}"
+            raise PublishedDataError(place, problem)
+        return cls(text, unit)
 
     @property
     def value(self) -> Decimal:

@@ -14,7 +14,8 @@ from alpha5_model.errors import PublishedDataError
 from alpha5_model.numbers import tables as t
 from alpha5_model.numbers.quantity import Quantity
 
-_DOCUMENT, _SUPPLEMENTARY = "reach_alpha_mk2_v7.toml", "supplementary.toml"
+_DOCUMENT = "reach_alpha_mk2_v7.toml"
+_SUPPLEMENTARY = "supplementary.toml"
 _HEAD = ("title", "publisher", "version", "date")
 
 
@@ -60,7 +61,8 @@ def earlier_revision() -> tuple[t.EarlierRow, ...]:
     """The earlier revision's rows, from ``earlier_revision.toml``; supplementary, see there."""
     name = "earlier_revision.toml"
     root = _root(name, _text(name)).table("status", "source", "table")
-    _status(root["status"]), root["source"].text()
+    _status(root["status"])
+    root["source"].text()
     table = root["table"].table("units", "rows")
     _check_units(table["units"], _units(t.EarlierRow))
     return _rows(t.EarlierRow, table["rows"])
@@ -82,9 +84,10 @@ def parse_hydrodynamics(file: str, text: str) -> dict[str, t.HydrodynamicRow]:
     """Read the text of a file of moving water."""
     root = _root(file, text).table("units", "bodies")
     _check_units(root["units"], _units(t.HydrodynamicRow) | _units(t.StripRow))
-    given = root["bodies"].value
-    known = [n for n in t.HYDRODYNAMIC_NAMES if isinstance(given, dict) and n in given]
-    bodies = root["bodies"].table(*known)
+    bodies = root["bodies"]
+    given = bodies.value if isinstance(bodies.value, dict) else {}
+    known = [name for name in t.HYDRODYNAMIC_NAMES if name in given]
+    bodies.table(*known)
     return {name: _record(t.HydrodynamicRow, bodies[name], name=name) for name in known}
 
 
@@ -136,16 +139,15 @@ class _Node:
 
 
 def _root(file: str, text: str) -> _Node:
+    """The tables of a file."""
     try:
         return _Node(tomllib.loads(text), file)
-    except (
-        ValueError
-    ) as error:  # TOMLDecodeError, or an integer of more than 4300 digits
+    except ValueError as error:
+        # A TOMLDecodeError, or an integer of more than 4300 digits.
         raise PublishedDataError(file, str(error)) from None
     except RecursionError:
-        raise PublishedDataError(
-            file, "expected fewer brackets inside one another"
-        ) from None
+        problem = "expected fewer brackets inside one another"
+        raise PublishedDataError(file, problem) from None
 
 
 def _units(record: type[Any], rod: bool = False) -> dict[str, str]:
@@ -182,13 +184,15 @@ def _symmetric(node: _Node, unit: str, size: int, word: str) -> t.Matrix:
 
 
 def _added_mass(node: _Node, unit: str) -> t.Matrix:
-    return tuple(
-        tuple(
-            Quantity(x.text, t.ADDED_MASS_UNITS[(i > 2) + (j > 2)])
-            for j, x in enumerate(row)
-        )
-        for i, row in enumerate(_symmetric(node, "kg", 6, "six"))
-    )
+    """A 6x6 matrix, each of whose blocks has a unit of its own."""
+    rows = []
+    for i, row in enumerate(_symmetric(node, "kg", 6, "six")):
+        quantities = []
+        for j, entry in enumerate(row):
+            angular = (i > 2) + (j > 2)
+            quantities.append(Quantity(entry.text, t.ADDED_MASS_UNITS[angular]))
+        rows.append(tuple(quantities))
+    return tuple(rows)
 
 
 def _interval(node: _Node, unit: None) -> t.Interval:
@@ -207,13 +211,18 @@ def _bounds(node: _Node) -> Any:
 
 
 def _sourced(node: _Node, unit: str) -> t.SourcedQuantity:
-    node.table("value", "unit", "status", "source")["unit"].expect(unit)
-    value, status = node["value"].numbers(unit), _status(node["status"])
-    return t.SourcedQuantity(value, status, node["source"].text())
+    node.table("value", "unit", "status", "source")
+    node["unit"].expect(unit)
+    return t.SourcedQuantity(
+        quantity=node["value"].numbers(unit),
+        status=_status(node["status"]),
+        source=node["source"].text(),
+    )
 
 
 def _status(node: _Node, unit: None = None) -> str:
-    if (status := node.text()) not in t.STATUSES:
+    status = node.text()
+    if status not in t.STATUSES:
         choices = ", ".join(t.STATUSES)
         raise node.fail(f"unknown status {status!r}; choose from {choices}")
     return status
@@ -223,6 +232,11 @@ def _integer(node: _Node, unit: None) -> int:
     if type(node.value) is not int:
         raise node.fail(f"expected an integer, got {node.value!r}")
     return node.value
+
+
+def _strips(node: _Node) -> tuple[t.StripRow, ...]:
+    items = node.items("a list of strips")
+    return tuple(_record(t.StripRow, item) for item in items)
 
 
 _THREE = (3, "three numbers")
@@ -236,9 +250,7 @@ _READ: dict[str, Callable[[_Node, Any], Any]] = {
     "Tensor": lambda node, unit: _symmetric(node, unit, 3, "three"),
     "Interval": _interval,
     "Matrix": _added_mass,
-    "tuple[StripRow, ...]": lambda node, unit: tuple(
-        _record(t.StripRow, item) for item in node.items("a list of strips")
-    ),
+    "tuple[StripRow, ...]": lambda node, unit: _strips(node),
     "SourcedQuantity": _sourced,
     "Status": _status,
     "int": _integer,
@@ -247,17 +259,22 @@ _READ: dict[str, Callable[[_Node, Any], Any]] = {
 
 
 def _table(head: _Node, node: _Node, record: type[Any], *more: str) -> t.Table[Any]:
+    """A printed table; ``more`` names the keys that it has besides the usual ones."""
     node.table("number", "section", "caption", "units", "rows", *more)
     units = _units(record)
     _check_units(node["units"], units)
     rows = _rows(record, node["rows"])
-    said = units if "origins" in more else ()
-    origins = {name: node["origins"].table(*units)[name].text() for name in said}
-    return t.Table(_source(head, node), rows, origins)
+    origins = {}
+    if "origins" in more:
+        for name in units:
+            origins[name] = node["origins"].table(*units)[name].text()
+    return t.Table(source=_source(head, node), rows=rows, origins=origins)
 
 
 def _rows(record: type[Any], node: _Node) -> tuple[Any, ...]:
-    rows, number = [], fields(record)[0].name
+    """Five records, whose first field is their number from base to tip."""
+    number = fields(record)[0].name
+    rows = []
     for i, row in enumerate(node.items("5 rows", 5)):
         rows.append(_record(record, row))
         row[number].expect(str(i), " (rows from base to tip)")
@@ -265,34 +282,49 @@ def _rows(record: type[Any], node: _Node) -> tuple[Any, ...]:
 
 
 def _source(head: _Node, node: _Node) -> t.Source:
+    """Source of a table of the document."""
     title, publisher, version, date = (head[key].text() for key in _HEAD)
-    table = "" if node["number"].value == "" else node["number"].text()
-    section, caption = node["section"].text(), node["caption"].text()
-    return t.Source(title, publisher, version, date, section, table, caption)
+    numbered = node["number"].value != ""
+    table = node["number"].text() if numbered else ""
+    return t.Source(
+        document=title,
+        publisher=publisher,
+        version=version,
+        date=date,
+        section=node["section"].text(),
+        table=table,
+        caption=node["caption"].text(),
+    )
 
 
 def _supplementary(root: _Node) -> t.Supplementary:
     root.table("joints", "jaws", "bodies")
-    joints, jaws = (
-        root["joints"].table(*t.JOINT_NAMES),
-        root["jaws"].table(*t.JAW_UNITS),
-    )
-    rows = []
-    for name in t.JOINT_NAMES:
-        row: t.JointRow = _record(
-            t.JointRow, joints[name], rod=name == "axis_a", name=name
-        )
-        lower, upper = row.lower.quantity, row.upper.quantity
-        if lower.value >= upper.value:
-            raise joints[name]["upper"].fail(f"{upper} is not above lower, {lower}")
-        rows.append(row)
+    joints = root["joints"].table(*t.JOINT_NAMES)
+    jaws = root["jaws"].table(*t.JAW_UNITS)
+    rows = [_joint(name, joints[name]) for name in t.JOINT_NAMES]
+
     bodies = root["bodies"].table("unit", "status", "source", *t.BODY_NAMES)
     bodies["unit"].expect("mm")
-    said = _status(bodies["status"]), bodies["source"].text()
-    return t.Supplementary(
-        joints=tuple(rows),
-        jaws={key: _sourced(jaws[key], unit) for key, unit in t.JAW_UNITS.items()},
-        bodies=tuple(
-            t.BodyBounds(name, _bounds(bodies[name]), *said) for name in t.BODY_NAMES
-        ),
-    )
+    status = _status(bodies["status"])
+    source = bodies["source"].text()
+    quantities = {key: _sourced(jaws[key], unit) for key, unit in t.JAW_UNITS.items()}
+    bounds = []
+    for name in t.BODY_NAMES:
+        bounds.append(
+            t.BodyBounds(
+                name=name,
+                bounds=_bounds(bodies[name]),
+                status=status,
+                source=source,
+            )
+        )
+    return t.Supplementary(joints=tuple(rows), jaws=quantities, bodies=tuple(bounds))
+
+
+def _joint(name: str, node: _Node) -> t.JointRow:
+    row: t.JointRow = _record(t.JointRow, node, rod=name == "axis_a", name=name)
+    lower = row.lower.quantity
+    upper = row.upper.quantity
+    if lower.value >= upper.value:
+        raise node["upper"].fail(f"{upper} is not above lower, {lower}")
+    return row
