@@ -40,7 +40,7 @@ nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True
 
-# Docstrings: Google's sections; `name` is a reference, see _extensions/short_references.py.
+# Docstrings: Google's sections; `name` is a reference, see short_references.py.
 default_role = "py:obj"
 nitpicky = True
 napoleon_numpy_docstring = False

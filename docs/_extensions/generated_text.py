@@ -1,10 +1,10 @@
-"""Text that the build writes into the pages: the errata from the audit, the commands from their help.
+"""Generated text of the pages: errata from the audit, commands from their help.
 
     python docs/_extensions/generated_text.py
 
-A page says where by a line of its own, ``<!-- generated: NAME -->`` with a NAME of `TEXTS`. Where a line ``<!-- end -->``
-follows, what is between is written anew: such pages hold their text for those who read them unbuilt, and running
-this file brings them up to date.
+The line ``<!-- generated: NAME -->`` in a page marks the place of a text of `TEXTS`. If
+a line ``<!-- end -->`` follows, the page itself holds the text between the two, for
+readers of the source; running this file brings it up to date.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "".join(f"| {' | '.join(line)} |\n" for line in cells)
 
 
-# --- the audit ---------------------------------------------------------------------------------
+# ---- the audit
 
 
 def audit_table(category: str | None) -> str:
@@ -79,7 +79,7 @@ def shorter(first: str, place: str) -> str:
 
 
 def measured(row: AuditRow) -> str:
-    """Figure, what it may be off by, what it would have to be, and what the difference is worth."""
+    """The measured figure, its spread, the expected figure, and the effect."""
     spread = row.standard_error or (row.bound if row.bound > 1e-6 else 0.0)
     width = f" ± {figure(spread, 2)}" if spread else ""
     must = f"{RELATION[row.relation]}{figure(row.expected)}"
@@ -122,14 +122,14 @@ def corrections() -> str:
     return table(["name", "what it does", "evidence", "effect"], rows)
 
 
-# --- what the digits leave open ----------------------------------------------------------------
+# ---- what the digits leave open
 
 #: Poses of the table of torques; names of `alpha5_model.named_pose`.
 SHOWN_POSES = ("reach", "home", "stow")
 
 
 def torque_intervals() -> str:
-    """Torque of each joint at rest in sea water, its guaranteed interval, and the printed digits that matter most."""
+    """Torques at rest in sea water, their intervals, and which digits matter."""
     u, still, lines = a5.uncertainty, [0.0] * 4, []
     for name in SHOWN_POSES:
         q = a5.named_pose(name)
@@ -163,7 +163,7 @@ def torque_intervals() -> str:
     return table(head, lines)
 
 
-# --- the command line --------------------------------------------------------------------------
+# ---- the command line
 
 
 def commands() -> str:

@@ -1,8 +1,9 @@
-"""References in docstrings: `name` finds what the API pages document under any longer name.
+"""References in docstrings: `name` finds the documented object with a longer name.
 
 A docstring says `Solutions` or `Arm.with_payload` for what the pages list as
-``alpha5_model.kinematics.ik.Solutions`` and so on. What no page documents must at least exist in
-the package; it is shown as code. Any other name is left to Sphinx, which warns.
+``alpha5_model.kinematics.ik.Solutions`` and so on. A name that no page documents must
+exist in the package; it is shown as code. Any other name is left to Sphinx, which
+warns.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ def names() -> frozenset[str]:
 
 
 def resolve(app: Any, env: Any, node: Any, content: Any) -> Any:
-    """The documented object that ends in the target, the nearest one if there are several."""
+    """A link to the nearest documented object whose name ends in the target."""
     if node.get("refdomain") != "py":
         return None
     target = node["reftarget"].lstrip(".~")
@@ -85,7 +86,10 @@ def skip_fields(
 def returned(
     section: Any, preprocess_types: bool = False
 ) -> list[tuple[str, str, list[str]]]:
-    """The text under Returns as it stands; napoleon would take words before a colon for a type."""
+    """The text under Returns, unchanged.
+
+    Napoleon would take words before a colon for a type.
+    """
     del preprocess_types
     lines = section._dedent(section._consume_to_next_section())
     return [("", "", lines)] if any(lines) else []
@@ -124,7 +128,7 @@ def reshape(
 def mend_ways_back(
     app: Any, page: str, _template: str, context: Any, _doctree: Any
 ) -> None:
-    """Links from the page of a source to what is documented, whose names need not be the module's."""
+    """Mend the links from the page of a source back to the documented objects."""
     if not page.startswith("_modules/") or "body" not in context:
         return
     documented = app.env.domains["py"].objects
@@ -143,7 +147,7 @@ def mend_ways_back(
 
 
 def each_attribute(section: Any, name: str) -> list[str]:
-    """An entry for each of several attributes that a docstring describes in one line."""
+    """An entry for each attribute, even if several are described in one line."""
     together = section._consume_fields
     section._consume_fields = lambda: together(multiple=True)
     lines: list[str] = ATTRIBUTES(section, name)
