@@ -17,7 +17,7 @@ from reference import LOWER, UPPER
 from statement_registry import AtMost, Figure, Near, Statement, parameters_of, statement
 
 import alpha5_model as a5
-from alpha5_model.dynamics.collision import _model
+from alpha5_model.dynamics.collision import _wrist_pairs
 from alpha5_model.numbers.inertia import (
     flip_products,
     principal_moments,
@@ -38,7 +38,7 @@ def touching(geometry: Any, q: np.ndarray, margin: float) -> np.ndarray:
     """Whether any pair of bodies is closer than a margin [m], by coal pair by pair,
     (N,).
     """
-    model = _model()[0]
+    model = _wrist_pairs(a5.parameters().joints[3]).model
     data, objects = model.createData(), geometry.createData()
     request = coal.CollisionRequest()
     request.security_margin = margin
@@ -67,7 +67,7 @@ def only_touching(margin: float) -> np.ndarray:
     margin [m].
     """
     points, q, owner = reached()
-    _, before_wrist, with_wrist = _model()
+    _, before_wrist, with_wrist = _wrist_pairs(a5.parameters().joints[3])
     free = np.zeros(len(q), bool)
     left = np.flatnonzero(~touching(before_wrist, q, margin))
     for wrist in np.linspace(LOWER[3], UPPER[3], 25):

@@ -49,9 +49,9 @@ def test_free_at_some_wrist_angle_by_distances(arm: Any) -> None:
 
 
 def test_close_to_contact_the_quick_answer_is_that_of_the_distance(arm: Any) -> None:
-    from alpha5_model.dynamics.collision import _collides, _model
+    from alpha5_model.dynamics.collision import _collides, _wrist_pairs
 
-    model, before, moved = _model()
+    model, before, moved = _wrist_pairs(a5.parameters().joints[3])
     q = sample(300, seed=91)
     hit = np.array([arm.in_collision(row) for row in q])
     free, touching = q[~hit][: hit.sum()].copy(), q[hit].copy()
@@ -68,7 +68,7 @@ def test_close_to_contact_the_quick_answer_is_that_of_the_distance(arm: Any) -> 
 
 
 def test_the_pairs_are_split_by_what_the_wrist_moves() -> None:
-    from alpha5_model.dynamics.collision import _model, collision_geometry
+    from alpha5_model.dynamics.collision import _wrist_pairs, collision_geometry
 
     def link_pairs(geometry: Any) -> list[tuple[str, str, int, int]]:
         names = [
@@ -79,7 +79,7 @@ def test_the_pairs_are_split_by_what_the_wrist_moves() -> None:
             for pair in geometry.collisionPairs
         ]
 
-    model, before_wrist, with_wrist = _model()
+    model, before_wrist, with_wrist = _wrist_pairs(a5.parameters().joints[3])
     before, moved = link_pairs(before_wrist), link_pairs(with_wrist)
     hand = {"link_4", "tcp"}  # what hangs on axis_b
     assert not any(hand & {one, other} for one, other, _, _ in before)
