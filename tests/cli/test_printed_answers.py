@@ -218,8 +218,8 @@ def test_the_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     # What takes seconds is made once, in the first run.
     made = [(folder / f"alpha5.{kind}").read_bytes() for kind in ("html", "png")]
-    monkeypatch.setattr(demo.page, "static_page", lambda scene: made[0])
-    monkeypatch.setattr(demo.picture, "picture_png", lambda scene, size: made[1])
+    monkeypatch.setattr(demo, "static_page", lambda scene: made[0])
+    monkeypatch.setattr(demo, "picture_png", lambda scene, size: made[1])
     monkeypatch.setattr(demo.variants, "urdf", cache(demo.variants.urdf))
     monkeypatch.setattr(demo, "audit", cache(demo.audit))
     for columns, terminal in VIEWS:
