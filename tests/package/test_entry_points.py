@@ -17,8 +17,8 @@ CATALOGUE = {
 #: generators, and what was made for the catalogue's arm only.
 ENTRY_POINTS = {
     "casadi": "load",
-    "cli.demo": "a command",
     "cli.ik": "a command",
+    "cli.workspace": "a command",
     "codegen.sources": "a generator; the kernels are the catalogue's arm",
     "description.committed": "a generator",
     "description.mjcf": "a generator",
@@ -52,7 +52,6 @@ ENTRY_POINTS = {
     "trajectory.smoothing": "smooth",
     "viewer.build": "the workspace and the page's inverse kinematics",
     "viewer.self_collision_plot": "self_collision_figure",
-    "viewer.workspace_plot": "workspace_figure",
 }
 
 
