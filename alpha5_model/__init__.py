@@ -1,7 +1,8 @@
 """The Reach Alpha 5 arm: URDF, dynamics under water and closed-form inverse kinematics.
 
-Generated from the manufacturer's printed tables. ``import alpha5_model`` loads no other package;
-Pinocchio, xacro, meshcat and matplotlib are imported when something that needs them is called.
+Generated from the manufacturer's printed tables. ``import alpha5_model`` loads no other
+package; Pinocchio, xacro, meshcat and matplotlib are imported when something that needs
+them is called.
 """
 
 from __future__ import annotations

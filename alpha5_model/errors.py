@@ -66,7 +66,7 @@ class ShapeError(InputError):
 
 
 class NonFiniteError(InputError):
-    """NaN or infinity where a finite number is needed. ``index`` is the first bad place."""
+    """NaN or infinity instead of a finite number. ``index`` is the first bad place."""
 
     def __init__(self, name: str, value: Any, index: tuple[int, ...]) -> None:
         self.index = index
@@ -138,8 +138,9 @@ class UnreachableError(Alpha5Error, ValueError):
         self.distance = distance
         self.nearest = nearest
         super().__init__(
-            f"{_metres(position)} cannot be reached{reason}: the nearest reachable point "
-            f"{_metres(nearest)} is {distance * 1e3:.3g} mm away"
+            f"{_metres(position)} cannot be reached{reason}: "
+            f"the nearest reachable point {_metres(nearest)} "
+            f"is {distance * 1e3:.3g} mm away"
         )
 
 
@@ -184,7 +185,7 @@ class MissingFileError(Alpha5Error, FileNotFoundError):
 
 
 class FileFormatError(Alpha5Error, ValueError):
-    """A file that cannot be understood. ``place`` says where: line, column or element."""
+    """A file that cannot be read. ``place`` says where: line, column or element."""
 
     def __init__(self, path: Any, problem: str, place: str = "") -> None:
         self.path = path
@@ -194,7 +195,7 @@ class FileFormatError(Alpha5Error, ValueError):
 
 
 class KernelError(Alpha5Error, RuntimeError):
-    """A kernel that computed nothing: what it was given was not checked. A fault of this package.
+    """A kernel that computed nothing, because its input was not checked: our fault.
 
     Attributes:
         kernel: Name of the kernel.
@@ -269,7 +270,7 @@ def _metres(point: Iterable[float]) -> str:
 def _restored(
     kind: type[Alpha5Error], args: tuple[Any, ...], attributes: dict[str, Any]
 ) -> Any:
-    """An unpickled error: its own ``__init__`` takes other arguments than the message."""
+    """An unpickled error, whose ``__init__`` takes other arguments than the message."""
     error = kind.__new__(kind)
     # The built-in's, which also keeps its own fields.
     super(Alpha5Error, error).__init__(*args)

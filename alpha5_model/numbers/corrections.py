@@ -42,7 +42,7 @@ DEFAULT_CORRECTIONS: tuple[str, ...] = ("base_frame",)
 
 
 def check_corrections(corrections: Iterable[str]) -> tuple[str, ...]:
-    """The corrections asked for, in the order in which they are recorded, without repetition.
+    """The given corrections, in the order of the records, without repetition.
 
     Raises:
         InputError: Not a collection of names.

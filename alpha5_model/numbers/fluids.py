@@ -31,7 +31,10 @@ def density_of(fluid_density: Any) -> float:
         ImplausibleWarning: No fluid has it; it may be in g/cm^3.
     """
     if isinstance(fluid_density, str):
-        expected = "a density [kg/m^3]: SEA_WATER (1025), FRESH_WATER (1000), AIR (0), a number"
+        expected = (
+            "a density [kg/m^3]: "
+            "SEA_WATER (1025), FRESH_WATER (1000), AIR (0), a number"
+        )
         raise InputError("fluid_density", fluid_density, expected)
     density = real("fluid_density", fluid_density, minimum=0.0)
     plausibility.check("fluid_density", density, plausibility.FLUID_DENSITY)
@@ -39,7 +42,7 @@ def density_of(fluid_density: Any) -> float:
 
 
 def gravity_in_base(rotation: ArrayLike, gravity: ArrayLike = GRAVITY) -> FloatArray:
-    """Gravity seen from a tilted mount or a vehicle, ``R^T g``, for ``load(gravity=...)``.
+    """Gravity in a tilted mount or a vehicle, ``R^T g``, for ``load(gravity=...)``.
 
     Args:
         rotation: ``rotation_base_to_world``, (3, 3): the attitude of base_link; it maps

@@ -1,4 +1,4 @@
-"""What moving water does to each body, in SI units: added mass and drag strips. Estimated, not published.
+"""Added mass and drag strips of each body, in SI units. Estimated, not published.
 
 The sets are ``estimated`` (our own calculation, with low, nominal and high) and
 ``supplementary`` (numbers that circulate, by strip theory); both stand in ``numbers/``.
@@ -113,7 +113,10 @@ def gauss_count(strip: DragStrip) -> int:
 
 
 def gauss_points(strip: DragStrip, count: int = 0) -> list[tuple[FloatArray, float]]:
-    """Points of Gauss's quadrature along a strip, (3,) [m], each with its share of the length; 0 for `gauss_count`."""
+    """Points of Gauss's quadrature along a strip, (3,) [m], each with its share.
+
+    A count of 0 stands for `gauss_count`.
+    """
     line = strip.end - strip.start
     twice_middle = strip.start + strip.end
     nodes, weights = _legendre(count or gauss_count(strip))

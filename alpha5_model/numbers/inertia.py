@@ -90,7 +90,7 @@ def tensor_at_origin(
 def tensor_at_com(
     mass: ArrayLike, com: ArrayLike, inertia_origin: ArrayLike
 ) -> FloatArray:
-    """Parallel-axis theorem, from the origin of the frame to the COM; see `tensor_at_origin`."""
+    """Parallel-axis theorem, from the origin to the COM; see `tensor_at_origin`."""
     m, c, tensor = _together(mass=mass, com=com, inertia_origin=inertia_origin)
     return tensor - point_mass_tensor(m, c)
 
@@ -146,7 +146,9 @@ def combine(
 
 
 def second_moments(inertia: ArrayLike) -> FloatArray:
-    """Second moments of mass ``integral of r r^T dm = tr(I)/2 E_3 - I`` [Wensing2018, eq. 8].
+    """Second moments of mass, ``integral of r r^T dm = tr(I)/2 E_3 - I``.
+
+    See [Wensing2018, eq. 8].
 
     Args:
         inertia: (..., 3, 3) about any point [kg m^2].
@@ -162,9 +164,10 @@ def second_moments(inertia: ArrayLike) -> FloatArray:
 def pseudo_inertia(
     mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike
 ) -> FloatArray:
-    """The 4x4 pseudo-inertia ``[[Sigma, m c], [m c^T, m]]`` about the origin [Wensing2018, eq. 7].
+    """The 4x4 pseudo-inertia ``[[Sigma, m c], [m c^T, m]]`` about the origin.
 
-    A body is physically possible exactly when it is positive definite.
+    See [Wensing2018, eq. 7]. A body is physically possible exactly when it is positive
+    definite.
 
     Args:
         mass: (...) [kg].
@@ -318,7 +321,7 @@ def check_possible(
 
 
 def _together(**given: ArrayLike) -> list[FloatArray]:
-    """Arrays whose leading shapes fit; the trailing ones go by name. No number is too large."""
+    """Arrays whose leading shapes fit; the trailing shapes go by name."""
     shapes: dict[str, tuple[int, ...]] = {"mass": (), "com": (3,), "position": (3,)}
     named = {name: (value, shapes.get(name, (3, 3))) for name, value in given.items()}
     return [bounded(*pair) for pair in zip(named, fitting(**named), strict=True)]

@@ -1,4 +1,4 @@
-"""Link 4 taken apart: wrist, jaw rod and two fingers that together are Table 2's link 4.
+"""Link 4 taken apart: wrist, jaw rod and two fingers, together Table 2's link 4.
 
 The document prints link 4 with its jaws closed as one body. The fingers and the rod are
 estimated (their geometry and densities are supplementary values); the wrist is what
@@ -46,7 +46,7 @@ class FingerJoint(JointRange):
 
 @dataclass(frozen=True, eq=False)
 class JawBody(RigidBody):
-    """One body of the opened link 4: ``link_4``, ``jaw_rod``, ``finger_1`` or ``finger_2``.
+    """One body of the opened link 4: its wrist, ``jaw_rod`` or a finger.
 
     The rod moves inside the wrist and displaces nothing.
 

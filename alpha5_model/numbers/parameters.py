@@ -31,7 +31,9 @@ from alpha5_model.numbers.quantity import Quantity
 
 @dataclass(frozen=True, eq=False)
 class DHParameters:
-    """A row of Table 1: ``A = Rz(theta) Tz(d) Tx(a) Rx(alpha)``, ``theta = q + theta_offset``.
+    """A row of Table 1.
+
+    ``A = Rz(theta) Tz(d) Tx(a) Rx(alpha)`` with ``theta = q + theta_offset``.
 
     Attributes:
         d: Offset along the previous z [m].
@@ -129,7 +131,7 @@ class LinkParameters(RigidBody):
 
 @dataclass(frozen=True, eq=False)
 class JointRange:
-    """Range, speed and effort of a joint; [rad, rad/s, N m], for the jaw rod [m, m/s, N].
+    """Range, speed and effort of a joint [rad, rad/s, N m], jaw rod [m, m/s, N].
 
     Attributes:
         name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod),
@@ -376,7 +378,7 @@ def convert(
 def link_numbers(
     printed: tables.Published, corrections: tuple[str, ...]
 ) -> list[dict[str, Any]]:
-    """Fields of `LinkParameters` of each link; not checked, the numbers need not be of a body."""
+    """Fields of `LinkParameters` of each link, not checked: no body need have them."""
     bodies = printed.table_2.rows, printed.table_3.rows, printed.supplementary.bodies
     dh = _dh(printed)
     return [_link(rows, dh, corrections) for rows in zip(*bodies, strict=True)]
@@ -413,7 +415,7 @@ def _dh_row(row: tables.DHRow, angles: dict[str, float], a_1: float) -> DHParame
 def _split_angle(
     expression: str, angles: dict[str, float], place: str
 ) -> tuple[str | None, float]:
-    """Split ``theta_1 + theta_c - pi/2`` into its joint variable and its constant part [rad]."""
+    """Split ``theta_1 + theta_c - pi/2`` into joint variable and constant [rad]."""
     variable = None
     constant = 0.0
     # Each term with its sign, separated by "+".

@@ -226,7 +226,7 @@ def check_body(
     prefix: str = "",
     on_vehicle: bool = False,
 ) -> None:
-    """Warn of implausible numbers of a body that the arm carries, or of the arm's vehicle.
+    """Warn of implausible numbers of a body on the arm, or of the arm's vehicle.
 
     Args:
         mass: [kg].
@@ -308,9 +308,9 @@ def check_gravity(given: ArrayLike, gravity: FloatArray) -> None:
     x, y, z = gravity.tolist()
     if z > 0 and x == y == 0 and not isinstance(given, np.ndarray):
         warn(
-            f"gravity: {_written(gravity)} m/s^2 points up; write (0, 0, {-z:.6g}), or, if "
-            "the arm hangs or the world's z points down, give the rotation of its mount "
-            "(gravity_in_base; --mount)"
+            f"gravity: {_written(gravity)} m/s^2 points up; write (0, 0, {-z:.6g}), "
+            "or, if the arm hangs or the world's z points down, "
+            "give the rotation of its mount (gravity_in_base; --mount)"
         )
 
 

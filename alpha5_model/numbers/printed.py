@@ -1,4 +1,4 @@
-"""What was printed: Tables 1-4 verbatim, in printed units, each number with its source."""
+"""Tables 1-4 verbatim, in printed units, each number with its source."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["published"]
 
 
 def published() -> Published:
-    """The manufacturer's tables exactly as printed, in printed units, each with its source.
+    """The manufacturer's tables as printed, in printed units, each with its source.
 
     Raises:
         PublishedDataError: A data file is malformed; the message names the place.

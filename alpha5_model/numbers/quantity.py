@@ -68,7 +68,7 @@ class Quantity:
 
     @property
     def rounding(self) -> float:
-        """Half a unit of the last printed digit, in SI units: what rounding may hide."""
+        """Half a unit of the last digit, in SI units: what rounding hides."""
         exponent = self.value.as_tuple().exponent
         assert isinstance(exponent, int)  # digits, checked by parse
         return self._in_si(Decimal(5).scaleb(exponent - 1))

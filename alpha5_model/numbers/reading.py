@@ -1,4 +1,4 @@
-"""The data files read into the records of `alpha5_model.numbers.tables`, field by field."""
+"""The data files, read into the records of `tables` field by field."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
 
 
 def earlier_revision() -> tuple[t.EarlierRow, ...]:
-    """The earlier revision's rows, from ``earlier_revision.toml``; supplementary, see there."""
+    """Rows of ``earlier_revision.toml``, which are supplementary, see there."""
     name = "earlier_revision.toml"
     root = _root(name, _text(name)).table("status", "source", "table")
     _status(root["status"])
@@ -70,7 +70,7 @@ def earlier_revision() -> tuple[t.EarlierRow, ...]:
 
 @cache
 def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
-    """The bodies of ``estimated_hydrodynamics.toml`` or ``supplementary_hydrodynamics.toml``.
+    """The bodies of the estimated or the supplementary file of moving water.
 
     Raises:
         PublishedDataError: As of `parse`; also a matrix that is not symmetric, or an
@@ -106,7 +106,7 @@ class _Node:
         return _Node(self.value.get(key), f"{self.place}{joint}{key}")
 
     def table(self, *keys: str) -> _Node:
-        """Itself, if it is a table with exactly these keys, so that a misspelt one is noticed."""
+        """Itself, if it is a table with exactly these keys, none misspelt."""
         if not isinstance(self.value, dict):
             raise self.fail(f"expected a table, got {self.value!r}")
         for key in (*keys, *self.value):
@@ -120,7 +120,10 @@ class _Node:
         return [_Node(item, f"{self.place}[{i}]") for i, item in enumerate(self.value)]
 
     def numbers(self, unit: str, *levels: tuple[int, str]) -> Any:
-        """A printed number, or lists of lists of them: of each level how many, and what to call them."""
+        """A printed number, or nested lists of them.
+
+        ``levels`` holds, from outside, the length of each list and what errors call it.
+        """
         if not levels:
             return Quantity.parse(self.value, unit, self.place)
         count, what = levels[0]
@@ -162,7 +165,7 @@ def _check_units(node: _Node, units: dict[str, str]) -> None:
 
 
 def _record(record: type[Any], node: _Node, rod: bool = False, **known: Any) -> Any:
-    """A record from a table, each field by its type and unit; ``known`` ones are given."""
+    """A record from a table, each field by its type and unit, or from ``known``."""
     units = _units(record, rod)
     types = {f.name: str(f.type) for f in fields(record) if f.name not in known}
     node.table(*types)

@@ -1,4 +1,4 @@
-"""The tables as frozen records in printed units: of the document, and of what moving water does to each body."""
+"""The tables as frozen records in printed units: the document's, and moving water's."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ class WorkspaceNumbers:
 
 @dataclass(frozen=True, slots=True)
 class InertialRow:
-    """A row of Table 2, SolidWorks convention: products of inertia are +(integral of x y dm).
+    """A row of Table 2; SolidWorks' products of inertia are +(integral of x y dm).
 
     Attributes:
         link: Number of the link, as printed.
@@ -157,7 +157,7 @@ class InertialRow:
 
 @dataclass(frozen=True, slots=True)
 class BuoyancyRow:
-    """A row of Table 3: displaced volume and centre of buoyancy in the link's inertial frame.
+    """A row of Table 3: volume and centre of buoyancy in the link's inertial frame.
 
     Attributes:
         link: Number of the link, as printed.
@@ -172,7 +172,7 @@ class BuoyancyRow:
 
 @dataclass(frozen=True, slots=True)
 class EarlierRow(InertialRow):
-    """A row of the earlier revision's numbers: `InertialRow` and `BuoyancyRow` in one."""
+    """A row of the earlier revision: `InertialRow` and `BuoyancyRow` in one."""
 
     volume: Quantity = printed("L")
     cob: Triple = printed("mm")
@@ -204,7 +204,7 @@ class ActuatorRow:
 
 @dataclass(frozen=True, slots=True)
 class SourcedQuantity:
-    """A number from outside the document, with its status (see ``STATUSES``) and its source.
+    """A number from outside the document, with its status and its source.
 
     Attributes:
         quantity: The number and its unit.
@@ -260,7 +260,7 @@ class BodyBounds:
 
 @dataclass(frozen=True, slots=True)
 class Supplementary:
-    """Everything that is not in the document: joints base to tip, jaw geometry, body bounds.
+    """What is not in the document: joints base to tip, jaw geometry, body bounds.
 
     Attributes:
         joints: Base to tip, the jaw rod last.
@@ -298,7 +298,7 @@ class Published:
 
 @dataclass(frozen=True, slots=True)
 class StripRow:
-    """A strip of a body along which the water drags; see `alpha5_model.numbers.hydrodynamics.DragStrip`.
+    """A strip of a body along which the water drags; see `DragStrip`.
 
     Attributes:
         start, end: In the body's frame [mm].
