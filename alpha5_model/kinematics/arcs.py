@@ -42,7 +42,12 @@ class Arc(NamedTuple):
 
 def planar_arc(arc: Arc) -> planar.Arc:
     """The same arc of plane geometry."""
-    return planar.Arc(arc.center, arc.radius, arc.start, arc.end - arc.start)
+    return planar.Arc(
+        center=arc.center,
+        radius=arc.radius,
+        start=arc.start,
+        span=arc.end - arc.start,
+    )
 
 
 def area(arcs: Iterable[Arc]) -> float:

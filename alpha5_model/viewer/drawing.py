@@ -84,10 +84,10 @@ def frames(
     axes = triad(_AXES, 0.0013)
     tip_of_x = transform(translation=(_AXES, 0.0, 0.0))
     base = tree[0].parent
-    yield Shape("frames", base, Rigid(base), axes, on_top=1)
+    yield Shape(group="frames", name=base, anchor=Rigid(base), mesh=axes, on_top=1)
     for joint in tree:
         link = joint.child
-        yield Shape("frames", link, Rigid(link), axes, on_top=1)
+        yield Shape(group="frames", name=link, anchor=Rigid(link), mesh=axes, on_top=1)
         if link == "tcp":
             yield Label("bodies", "tcp", Rigid(link))
             continue
@@ -164,7 +164,7 @@ def _center(
     at = Mean(points)
     first, second = (_COLORS[color] for color in kind.ball)
     sphere = _ball(0.0095 if whole else 0.0048, first, second)
-    yield Shape(kind.group, name, at, sphere, on_top=2)
+    yield Shape(group=kind.group, name=name, anchor=at, mesh=sphere, on_top=2)
     if whole:
         yield Label(kind.group, kind.text, at, _COLORS[kind.ink])
 
@@ -174,11 +174,25 @@ def _center(
     tip = ARROW_SCALE * kind.sense * strength * down
     color = _COLORS[kind.arrow]
     if not whole:
-        yield Shape(kind.force, name, at, arrow(tip, 0.0022), color, on_top=1)
+        yield Shape(
+            group=kind.force,
+            name=name,
+            anchor=at,
+            mesh=arrow(tip, 0.0022),
+            color=color,
+            on_top=1,
+        )
         return
     red, green, blue = color
     darker = (0.8 * red, 0.8 * green, 0.8 * blue)
-    yield Shape(kind.force, name, at, arrow(tip, 0.004), darker, on_top=1)
+    yield Shape(
+        group=kind.force,
+        name=name,
+        anchor=at,
+        mesh=arrow(tip, 0.004),
+        color=darker,
+        on_top=1,
+    )
     text = f"{kind.force} {strength:.2f} N"
     yield Label(kind.force, text, Mean(points, tip), darker)
 
@@ -190,7 +204,14 @@ def current_arrow(flow: FloatArray) -> Iterator[Shape | Label]:
     speed = float(np.linalg.norm(flow))
     tip = ARROWS["current"] * flow
     mesh = arrow(tip, 0.004) if speed else _ball(0.004, teal, teal)
-    yield Shape("current", "arrow", beside_base, mesh, teal, on_top=1)
+    yield Shape(
+        group="current",
+        name="arrow",
+        anchor=beside_base,
+        mesh=mesh,
+        color=teal,
+        on_top=1,
+    )
     text = f"current {speed:.3g} m/s, load estimated"
     yield Label("current", text, beside_base, teal)
 
@@ -256,6 +277,6 @@ def _target(point: FloatArray, away: float) -> Iterator[Shape | Label]:
     """A target at a point of the world (3,), so far out of reach [m]."""
     at = Rigid(WORLD, transform(translation=point))
     sphere = ball(0.008, _COLORS["pink"], _COLORS["white"])
-    yield Shape("ghosts", "target", at, sphere, on_top=2)
+    yield Shape(group="ghosts", name="target", anchor=at, mesh=sphere, on_top=2)
     text = f"target, out of reach by {1e3 * away:.1f} mm" if away else "target"
     yield Label("ghosts", text, at, (0.75, 0.05, 0.4))

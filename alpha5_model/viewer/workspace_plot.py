@@ -86,7 +86,7 @@ def _mark_shoulder(axes: Any, plane: ArmPlane) -> None:
 def _draw_published(axes: Any, kinematics: ArmKinematics) -> None:
     parameters = kinematics.parameters
     for torus in published_region.published_tori(parameters):
-        circle = planar.Arc(torus.center, torus.radius, -math.pi)
+        circle = planar.Arc(center=torus.center, radius=torus.radius, start=-math.pi)
         points = polyline(circle, CHORD) * 1e3
         # The half-plane ends at the yaw axis.
         points[points[:, 0] < 0] = np.nan

@@ -479,8 +479,8 @@ class ArmOnVehicle(HydrodynamicArm):
             still,
             "vehicle",
             BodyHydrodynamics(vehicle.added_mass),
-            vehicle.linear_damping,
-            vehicle.quadratic_damping,
+            linear=vehicle.linear_damping,
+            quadratic=vehicle.quadratic_damping,
         )
         super().__init__(still, (*arm.bodies, body), arm.current)
 
@@ -550,7 +550,7 @@ class ArmOnVehicle(HydrodynamicArm):
 
 
 def joint_water(
-    arm: Any, frame: str, data: BodyHydrodynamics, *damping: FloatArray
+    arm: Any, frame: str, data: BodyHydrodynamics, **damping: FloatArray
 ) -> JointWater:
     """Moving water of a body in a frame of an arm, on the joint that carries the frame.
 
@@ -562,9 +562,9 @@ def joint_water(
     model = arm._arguments[0]
     carrier = model.frames[arm._frame(frame)]
     return JointWater(
-        frame,
-        model.names[carrier.parentJoint],
-        carrier.placement.actionInverse,
-        data,
-        *damping,
+        body=frame,
+        joint=model.names[carrier.parentJoint],
+        action=carrier.placement.actionInverse,
+        data=data,
+        **damping,
     )

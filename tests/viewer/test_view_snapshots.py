@@ -18,6 +18,7 @@ from descriptions import described, figure
 
 import alpha5_model as a5
 from alpha5_model.dynamics.load import arm_of
+from alpha5_model.kinematics.catalogue_arm import catalogue
 from alpha5_model.trajectory import Motion
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.commands import scene_commands
@@ -105,7 +106,7 @@ def without_arrays(part: object) -> object:
 
 
 def test_the_plot_of_the_workspace() -> None:
-    held("workspace", figure(workspace_figure()))
+    held("workspace", figure(workspace_figure(catalogue())))
 
 
 def test_the_plot_of_self_collision() -> None:

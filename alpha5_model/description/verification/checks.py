@@ -40,7 +40,13 @@ def verify_generated() -> tuple[FileCheck, ...]:
             rows += verify_urdf(path)
         except (FileFormatError, MissingFileError) as error:
             # The file is not the caller's input, so the error is a finding.
-            rows.append(FileCheck(Path(path).name, "readable", "failed", str(error)))
+            unreadable = FileCheck(
+                file=Path(path).name,
+                check="readable",
+                verdict="failed",
+                finding=str(error),
+            )
+            rows.append(unreadable)
     return (*rows, _check_fresh())
 
 
@@ -55,7 +61,9 @@ def _check_fresh() -> FileCheck:
         paths = [file.path for file in stale]
         verdict = "failed"
         finding = f"stale: {', '.join(paths)}"
-    return FileCheck("generated files", "fresh", verdict, finding)
+    return FileCheck(
+        file="generated files", check="fresh", verdict=verdict, finding=finding
+    )
 
 
 def verify_urdf(
