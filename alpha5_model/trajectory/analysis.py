@@ -153,12 +153,17 @@ def analyse(
             (`alpha5_model.dynamics.actuators`).
 
     Raises:
-        InputError: An arm with other joints than the motion, or one limit without the
-            other.
+        InputError: No `Arm`, an arm with other joints than the motion, or one limit
+            without the other.
         UnknownNameError: No such method, constants, efficiency or joint.
     """
+    from alpha5_model.dynamics.arm import Arm  # loads Pinocchio
+
     if arm is None:
         arm = _default_arm(motion)
+    elif not isinstance(arm, Arm):
+        expected = "an Arm in still water (moving water: the argument current)"
+        raise InputError("arm", type(arm).__name__, expected)
     motion = _for_arm(motion, arm)
     drive = _drive(supply_voltage, current_limit)
     motors = _motors(arm.parameters, motion.joints, constants, efficiency)

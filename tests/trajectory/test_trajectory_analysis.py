@@ -666,3 +666,15 @@ def test_motors_and_rated_speeds_are_those_of_the_arms_record() -> None:
     np.testing.assert_array_equal(
         resting.direction[:, 0], catalogue.smooth.direction[:, 0]
     )
+
+
+def test_an_arm_in_moving_water_is_refused() -> None:
+    """Its water would count twice, or not at all: the current is an argument."""
+    time = np.linspace(0.0, 1.0, 20)
+    position = np.outer(np.sin(time), [0.1, 0.2, 0.3, 0.4]) + 1.0
+    motion = a5.trajectory.motion(time, position)
+    wet = a5.load().with_hydrodynamics((0.1, 0.0, 0.0))
+    with pytest.raises(
+        a5.errors.InputError, match=r"still water .*got .HydrodynamicArm"
+    ):
+        a5.trajectory.analyse(motion, wet)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from alpha5_model._support.checks import real
-from alpha5_model.theory.planar.arm import PlanarArm, Range
+from alpha5_model.theory.planar.arm import PlanarArm
 from alpha5_model.theory.planar.turning import ROUNDING, turns_fully
 
 
@@ -60,7 +60,7 @@ def theorem_row(l_1: float, l_2: float, l_3: float, l_4: float) -> TheoremRow:
     )
 
 
-def theorem_radii(l_1: float, l_2: float, l_3: float) -> Range | None:
+def theorem_radii(l_1: float, l_2: float, l_3: float) -> tuple[float, float] | None:
     """The l_4 for which the theorem holds: ``|l_1 - l_2| + l_3 <= l_4 <= l_1 + l_2 -
     l_3``.
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from alpha5_model._support.checks import instance, real
 from alpha5_model.errors import InputError
-from alpha5_model.theory.planar.arm import PlanarArm, Range, annulus
+from alpha5_model.theory.planar.arm import PlanarArm, annulus
 
 #: Equality counts in every condition here; lengths this share of the whole apart count
 #: as equal.
@@ -70,7 +70,7 @@ def turns_fully(arm: PlanarArm, radius: float) -> bool:
     return farthest <= rest.high + rest.slack and nearest >= rest.low - rest.slack
 
 
-def dexterous_radii(arm: PlanarArm) -> tuple[Range, ...]:
+def dexterous_radii(arm: PlanarArm) -> tuple[tuple[float, float], ...]:
     """The dexterous workspace as intervals of distance from the base, exact.
 
     Args:
