@@ -157,13 +157,8 @@ def analyse(
             without the other.
         UnknownNameError: No such method, constants, efficiency or joint.
     """
-    from alpha5_model.dynamics.arm import Arm  # loads Pinocchio
-
     if arm is None:
         arm = _default_arm(motion)
-    elif not isinstance(arm, Arm):
-        expected = "an Arm in still water (moving water: the argument current)"
-        raise InputError("arm", type(arm).__name__, expected)
     motion = _for_arm(motion, arm)
     drive = _drive(supply_voltage, current_limit)
     motors = _motors(arm.parameters, motion.joints, constants, efficiency)
@@ -218,6 +213,11 @@ def _default_arm(motion: Motion) -> Arm:
 
 def _for_arm(motion: Motion, arm: Arm) -> Motion:
     """The motion of the joints that the arm has: a locked gripper has no jaw rod."""
+    from alpha5_model.dynamics.arm import Arm as StillArm  # loads Pinocchio
+
+    if not isinstance(arm, StillArm):
+        expected = "an Arm in still water (moving water: the argument current)"
+        raise InputError("arm", type(arm).__name__, expected)
     if arm.floating_base or arm.model.nv not in (4, 5):
         found = f"a model with nv = {arm.model.nv}"
         raise InputError("arm", found, "an arm on a fixed base")

@@ -257,12 +257,15 @@ def two_untidy_recordings() -> Sequence[Figure]:
 
 @statement(PROOF, "it is {} in pitch and {} in roll", needs_recordings)
 def four_recordings() -> Sequence[Figure]:
-    return [Near(x) for x in r2(script("validate_recordings.py", str(RECORDINGS)))]
+    return [
+        Near(x)
+        for x in r2(script("recordings/validate_recordings.py", str(RECORDINGS)))
+    ]
 
 
 @statement(WATER, "R² is {} in roll and {} in pitch with and without", needs_recordings)
 def tilt_does_not_show_moving_water() -> Sequence[Figure]:
-    four = script("validate_recordings.py", str(RECORDINGS))
+    four = script("recordings/validate_recordings.py", str(RECORDINGS))
     pitch, roll = r2(four)
     assert r2(four, "in moving water") == pytest.approx((pitch, roll), abs=5e-4)
     return [Near(roll), Near(pitch)]
@@ -270,7 +273,9 @@ def tilt_does_not_show_moving_water() -> Sequence[Figure]:
 
 @cache
 def identified() -> dict[str, Any]:
-    return script("identify_recordings.py", str(RECORDINGS), f"{RECORDINGS}/untidy")
+    return script(
+        "recordings/identify_recordings.py", str(RECORDINGS), f"{RECORDINGS}/untidy"
+    )
 
 
 @statement(
