@@ -63,7 +63,7 @@ def _one_line_warnings(show_others: Callable[..., None]) -> Callable[..., None]:
 
 
 def _status(args: Sequence[str]) -> int:
-    """Run the command; an error that a user can cause becomes a line and a status."""
+    """Run the command; report user errors as one line and return the exit status."""
     try:
         status = _run_command(args)
     except (Alpha5Error, OSError, SystemExit) as error:

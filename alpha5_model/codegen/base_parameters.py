@@ -159,7 +159,8 @@ def moments(
 
     Each is one matrix P (4, 4), with the second moments, the first moments in the last
     row and column, and the mass [Wensing2018]. With T the body's pose in another frame,
-    ``T P T^T`` are the moments there. All numbers are NumPy's or CasADi's.
+    ``T P T^T`` are the moments there. The 3x3 block of the net matrix has no meaning and
+    is not read. All numbers are NumPy's or CasADi's.
 
     Args:
         mass: [kg].

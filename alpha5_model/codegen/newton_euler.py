@@ -218,9 +218,10 @@ def weightless(base_parameters: SX) -> SX:
 
 
 def in_air(base_parameters: SX) -> SX:
-    """The base parameters without fluid around the moving links.
+    """The base parameters without fluid around the moving links, for joint torques only.
 
-    Their net first moments are those of the mass.
+    The net first moments of the links are those of the mass. link_0 keeps its numbers in
+    the fluid, so the load on the mount does not hold.
     """
     place = {name: i for i, name in enumerate(BASE_PARAMETERS)}
     sources = [place.get(name.replace(".n", ".h"), i) for name, i in place.items()]

@@ -3,12 +3,14 @@
 The plane of the arm (`alpha5_model.kinematics.plane`) can face the target or face away
 from it, and in the plane two links reach a point with the elbow on either side: four
 branches. The document prints the first two (Sections 1.3 and 1.4;
-`published_inverse_kinematics`). Their arccos are written here with half angles, which
-lose no digits at the edge of reach (alpha is by the law of tangents):
+`published_inverse_kinematics`), by arccos. With half angles no digits are lost at the
+edge of reach (alpha is by the law of tangents). With R = hypot(x, y), f = +1 if the
+plane faces the target and -1 if it faces away, e = +1 and -1 for the flipped elbow:
 
-    rho^2 = (+-R - a_0)^2 + (z - d_0)^2
-    t = tan(gamma / 2) = sqrt((rho^2 - (l_1 - l_2)^2) / ((l_1 + l_2)^2 - rho^2))
-    phi = atan2(z - d_0, +-R - a_0) -+ alpha
+    r = f R - a_0,  rho^2 = r^2 + (z - d_0)^2
+    t = sqrt((rho^2 - (l_1 - l_2)^2) / ((l_1 + l_2)^2 - rho^2))
+    gamma = 2 e atan(t)
+    phi = atan2(z - d_0, r) - e alpha
     alpha = pi/2 - atan(t) + atan(k / t),  k = (l_2 - l_1) / (l_2 + l_1)
 
 The kernels, made from `alpha5_model.codegen.inverse_kinematics`, compute the same with

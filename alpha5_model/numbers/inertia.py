@@ -6,14 +6,15 @@ tensor have it. SolidWorks prints the products with the opposite sign. ``com`` i
 3) [m], ``mass`` (...) [kg]. Other input raises an `InputError`, leading shapes that do
 not broadcast a `ShapeError`.
 
-References: [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for
-    physically consistent
-        inertial parameter identification, IEEE RA-L 3(1), 2018.
+References:
+    [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically
+        consistent inertial parameter identification, IEEE RA-L 3(1), 2018.
     [Traversaro2016] Traversaro, Brossette, Escande, Nori: Identification of fully
         physical consistent inertial parameters using optimization on manifolds, IROS
         2016.
     [Bhatia2000] Bhatia, Davis: A better bound on the variance, Amer. Math. Monthly
-    107(4), 2000. [ReachAlpha] Manufacturer's document, Section 2.1.
+        107(4), 2000.
+    [ReachAlpha] Manufacturer's document, Section 2.1.
 """
 
 from __future__ import annotations
@@ -230,7 +231,9 @@ def inconsistencies(
         com: (3,) [m].
         inertia_com: (3, 3) about the COM [kg m^2].
         bounds: (3, 2), min and max of the body along each axis [m].
-        tolerance: Relative slack on each inequality, for rounding.
+        tolerance: Relative slack of the triangle inequality, the symmetry and the
+            bounds, for rounding. The pseudo-inertia must be positive definite without
+            slack.
 
     Returns:
         One short sentence for each violated condition.

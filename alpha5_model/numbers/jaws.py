@@ -7,11 +7,12 @@ printed ones whatever the estimate.
 
 Frames, by their pose in link_4 (wrist axis along -z, tip at negative z):
 
-- ``link_4``: the wrist, frame unchanged. - ``jaw_rod``: +z towards the tip; ``axis_a``
-slides it along its +z. - ``finger_1`` on the -x side, ``finger_2`` on the +x side: +z
-along the hinge; each turns about its
-  +z by ``finger_turn`` times the rod's travel, and a positive angle opens it. Closed is
-  0.
+- ``link_4``: the wrist, frame unchanged.
+- ``jaw_rod``: +z towards the tip; ``axis_a`` slides it along its +z. The jaws are
+  closed with axis_a at its lower limit.
+- ``finger_1`` on the -x side, ``finger_2`` on the +x side: +z along the hinge. Each
+  turns about its +z by ``finger_turn`` times the rod's travel; a positive angle opens
+  it, and 0 is closed.
 """
 
 from __future__ import annotations
@@ -85,8 +86,9 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     """Take the rod and the fingers out of link 4.
 
     A finger is a box of the measured length, width and volume, its centre halfway along
-    and halfway between its pivot and the wrist axis; the rod is a cylinder centred at
-    the jaw collar's base.
+    and halfway between its pivot and the wrist axis. The rod is a cylinder centred at
+    the jaw collar's base with axis_a at 0; when closed, it is axis_a's lower limit
+    beyond it.
 
     Args:
         parameters: The arm's parameters.

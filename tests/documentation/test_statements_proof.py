@@ -249,7 +249,10 @@ def r2(record: dict[str, Any], model: str = "model") -> tuple[float, float]:
 @statement(PROOF, "R² {} in pitch, {} in roll", needs_recordings)
 def two_untidy_recordings() -> Sequence[Figure]:
     untidy = script(
-        "validate_recordings.py", f"{RECORDINGS}/untidy", "--fit", str(RECORDINGS)
+        "recordings/validate_recordings.py",
+        f"{RECORDINGS}/untidy",
+        "--fit",
+        str(RECORDINGS),
     )
     assert sorted(untidy["recordings"]) == ["traj003-0-test", "traj007-1"]
     return [Near(x) for x in r2(untidy)]

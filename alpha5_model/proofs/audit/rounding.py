@@ -39,8 +39,7 @@ def figure(
     """A figure, and how far it may be off because its printed inputs are rounded.
 
     The bound is the worst case, to first order: each input is moved by half a unit of
-        its
-    last printed digit, one at a time, and the changes of the result are added up.
+    its last printed digit, one at a time, and the changes of the result are added up.
 
     Args:
         function: From the inputs in SI units, (N,), to a result of any shape.

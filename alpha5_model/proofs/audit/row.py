@@ -57,14 +57,10 @@ class AuditRow:
         standard_error: Of ``measured`` where it was sampled, in ``unit``; 0 where it
             was computed.
         category: What a difference means, None for an observation. ``error``: the claim
-            is wrong
-            in every reading. ``reading``: it is wrong in the reading that was measured;
-                the finding
-            names one in which it is right. ``transcription``: it hangs on a sign, an
-                index or a
-            letter of a formula, and we have a transcription of the document only: the
-                original may
-            be right.
+            is wrong in every reading. ``reading``: it is wrong in the reading that was
+            measured; the finding names one in which it is right. ``transcription``: it
+            depends on a sign, an index or a letter of a formula. We have only a
+            transcription of the document, so the original may be right.
     """
 
     claim: str

@@ -25,14 +25,12 @@ from alpha5_model.proofs.audit.row import AuditRow
 def audit() -> tuple[AuditRow, ...]:
     """Every consistency check of the documents, measured against its bound.
 
-    One row per claim of the manufacturer's document and of the lecture on planar arms:
-        its
-    words in short, the figure that follows from its other numbers, what the rounding of
-    printed digits allows, a verdict, and what the difference is worth. The rows judge
-    the
-    documents, not this package: a row that differs is a finding. Rows of the kind
-    ``observation`` hold their numbers, or numbers that circulate beside them, against
-    something that they do not claim.
+    There is one row for each claim of the manufacturer's document and of the lecture
+    notes: the claim in short, the figure that follows from other numbers, what the
+    rounding of printed digits allows, a verdict, and what the difference is worth. The
+    rows judge the documents, not this package: a row that differs is a finding. Rows of
+    the kind ``observation`` compare numbers with something that the document does not
+    claim.
 
     Returns:
         Frozen rows, in the order of the topics; computed once.

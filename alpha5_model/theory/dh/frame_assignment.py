@@ -14,8 +14,7 @@ to the second; the origin of {j} is where it meets ``z_j``. If the rule leaves a
 
 References:
     [Lecture7.1] Describing Robot Arms, "Frame assignment".
-    [Siciliano2009] Siciliano et al.: Robotics, section 2.8.2 (the cases where it is not
-        unique).
+    [Siciliano2009] Siciliano et al.: Robotics, section 2.8.2 (where it is not unique).
     [Corke2011] Corke: Robotics, Vision and Control, section 7.2.
 """
 
@@ -37,12 +36,12 @@ class _Normal(NamedTuple):
 
     Attributes:
         x: Its direction, which is that of x_j, (3,).
-        origin: Its foot on z_j, which is the origin of {j}, (3,) [m].
-        foot: Its foot on z_{j-1}, (3,) [m].
+        foot_before: Its foot on z_{j-1}, (3,) [m].
+        foot: Its foot on z_j, which is the origin of {j}, (3,) [m].
     """
 
     x: FloatArray
-    origin: FloatArray
+    foot_before: FloatArray
     foot: FloatArray
 
 
@@ -66,7 +65,7 @@ def frames_on_axes(
     frames = [_first_frame(p, z, tolerance)]
     for point, direction in zip(p[1:], z[1:], strict=True):
         normal = _normal(frames[-1], point, direction, tolerance)
-        frames.append(_frame(normal.origin, normal.x, direction))
+        frames.append(_frame(normal.foot, normal.x, direction))
     if end is None:
         frames.append(frames[-1])
     elif np.linalg.norm(np.cross(z[-2], z[-1])) <= tolerance:
@@ -85,7 +84,7 @@ def _first_frame(p: FloatArray, z: FloatArray, tolerance: float) -> FloatArray:
         return first
     # {0} is {1} seen from the first axis: theta_1 = d_1 = 0.
     normal = _normal(first, p[1], z[1], tolerance)
-    return _frame(normal.foot, normal.x, z[0])
+    return _frame(normal.foot_before, normal.x, z[0])
 
 
 def _frame_of_end(
@@ -157,9 +156,9 @@ def _normal(
     foot_before, foot = common_normal(previous[:3, 3], z_before, point, z)
     side = (foot - foot_before) @ cross
     x = cross / sine
-    return _Normal(
-        x=-x if side / sine < -tolerance else x, origin=foot, foot=foot_before
-    )
+    if side / sine < -tolerance:
+        x = -x
+    return _Normal(x=x, foot_before=foot_before, foot=foot)
 
 
 def _normal_of_parallels(
@@ -167,8 +166,8 @@ def _normal_of_parallels(
 ) -> _Normal:
     """One of the common normals of parallel axes.
 
-    It is the normal at the origin of {j-1}, unless that is so far away that the tilt,
-    whose sine is given, counts there.
+    It is the normal at the origin of {j-1}, unless the origin is so far away that the
+    small tilt, whose sine is given, moves the foot by more than the tolerance.
     """
     origin = previous[:3, 3]
     z_before = previous[:3, 2]
@@ -178,8 +177,8 @@ def _normal_of_parallels(
     distance = math.sqrt(across @ across)
     x = across / distance if distance > tolerance else previous[:3, 0]
     if sine * abs(along) > tolerance:
-        return _Normal(x=x, origin=point, foot=point - across)
-    return _Normal(x=x, origin=origin + across, foot=origin)
+        return _Normal(x=x, foot_before=point - across, foot=point)
+    return _Normal(x=x, foot_before=origin, foot=origin + across)
 
 
 def _frame(origin: FloatArray, x: FloatArray, z: FloatArray) -> FloatArray:

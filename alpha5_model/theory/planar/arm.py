@@ -1,4 +1,4 @@
-"""Planar arms: where their links are, and the workspace, where the tip can be, exactly.
+"""Planar arms, and their exact workspaces: the points that the tip can reach.
 
 Joint j is followed by link j, which leaves along the local x axis. Seen from link j-1
 the next link is turned by ``angles[j]``; a revolute joint adds q_j to this angle, a
@@ -332,7 +332,7 @@ class Workspace:
         """Smallest and largest distance from the base [m]."""
         points: list[list[float]] = []
         for curve in self.curves:
-            points += _extremes(curve, True, _tolerance(self.arm))
+            points += _extremes(curve, revolute=True, tolerance=_tolerance(self.arm))
         distances = np.linalg.norm(points, axis=1).tolist()
         smallest = 0.0 if self.contains(np.zeros(2)) else min(distances)
         return smallest, max(distances)
@@ -389,12 +389,14 @@ class Workspace:
         assert inner is not None
         slack = np.full_like(radius, tolerance)
         if arm.joints[0] == "R":
+            # As an angle on the circle of the point.
             slack /= np.maximum(radius, tolerance)
         found = np.zeros(len(p), np.bool_)
         for q, _ in bring(arm, p, inner.curves, tolerance):
             found |= within_limits(arm, 0, q, slack[:, None]).any(axis=1)
 
-        # The path of any other point runs inside the inner workspace, or outside of it.
+        # A path that never meets the boundary lies inside of it or outside: one of its
+        # positions decides.
         rest = np.flatnonzero(~found)
         if rest.size:
             middle = sum(arm.limits[0] or (0.0, 0.0)) / 2
