@@ -236,10 +236,16 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
         joints=wanted,
         position=motion.position[:, :4],
         velocity=None if velocity is None else velocity[:, :4],
-        warnings=tuple(w for w in motion.warnings if "axis_a" not in w.text),
+        warnings=tuple(w for w in motion.warnings if not _is_of_the_rod(w)),
         ignored=(*motion.ignored, "axis_a"),
         effort=None if effort is None else effort[:, :4],
     )
+
+
+def _is_of_the_rod(warning: MotionWarning) -> bool:
+    """Whether a warning names the jaw rod and no other joint."""
+    named = [name for name in JOINT_NAMES if name in warning.text]
+    return named == ["axis_a"]
 
 
 def _drive(supply_voltage: float | None, current_limit: float | None) -> Drive | None:

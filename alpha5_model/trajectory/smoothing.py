@@ -11,8 +11,9 @@ filters.
     ``integral (y - f)^2 dt + lam * integral f''^2 dt``, with the first integral by the
     trapezoidal rule, so that samples need not be uniform. Its response to a sine of
     angular frequency w is ``1 / (1 + lam w^4)`` [Silverman1984], hence
-    ``lam = (sqrt(2) - 1) / w_c^4``. Accelerations are zero at both ends (natural
-    spline).
+    ``lam = (sqrt(2) - 1) / w_c^4``. The second derivative of the fitted signal is zero
+    at both ends (natural spline): the acceleration if positions are fitted, the jerk if
+    velocities are.
 ``"savgol"``
     Savitzky-Golay filter of third degree on a uniform grid of the median sample time,
     the window chosen for the bandwidth by its frequency response [Schafer2011]; linear

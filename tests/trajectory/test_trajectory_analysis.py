@@ -21,6 +21,7 @@ from alpha5_model.dynamics.load import arm_of
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
 from alpha5_model.trajectory import columns
+from alpha5_model.trajectory.warning import MotionWarning
 
 JAW_LOWER, JAW_UPPER = 0.0013, 0.0133
 
@@ -678,3 +679,18 @@ def test_an_arm_in_moving_water_is_refused() -> None:
         a5.errors.InputError, match=r"still water .*got .HydrodynamicArm"
     ):
         a5.trajectory.analyse(motion, wet)
+
+
+def test_a_warning_of_all_joints_stays_if_the_jaw_rod_is_left_out() -> None:
+    time = np.linspace(0.0, 1.0, 20)
+    middle = np.array([1.0, 1.0, 1.0, 1.0, 0.005])
+    position = middle + np.outer(np.sin(time), [0.1, 0.2, 0.3, 0.4, 0.0])
+    motion = a5.trajectory.motion(time, position)
+    of_all, of_rod = (
+        MotionWarning(kind="missing_joints", count=3, first="message 7", text=text)
+        for text in ("messages without axis_e, axis_d, axis_a left out", "axis_a jumps")
+    )
+    motion = dataclasses.replace(motion, warnings=(of_all, of_rod))
+    analysis = a5.trajectory.analyse(motion, a5.load())
+    assert of_all in analysis.warnings
+    assert of_rod not in analysis.warnings
