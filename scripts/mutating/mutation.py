@@ -44,12 +44,8 @@ from mutating.mutants import (
     room,
     sources,
 )
+from mutating.proofs import PROOFS
 from mutating.sandbox import (
-    INVALID,
-    KILLED,
-    SURVIVED,
-    TIMEOUT,
-    UNTESTED,
     Job,
     Outcome,
     Sandbox,
@@ -58,36 +54,18 @@ from mutating.sandbox import (
     warm,
 )
 from mutating.seen import C_TESTS, Seen
+from mutating.statuses import (
+    EQUIVALENT,
+    INVALID,
+    KILLED,
+    SURVIVED,
+    TIMEOUT,
+    UNTESTED,
+)
 
 BUILD = REPOSITORY / "build" / "mutation"
-EQUIVALENT = "equivalent"
 #: The columns of the table, after the room.
 STATUSES = (KILLED, SURVIVED, UNTESTED, TIMEOUT, EQUIVALENT)
-#: Checked first: file, part of it, what that becomes, the outcome, by which tests.
-PROOFS = (
-    (
-        "proofs/audit/bodies.py",
-        "(excess) * G",
-        "(excess) / G",
-        KILLED,
-        "proofs/test_audit",
-    ),
-    ("proofs/audit/bodies.py", "norm(si(", "norm(-si(", SURVIVED, "proofs/test_audit"),
-    (
-        "codegen/kernels/rows.h",
-        "return good",
-        "return !good",
-        KILLED,
-        "codegen/test_kernels_compiled",
-    ),
-    (
-        "codegen/kernels/rows.h",
-        "return good",
-        "return +good",
-        SURVIVED,
-        "codegen/test_kernels_compiled",
-    ),
-)
 
 
 def main() -> int:
@@ -255,11 +233,10 @@ def _proved(boxes: Sequence[Sandbox], texts: dict[Path, str]) -> bool:
             )
 
     jobs = []
-    for name, old, new, expected, test in PROOFS:
-        text = texts[Path(name)]
-        line = text[: text.index(old)].count("\n") + 1
-        mutant = Mutant(Path(name), line, expected, text.replace(old, new, 1))
-        jobs.append(Job(mutant, (Selection(f"tests/{test}.py"),), 300.0))
+    for proof in PROOFS:
+        mutant = proof.mutant(texts[Path(proof.file)])
+        selections = (Selection(f"tests/{proof.test}.py"),)
+        jobs.append(Job(mutant, selections, 300.0))
     run(jobs, boxes, texts, done)
     return all(good)
 

@@ -22,6 +22,7 @@ from typing import Any
 import coverage
 import pytest
 from mutating.mutants import REPOSITORY, Mutant, is_c
+from mutating.statuses import INVALID, KILLED, SURVIVED, TIMEOUT, UNTESTED
 
 #: Imported before the forks. The package is not: each child imports its own.
 WARM = (
@@ -49,8 +50,6 @@ CLOCK = 6.0
 NOT_ASKED = ("test_the_module_was_compiled_of_these_sources",)
 #: Without optimisation, as that takes three times as long; the results have the same bits.
 C_FLAGS = ("-O0", "-ffp-contract=off", "-fno-math-errno", "-Wno-psabi")
-KILLED, SURVIVED, TIMEOUT = "killed", "survived", "timeout"
-INVALID, UNTESTED = "does not compile", "no test"
 _FAILED = 1
 _CANNOT_COMPILE = 90
 _NO_TEST = 91

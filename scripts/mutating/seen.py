@@ -18,7 +18,8 @@ from pathlib import Path
 import coverage
 from mutating.mutants import REPOSITORY, Mutant, is_c
 from mutating.python_code import statement
-from mutating.sandbox import SURVIVED, Job, Outcome, Sandbox, Selection, run
+from mutating.sandbox import Job, Outcome, Sandbox, Selection, run
+from mutating.statuses import SURVIVED
 
 #: Tests of pages, notebooks, scripts and other tools, or by a browser: they cost minutes
 #: and see a mutant by chance only.

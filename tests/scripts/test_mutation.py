@@ -139,6 +139,18 @@ def test_an_equivalent_mutant_is_named_with_a_reason_and_its_line_exists(parts):
         assert len(reason) > 20
 
 
+def test_the_known_mutants_are_still_made_of_the_source(parts):
+    from mutating.proofs import PROOFS
+
+    texts = parts[0].sources()
+    for proof in PROOFS:
+        text = texts[Path(proof.file)]
+        mutant = proof.mutant(text)
+        assert mutant.text != text
+        with pytest.raises(ValueError, match="no longer contains"):
+            proof.mutant("")
+
+
 def test_the_statement_around_a_line(parts):
     source = "def f(\n    a=1,\n):\n    return [\n        a,\n        2,\n    ]\n"
     assert parts[1].statement(source, 2) == range(1, 4)

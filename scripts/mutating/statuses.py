@@ -1,0 +1,8 @@
+"""What became of a mutant."""
+
+KILLED = "killed"
+SURVIVED = "survived"
+TIMEOUT = "timeout"
+INVALID = "does not compile"
+UNTESTED = "no test"
+EQUIVALENT = "equivalent"
