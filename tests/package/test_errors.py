@@ -82,6 +82,8 @@ def test_attributes_and_messages() -> None:
     reach = errors.UnreachableError((1.0, 0.0, 0.0), 0.25, (0.75, 0.0, 0.0))
     assert reach.distance == 0.25
     assert "250 mm away" in str(reach)
+    near = errors.UnreachableError((1.0, 0.0, 0.0), 0.0995, (0.9005, 0.0, 0.0))
+    assert "is 99.5 mm away" in str(near)
     assert str(errors.NonFiniteError("q", float("nan"), (1, 2))).startswith(
         "q[1, 2]: expected finite"
     )

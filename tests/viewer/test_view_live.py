@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import gc
 import json
+import os
+import signal
 import socket
 import subprocess
 import sys
@@ -12,6 +15,8 @@ import time
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -48,6 +53,19 @@ def test_it_is_meshcats_visualizer(visualizer: ArmVisualizer) -> None:
     assert isinstance(visualizer, meshcat.Visualizer)
     visualizer["mine"].set_transform(np.eye(4))
     visualizer["mine"].delete()
+
+
+def test_deleting_a_node_leaves_its_neighbours(visualizer: ArmVisualizer) -> None:
+    """As in meshcat: a node goes with all below it, and what is not there may go, too."""
+    tree = visualizer.window.server.live.tree
+    for path in ("mine/kept", "mine/deleted/below"):
+        visualizer[path].set_transform(np.eye(4))
+    visualizer["mine/deleted"].delete()
+    visualizer["mine/never there"].delete()
+    assert list(tree["meshcat"]["mine"]) == ["kept"]
+    visualizer["mine"].delete()
+    assert "mine" not in tree["meshcat"]
+    assert "alpha5" in tree["meshcat"]
 
 
 def test_it_serves_its_page_on_this_machine_only(visualizer: ArmVisualizer) -> None:
@@ -349,6 +367,47 @@ def test_starting_is_quick_after_imports() -> None:
     took = time.perf_counter() - started
     found.close()
     assert took < 1.5
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_waiting_ends_with_a_signal_and_puts_the_handlers_back(number: int) -> None:
+    from alpha5_model.cli.view import _wait_until_stopped
+
+    before = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
+    timer = threading.Timer(0.1, os.kill, (os.getpid(), number))
+    timer.start()
+    try:
+        _wait_until_stopped()
+        after = {one: signal.getsignal(one) for one in before}
+    finally:
+        timer.join()
+        for one, handler in before.items():
+            signal.signal(one, handler)
+    assert after == before
+
+
+@pytest.mark.parametrize("outcome", ["read", "page closed", "cancelled"])
+def test_a_message_that_a_page_will_not_read_is_no_error(outcome: str) -> None:
+    """asyncio logs an exception that nobody takes, and raises one when it is cancelled."""
+    from alpha5_model.viewer.connections import PageConnection
+
+    logged: list[dict[str, Any]] = []
+    loop = asyncio.new_event_loop()
+    loop.set_exception_handler(lambda _, context: logged.append(context))
+    page = SimpleNamespace(_unread=12)
+    sent = loop.create_future()
+    if outcome == "read":
+        sent.set_result(None)
+    elif outcome == "page closed":
+        sent.set_exception(ConnectionResetError())
+    else:
+        sent.cancel()
+    PageConnection._note_read(page, 5, sent)  # type: ignore[arg-type]
+    assert page._unread == 7
+    del sent
+    gc.collect()
+    loop.close()
+    assert logged == []
 
 
 def test_serve_runs_until_it_is_told_to_end() -> None:

@@ -72,6 +72,24 @@ def test_triangles_that_turn_their_back_are_not_drawn_unless_two_sided() -> None
     assert drawn(canvas, (1, 0, 0)).any()
 
 
+def test_each_pixel_of_a_triangle_is_drawn_in_one_block(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Blocks bound the memory; small ones must add up to the one large block."""
+
+    def pixels() -> list[np.ndarray]:
+        screen = canvas.project(right_angle(0.0))
+        fragments = canvas._fragments(screen, TRIANGLE, two_sided=False)
+        return [found.pixels for found in fragments]
+
+    canvas = Canvas(FRONT, 300, 200)
+    (whole,) = pixels()
+    monkeypatch.setattr("alpha5_model.viewer.canvas._BLOCK", 100)
+    blocks = pixels()
+    assert len(blocks) > 5
+    assert sorted(np.concatenate(blocks)) == sorted(whole)
+
+
 @pytest.mark.parametrize("near_first", [True, False])
 def test_the_nearer_triangle_hides_the_farther(near_first: bool) -> None:
     canvas = Canvas(FRONT, 300, 200)
