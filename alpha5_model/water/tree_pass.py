@@ -15,6 +15,10 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import InputError
 from alpha5_model.water.forces import MovingWater, cross_force
 
+#: Offset of a joint's axis from its origin that is rounding [m]; a screw moves further
+#: along its axis in each radian.
+_ROUNDING = 1e-9
+
 
 class _Step(NamedTuple):
     """The step from a joint to the next one.
@@ -137,12 +141,12 @@ def _weights(step: _Step, q: FloatArray) -> FloatArray:
 def _step(tree: Any, data: Any, number: int) -> _Step:
     """The step to a joint of a pin.Model, whose data hold the Jacobians."""
     joint = tree.joints[number]
-    if joint.nq != 1:
+    axis = pin.getJointJacobian(tree, data, number, pin.LOCAL)[:, joint.idx_v]
+    turns = bool(axis[3:].any())
+    slides = np.abs(axis[:3]).max() > _ROUNDING
+    if joint.nq != 1 or (turns and slides):
         expected = "joints that turn about or slide along an axis"
         raise InputError("model", joint.shortname(), expected)
-
-    jacobian = pin.getJointJacobian(tree, data, number, pin.LOCAL)
-    axis = jacobian[:, joint.idx_v]
 
     placement = tree.jointPlacements[number].actionInverse
     back = cross_force(axis).T  # minus [s]x
@@ -150,7 +154,7 @@ def _step(tree: Any, data: Any, number: int) -> _Step:
         parent=tree.parents[number] - 1,
         terms=np.vstack([placement, back @ placement, back @ back @ placement]),
         axis=axis,
-        turns=bool(axis[3:].any()),
+        turns=turns,
         at_q=joint.idx_q,
         at_v=joint.idx_v,
     )

@@ -20,6 +20,7 @@ from dynamics_cases import (
 import alpha5_model as a5
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement
+from alpha5_model.errors import InputError
 from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics, hydrodynamics
 from alpha5_model.water.arm import HydrodynamicArm, joint_water
 
@@ -473,6 +474,21 @@ def test_cross_flow_at_an_angle():
     # The stream along +x pushes the cylinder that leans to +y down its slope.
     expected = force * np.array([np.sin(angle), -np.cos(angle), 0])
     assert wrench[:3] == pytest.approx(expected, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("pitch", [0.05, -1e-6])
+def test_a_screw_is_refused_where_only_turning_and_sliding_are_computed(pitch):
+    rod = cylinder(pin.JointModelHZ(pitch))
+    with pytest.raises(InputError, match="JointModelHZ"):
+        rod.inverse_dynamics_batch([[0.3]], [[0.7]], [[0.2]])
+
+
+@pytest.mark.parametrize("joint", [pin.JointModelRZ(), pin.JointModelPX()])
+def test_a_batch_of_one_joint_is_its_single_calls(joint, rng):
+    rod = cylinder(joint, current=(0.4, -0.6, 0.8))
+    q, v, a = rng.normal(size=(3, 5, 1))
+    single = [rod.inverse_dynamics(*state) for state in zip(q, v, a, strict=True)]
+    close(rod.inverse_dynamics_batch(q, v, a), np.array(single), 1e-12)
 
 
 def test_munk_moment():
