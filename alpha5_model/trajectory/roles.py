@@ -121,7 +121,8 @@ class _Columns:
             column_of = {name: column for column, name in enumerate(header)}
             return column_of[names[0]]
         if names:
-            problem = f"two columns for {what}: {', '.join(names)}"
+            number = "two" if len(names) == 2 else len(names)
+            problem = f"{number} columns for {what}: {', '.join(names)}"
         else:
             got = ", ".join(header)[:200]
             problem = f"no column for {what}{missing}, got {got}"

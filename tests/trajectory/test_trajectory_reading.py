@@ -376,6 +376,17 @@ def test_two_names_for_the_time(tmp_path: Path) -> None:
         a5.trajectory.read_motion(path)
 
 
+def test_several_columns_of_one_quantity_are_counted(tmp_path: Path) -> None:
+    rows = [[*row, row[1], row[1]] for row in table()]
+    header = [*HEADER, "axis_e", "axis_e_position"]
+    path = write(tmp_path / "m.csv", header, rows)
+    expected = (
+        "3 columns for the position of axis_e: axis_e_pos, axis_e, axis_e_position"
+    )
+    with pytest.raises(FileFormatError, match=expected):
+        a5.trajectory.read_motion(path)
+
+
 def test_fields_and_paths_without_end_are_one_error(tmp_path: Path) -> None:
     """The csv module takes 131 072 characters in a field; longer numbers are numbers all the same."""
     long = "1." + "0" * 140_000
