@@ -44,6 +44,7 @@ NOT_RUN = (
 KERNEL_TESTS = (
     "tests/codegen/test_kernels_compiled.py",
     "tests/codegen/test_kernels_arithmetic.py",
+    "tests/codegen/test_kernels_transposition.py",
     "tests/codegen/test_rounding.py",
     "tests/kinematics/test_ik_kernels.py",
     "tests/codegen/test_casadi.py",

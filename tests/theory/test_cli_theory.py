@@ -34,6 +34,17 @@ def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:
     return status, out, err
 
 
+@pytest.mark.parametrize(("joints", "answer"), [(3, "no"), (6, "yes")])
+def test_dh_tells_what_an_arm_can_do(capsys, joints: int, answer: str) -> None:
+    """Six skew axes reach all of SE(3); three of them reach neither kind of task."""
+    links = [("--link", f"0 {0.1 * k} {0.3 - 0.02 * k} 1 0") for k in range(joints)]
+    status, out, err = run(capsys, "dh", *(word for link in links for word in link))
+    assert (status, err) == (0, "")
+    lines = out.splitlines()
+    for task in ("general tasks", "vertical insertion"):
+        assert any(line.startswith(f"{task}: {answer}, ") for line in lines), task
+
+
 def test_dh_prints_table_1(capsys) -> None:
     status, out, err = run(capsys, "dh")
     assert (status, err) == (0, "")

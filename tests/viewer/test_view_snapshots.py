@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -22,6 +23,8 @@ from alpha5_model.kinematics.catalogue_arm import catalogue
 from alpha5_model.trajectory import Motion
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.commands import scene_commands
+from alpha5_model.viewer.comparison_plot import plot_comparison
+from alpha5_model.viewer.motion_plot import motion_figure
 from alpha5_model.viewer.mount_plot import mount_load_figure
 from alpha5_model.viewer.page import page_data
 from alpha5_model.viewer.planar_plot import new_axes, plot_planar
@@ -111,6 +114,55 @@ def test_the_plot_of_the_workspace() -> None:
 
 def test_the_plot_of_self_collision() -> None:
     held("self_collision", figure(self_collision_figure(cell=0.1, samples=400)))
+
+
+def test_the_plot_of_a_motion() -> None:
+    """With measured torques, a motor's limits and a current of the water."""
+    arm = arm_with_made_up_masses()
+    time = np.linspace(0.0, 3.0, 61)
+    turned = np.multiply.outer(time, [2.0, 1.3, 0.9, 2.6])
+    phase = turned + np.array([0.1, 0.9, 2.0, 0.4])
+    middle = np.array([2.0, 1.2, 1.4, 1.0])
+    motion = a5.trajectory.motion(
+        time, middle + 0.4 * np.sin(phase), effort=0.3 * np.cos(phase)
+    )
+    analysis = a5.trajectory.analyse(
+        motion,
+        arm,
+        supply_voltage=24.0,
+        current_limit=0.8,
+        current=(0.2, 0.0, -0.1),
+    )
+    held("motion", figure(motion_figure(analysis)))
+
+
+def _write_with_another_link_2(path: Path) -> None:
+    """Our arm, with 0.1 kg, 2 mm and 30 kg mm^2 more in its second link."""
+    tree = ET.parse(a5.URDF_PATH)
+    inertial = tree.getroot().find("link[@name='link_2']/inertial")
+    assert inertial is not None
+    more = {"mass/value": 0.1, "origin/xyz": [0.0, 0.002, 0.0], "inertia/ixx": 3e-5}
+    for place, change in more.items():
+        tag, attribute = place.split("/")
+        element = inertial.find(tag)
+        assert element is not None
+        numbers = np.array(element.attrib[attribute].split(), dtype=float) + change
+        element.set(attribute, " ".join(f"{number:.9f}" for number in numbers))
+    tree.write(path)
+
+
+def test_the_plot_of_a_comparison(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = []
+    monkeypatch.setattr(
+        "alpha5_model.viewer.comparison_plot.write_figure",
+        lambda figure, path, dpi: drawn.append(figure),
+    )
+    path = tmp_path / "changed.urdf"
+    _write_with_another_link_2(path)
+    plot_comparison(a5.compare(path), tmp_path / "errors.png")
+    held("comparison", figure(drawn[0]))
 
 
 def test_the_plot_of_planar_arms() -> None:

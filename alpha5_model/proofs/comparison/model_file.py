@@ -44,9 +44,9 @@ class XacroOptions:
 
 def read_model(
     path: str | Path,
-    packages: Mapping[str, str] | None = None,
-    arguments: Mapping[str, str] | None = None,
-    xacro: bool = False,
+    packages: Mapping[str, str] | None,
+    arguments: Mapping[str, str] | None,
+    xacro: bool,
 ) -> UrdfRobot:
     """Read a URDF as it is, or expand a xacro file on request and read the result.
 
