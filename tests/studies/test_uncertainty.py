@@ -332,30 +332,75 @@ def of_link(
     return np.hstack(found)
 
 
-def test_bounds_at_rest_are_attained_at_a_corner() -> None:
-    """All corners of each link's mass and COM, and of its volume and COB, one by one."""
+def corrected(
+    values: dict[str, float], corrections: tuple[str, ...]
+) -> dict[str, float]:
+    """Centre of buoyancy of link 3 as an arm with these corrections has it."""
+    out = dict(values)
+    if "link3_cob" in corrections:
+        out["link_3.cob.x"] = values["link_2.a"] - values["link_3.cob.x"]
+        out["link_3.cob.y"] = values["link_3.cob.z"] - values["link_0.d"]
+        out["link_3.cob.z"] = values["link_3.cob.y"]
+    return out
+
+
+@pytest.mark.parametrize(
+    ("of_arm", "alternatives"),
+    [
+        (("base_frame",), ()),
+        (("base_frame",), ("link3_cob",)),
+        (("base_frame", "link3_cob"), ()),
+        (("base_frame", "link3_cob"), ("link3_cob",)),
+    ],
+)
+def test_bounds_at_rest_are_attained_at_a_corner(
+    of_arm: tuple[str, ...], alternatives: tuple[str, ...]
+) -> None:
+    """All corners of each link's mass and COM, and of its volume and COB, one by one.
+
+    The arm's own corrections count once, whether they are among the alternatives or not.
+    """
     (q, _, _), numbers, still = states(4, 7), u.printed_numbers(), np.zeros((4, 4))
     middle = {name: n.value for name, n in numbers.items()}
     low, high = np.zeros((4, 10)), np.zeros((4, 10))
     for i in range(5):
         for kind, centre in (("mass", "com"), ("volume", "cob")):
             names = [f"link_{i}.{kind}", *(f"link_{i}.{centre}.{x}" for x in AXES)]
+            if (i, centre) == (3, "cob") and "link3_cob" in of_arm + alternatives:
+                names += ["link_2.a", "link_0.d"]
             other = {f"link_{i}.{'volume' if kind == 'mass' else 'mass'}": 0.0}
             found = []
-            for ends in product(("lower", "upper"), repeat=4):
+            for ends in product(("lower", "upper"), repeat=len(names)):
                 at = {
                     n: getattr(numbers[n], end)
                     for n, end in zip(names, ends, strict=True)
                 }
-                found.append(
-                    of_link(i, {**middle, **at, **other}, q, still, still, 1000.0)
-                )
+                values = corrected({**middle, **at, **other}, of_arm + alternatives)
+                found.append(of_link(i, values, q, still, still, 1000.0))
             low, high = low + np.min(found, axis=0), high + np.max(found, axis=0)
-    ours = u.bounds(q, still, still, a5.load(1000.0, gravity=TILTED))
+    arm = a5.load(1000.0, gravity=TILTED, corrections=of_arm)
+    ours = u.bounds(q, still, still, arm, alternatives)
     lower, upper = (np.hstack([ours.torque[k], ours.base_wrench[k]]) for k in (0, 1))
     np.testing.assert_allclose(lower, low, rtol=0, atol=1e-12)
     np.testing.assert_allclose(upper, high, rtol=0, atol=1e-12)
     assert (upper[:, 1] - lower[:, 1] > 1e-3).all()
+
+
+@pytest.mark.parametrize("of_arm", [(), ("link3_cob",)])
+def test_bounds_of_an_arm_with_its_base_turned(of_arm: tuple[str, ...]) -> None:
+    """Without ``base_frame`` link 0 stands the other way round; the rest is as with it."""
+    (q, _, _), still = states(4, 7), np.zeros((4, 4))
+    turned = a5.load(1000.0, gravity=TILTED, corrections=of_arm)
+    usual = a5.load(1000.0, gravity=TILTED, corrections=("base_frame", *of_arm))
+    for alternatives in ((), ("link3_cob",)):
+        ours = u.bounds(q, still, still, turned, alternatives)
+        same = u.bounds(q, still, still, usual, alternatives)
+        np.testing.assert_allclose(ours.torque, same.torque, rtol=0, atol=1e-12)
+        moved = np.subtract(ours.base_wrench, same.base_wrench)
+        shift = turned.base_wrench_batch(q, still, still) - usual.base_wrench_batch(
+            q, still, still
+        )
+        np.testing.assert_allclose(moved, [shift, shift], rtol=0, atol=1e-12)
 
 
 def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
@@ -646,6 +691,33 @@ def test_identification_finds_the_truth(kind: str) -> None:
     assert found.gains[0] > 5
     assert (np.diff(found.gains) <= 0).all()
     assert found.combinations.shape == (found.gains.size, 38)
+
+
+def test_identification_of_an_arm_with_a_correction() -> None:
+    """It counts once, whether it is among the alternatives or not."""
+    moved, (q, v, a) = swing(300)
+    corrections = ("base_frame", "link3_cob")
+    arm = a5.load(gravity=TILTED, corrections=corrections)
+    wrench = arm.base_wrench_batch(q, v, a)
+    fits = [
+        u.identify(moved, arm, wrench=wrench, alternatives=x, method="interpolate")
+        for x in ((), ("link3_cob",))
+    ]
+    fits.append(
+        u.identify(
+            moved,
+            a5.load(gravity=TILTED),
+            wrench=wrench,
+            alternatives=("link3_cob",),
+            method="interpolate",
+        )
+    )
+    real = a5.parameters(corrections).links[3].cob
+    for found in fits:
+        assert found.parameters.corrections == corrections
+        np.testing.assert_allclose(found.parameters.links[3].cob, real, atol=1.1e-3)
+        np.testing.assert_allclose(found.estimate, fits[0].estimate, rtol=1e-9)
+        np.testing.assert_allclose(found.lower, fits[0].lower, rtol=1e-9)
 
 
 def test_identification_does_not_see_what_no_data_show() -> None:

@@ -63,8 +63,8 @@ def bounds(
 
     Args:
         q, v, a: (4,) each, or (N, 4); one row is used for all states.
-        arm: On a fixed base. Its fluid, gravity and payload are taken as known; None
-            for the bare arm in sea water.
+        arm: On a fixed base. Its fluid, gravity, payload and corrections are taken as
+            known; None for the bare arm in sea water.
         alternatives: Names of `ALTERNATIVES` to believe.
 
     Raises:
@@ -81,12 +81,12 @@ def bounds(
     potential = _potential_energy_rows(q, gravity)
 
     chosen = printed.believed(alternatives)
-    catalogue = records.parameters()
-    known = payload(arm, catalogue)
+    bare = records.parameters(arm.parameters.corrections)
+    known = payload(arm, bare)
 
     def interval(linear: FloatArray) -> Interval:
         density = arm.fluid_density
-        lower, upper = extremes(linear, known, density, chosen, catalogue)
+        lower, upper = extremes(linear, known, density, chosen, bare)
         return Interval(
             lower=lower[0] if one else lower, upper=upper[0] if one else upper
         )
@@ -166,7 +166,7 @@ def payload(arm: Arm, parameters: Alpha5Parameters) -> FloatArray:
 
     Args:
         arm: On a fixed base, with its jaws locked.
-        parameters: Of the bare arm.
+        parameters: Of the bare arm, with the same corrections.
     """
     bare = base_parameters(parameters.links, arm.fluid_density, parameters=parameters)
     return (arm_parameters(arm) - bare)[:-3]
@@ -186,12 +186,12 @@ def extremes(
         known: Base parameters that come on top of the printed numbers', (38,).
         density: Of the fluid [kg/m^3].
         alternatives: Checked names of `ALTERNATIVES`.
-        parameters: The arm's parameters; only its dimensions are used.
+        parameters: Of the bare arm; only dimensions and corrections are used.
 
     Returns:
         (2, N, ...).
     """
-    to_links = link_map(alternatives)
+    to_links = link_map(alternatives, parameters.corrections)
     middle, half = printed.ends(alternatives)
     link = split(np.tensordot(middle, to_links, 1))
     width = split(np.tensordot(half, np.abs(to_links), 1))

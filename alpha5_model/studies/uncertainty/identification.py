@@ -87,8 +87,8 @@ def identify(
 
     Args:
         motion: From `alpha5_model.trajectory`; the jaw rod is left out.
-        arm: Its fluid, gravity and payload are taken as known; None for the bare arm in
-            sea water.
+        arm: Its fluid, gravity, payload and corrections are taken as known; None for
+            the bare arm in sea water.
         wrench: Force and moment on the mount in base_link, (N, 6) [N, N m]; None for
             the motion's efforts.
         alternatives: Names of `ALTERNATIVES` to believe.
@@ -103,16 +103,17 @@ def identify(
     gravity = arm_parameters(arm)[-3:]
     recording = _recording(motion, gravity, wrench, smoothing)
 
-    catalogue = records.parameters()
-    unknowns = _Unknowns(chosen, arm.fluid_density, catalogue)
-    fit = _fitted(recording, unknowns, payload(arm, catalogue))
-    bare = load(arm.fluid_density)
+    corrections = arm.parameters.corrections
+    of_bare = records.parameters(corrections)
+    unknowns = _Unknowns(chosen, arm.fluid_density, of_bare)
+    fit = _fitted(recording, unknowns, payload(arm, of_bare))
+    bare = load(arm.fluid_density, corrections=corrections)
     ends = extremes(
         np.eye(len(NAMES))[None],
-        payload(bare, catalogue),
+        payload(bare, of_bare),
         arm.fluid_density,
         chosen,
-        catalogue,
+        of_bare,
     )
     return _identification(unknowns, fit, ends[:, 0])
 
@@ -166,7 +167,8 @@ class _Unknowns:
         parameters: Alpha5Parameters,
     ) -> None:
         self._middle, half = printed.ends(alternatives)
-        matters = half * np.abs(link_map(alternatives)).any(axis=(1, 2)) > 0
+        to_links = link_map(alternatives, parameters.corrections)
+        matters = half * np.abs(to_links).any(axis=(1, 2)) > 0
         self._scaled = np.diag(half)[matters]
         self._density = density
         self._parameters = parameters
@@ -184,7 +186,8 @@ class _Unknowns:
         """The arm's parameters with these numbers."""
         names = printed.numbers(self.alternatives)
         values = dict(zip(names, self._values(z), strict=True))
-        return printed.parameter_set(values, self.alternatives)
+        corrections = self._parameters.corrections
+        return printed.parameter_set(values, self.alternatives, corrections)
 
     def _values(self, z: FloatArray) -> FloatArray:
         """The printed numbers, (..., K)."""

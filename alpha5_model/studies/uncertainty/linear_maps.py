@@ -9,6 +9,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray, frozen
 from alpha5_model.codegen.base_parameters import regrouped
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.inertia import second_moments
 from alpha5_model.numbers.parameters import Alpha5Parameters, link_numbers
 from alpha5_model.studies.uncertainty import printed
@@ -48,18 +49,26 @@ def split(numbers: FloatArray) -> LinkNumbers:
 
 
 @cache
-def link_map(alternatives: tuple[str, ...]) -> FloatArray:
+def link_map(
+    alternatives: tuple[str, ...],
+    corrections: tuple[str, ...] = DEFAULT_CORRECTIONS,
+) -> FloatArray:
     """From the printed numbers to the links, (K, 5, 14), in the order of `LinkNumbers`.
 
     It is linear, the frame of link 3's COB included.
+
+    Args:
+        alternatives: Checked names of `ALTERNATIVES`.
+        corrections: Of the arm; those among the alternatives are added.
     """
+    applied = printed.with_alternatives(corrections, alternatives)
     names = tuple(printed.numbers(alternatives))
     out = []
     for row in np.eye(len(names)):
         values = dict(zip(names, row.tolist(), strict=True))
-        tables, corrections = printed.printed_set(values, alternatives)
+        tables = printed.tables_with(values, alternatives)
         # These are no bodies: all numbers but one are zero.
-        links = link_numbers(tables, corrections)
+        links = link_numbers(tables, applied)
         out.append([_numbers_of(link) for link in links])
     return frozen(out)
 
@@ -78,7 +87,7 @@ def grouping(fluid_density: float, parameters: Alpha5Parameters) -> FloatArray:
 
     Args:
         fluid_density: [kg/m^3].
-        parameters: The arm's parameters; only its dimensions are used.
+        parameters: The arm's; only its dimensions and its base frame are used.
     """
     entries = [(3, 3), (0, 3), (1, 3), (2, 3), *zip(*UPPER, strict=True)]
     out = []
@@ -100,8 +109,16 @@ def groups(
     density: float,
     parameters: Alpha5Parameters,
 ) -> FloatArray:
-    """Base parameters, gravity left out, of printed numbers, (..., K) to (..., 38)."""
-    links = split(np.tensordot(values, link_map(alternatives), 1))
+    """Base parameters, gravity left out, of printed numbers, (..., K) to (..., 38).
+
+    Args:
+        values: Printed numbers, (..., K) SI units.
+        alternatives: Checked names of `ALTERNATIVES`.
+        density: Of the fluid [kg/m^3].
+        parameters: The arm's; only its dimensions and corrections are used.
+    """
+    to_links = link_map(alternatives, parameters.corrections)
+    links = split(np.tensordot(values, to_links, 1))
     mass = links.mass[..., None]
     volume = links.volume[..., None]
     rows, columns = UPPER

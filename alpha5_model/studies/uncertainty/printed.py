@@ -16,7 +16,11 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, named
-from alpha5_model.numbers.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
+from alpha5_model.numbers.corrections import (
+    CORRECTIONS,
+    DEFAULT_CORRECTIONS,
+    check_corrections,
+)
 from alpha5_model.numbers.parameters import Alpha5Parameters, convert
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import DECIMAL_SHIFT, Quantity
@@ -150,17 +154,32 @@ def ends(alternatives: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
 
 
 def parameter_set(
-    values: Mapping[str, float], alternatives: tuple[str, ...]
+    values: Mapping[str, float],
+    alternatives: tuple[str, ...],
+    corrections: tuple[str, ...] = DEFAULT_CORRECTIONS,
 ) -> Alpha5Parameters:
-    """The arm's parameters with other values of printed numbers, by name, SI units."""
-    tables, corrections = printed_set(values, alternatives)
-    return convert(tables, corrections)
+    """The arm's parameters with other values of printed numbers.
+
+    Args:
+        values, alternatives: As of `tables_with`.
+        corrections: Of the arm; those among the alternatives are added.
+    """
+    tables = tables_with(values, alternatives)
+    return convert(tables, with_alternatives(corrections, alternatives))
 
 
-def printed_set(
+def with_alternatives(
+    corrections: tuple[str, ...], alternatives: tuple[str, ...]
+) -> tuple[str, ...]:
+    """The corrections of an arm and those among the alternatives, each once."""
+    believed = tuple(name for name in alternatives if name in CORRECTIONS)
+    return check_corrections(corrections + believed)
+
+
+def tables_with(
     values: Mapping[str, float], alternatives: tuple[str, ...]
-) -> tuple[Published, tuple[str, ...]]:
-    """The tables with other values, and the corrections to apply to them.
+) -> Published:
+    """Tables 1 to 4 with other values of printed numbers.
 
     Args:
         values: By name, SI units; numbers without one stay as printed.
@@ -179,8 +198,7 @@ def printed_set(
             return _quantity(values[name], number.unit)
         return known[name].printed if name in known else number
 
-    corrections = tuple(name for name in alternatives if name in CORRECTIONS)
-    return _changed(change), DEFAULT_CORRECTIONS + corrections
+    return _changed(change)
 
 
 def _quantity(value: float, unit: str) -> Quantity:
