@@ -16,7 +16,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.proofs.audit.rounding import sampled_share
-from alpha5_model.proofs.audit.row import ARITHMETIC, AuditRow, audited, texts
+from alpha5_model.proofs.audit.row import AuditRow, audited, texts
 from alpha5_model.theory.dh.chain import DHChain
 from alpha5_model.theory.dh.tasks import spatial_conditions
 from alpha5_model.theory.planar import (
@@ -66,9 +66,15 @@ def audit() -> list[AuditRow]:
 
 
 def _rows(
-    topic: str, figures: Figures, bound: float = ARITHMETIC, **words: Any
+    topic: str, figures: Figures, bound: float | None = None, **words: Any
 ) -> list[AuditRow]:
-    """The rows of a topic."""
+    """The rows of a topic.
+
+    Args:
+        topic: First word of the claims.
+        figures: By the claims' second words.
+        bound, words: As of `audited`.
+    """
     return [
         audited(
             f"{topic}.{subject}",

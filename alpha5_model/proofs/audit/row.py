@@ -16,8 +16,9 @@ Verdict = Literal["agrees", "differs", "impossible"]
 Kind = Literal["claim", "observation"]
 Category = Literal["error", "reading", "transcription"]
 
-#: What double precision leaves of a formula that holds exactly, in the row's own unit.
-ARITHMETIC = 1e-9
+#: Bound of a figure that follows from no printed digits, in the unit of its row: what
+#: double precision leaves of a formula that holds exactly.
+EXACT = 1e-9
 #: Unit in which a figure is shown -> how many of them an SI unit has; 1 where it is not
 #: listed.
 PER_SI = {
@@ -94,7 +95,7 @@ def texts() -> dict[str, Any]:
 def audited(
     claim: str,
     measured: float,
-    bound: float = 0.0,
+    bound: float | None = 0.0,
     expected: float = 0.0,
     *,
     of: InertialRow | BuoyancyRow | ActuatorRow | None = None,
@@ -107,12 +108,12 @@ def audited(
 
     Args:
         claim: ``topic.subject``; the words stand under both or under the topic alone.
-        measured, bound, expected, effect, standard_error: See `AuditRow`, in SI units;
-            a bound of `ARITHMETIC` is in the row's own unit.
-        of: The printed row that it is about: ``.link_3`` is added to the claim, and its
-            columns to the words.
-        more: Whether the finding goes on with ``more``.
-        words: What the text leaves open.
+        measured, bound, expected, effect, standard_error: See `AuditRow`, in SI units.
+            The bound is None if no printed digits are rounded: then it is `EXACT`.
+        of: The printed row that the claim is about. Its link or actuator is added to
+            the claim (``.link_3``), and its columns to the words.
+        more: Whether to append the text ``more`` to the finding.
+        words: Values of the {names} in the text.
     """
     if of is not None:
         columns = {column.name: getattr(of, column.name) for column in fields(of)}
@@ -129,7 +130,7 @@ def audited(
     category: Category = text.get("category", "error")
     shown_measured = _shown(measured, unit)
     shown_expected = _shown(expected, unit)
-    shown_bound = bound if bound == ARITHMETIC else bound * per_si
+    shown_bound = EXACT if bound is None else float(bound * per_si)
 
     effect_unit = ""
     shown_effect = None
@@ -144,7 +145,7 @@ def audited(
         measured=shown_measured,
         relation=relation,
         expected=shown_expected,
-        bound=float(shown_bound),
+        bound=shown_bound,
         unit=unit,
         verdict=verdict(
             measured=shown_measured,
@@ -184,10 +185,12 @@ def verdict(
     bound: float,
     law: bool = False,
 ) -> Verdict:
-    """How a claim stands.
+    """Whether a measured figure stands to the expected one as the claim says.
 
     Args:
-        law: It must hold in nature: it is impossible if it does not.
+        measured, relation, expected, bound: See `AuditRow`.
+        law: Nature or mathematics demands it: a figure beyond the bound is then
+            impossible, not only different.
     """
     excess = measured - expected
     holds = {

@@ -14,7 +14,7 @@ from alpha5_model.kinematics.singular import singular_elbow_angles
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import Published
 from alpha5_model.proofs.audit.rounding import figure, si
-from alpha5_model.proofs.audit.row import ARITHMETIC, AuditRow, audited
+from alpha5_model.proofs.audit.row import AuditRow, audited
 from alpha5_model.proofs.audit.table_1_lengths import lengths
 from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.chain import DHChain
@@ -32,15 +32,25 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
 
 
 def _row(
-    printed: Published, name: str, measured: float, bound: float, expected: float
+    printed: Published,
+    name: str,
+    measured: float,
+    expected: float,
+    *,
+    rounding: float | None = None,
 ) -> AuditRow:
-    computed_exactly = bound == ARITHMETIC
+    """A row of the workspace.
+
+    Args:
+        rounding: How far the two may differ because digits are rounded [m]; None if
+            they must be the same length. The row then has no effect.
+    """
     return audited(
         f"workspace.{name}",
         measured=measured,
-        bound=bound,
+        bound=rounding,
         expected=expected,
-        effect=None if computed_exactly else abs(measured - expected),
+        effect=None if rounding is None else abs(measured - expected),
         numbers=printed.workspace,
         ours=printed.elbow.opposite,
     )
@@ -63,7 +73,7 @@ def _inner_offset(printed: Published) -> AuditRow:
     theirs = printed.workspace.inner_offset
     ours = printed.elbow.opposite
     rounding = theirs.rounding + ours.rounding
-    return _row(printed, "inner_offset", theirs.si, rounding, ours.si)
+    return _row(printed, "inner_offset", theirs.si, ours.si, rounding=rounding)
 
 
 def _outer_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
@@ -75,7 +85,7 @@ def _outer_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
 
     longest = _shoulder_distance(parameters, bend)
     radius = parameters.dh[1].a + _forearm(printed)
-    return _row(printed, "outer_torus", longest, ARITHMETIC, radius)
+    return _row(printed, "outer_torus", longest, radius)
 
 
 def _inner_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
@@ -96,7 +106,7 @@ def _inner_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
     measured = radius(si(torus), si(forearm))
     rounding = figure(excess, [*torus, *forearm, *caption]).bound
     expected = _shoulder_distance(parameters, 0.0)
-    return _row(printed, "inner_torus", measured, rounding, expected)
+    return _row(printed, "inner_torus", measured, expected, rounding=rounding)
 
 
 def _downward_centre(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
@@ -105,7 +115,7 @@ def _downward_centre(printed: Published, parameters: Alpha5Parameters) -> AuditR
     elbow = chain.frames(np.zeros(4))[2, :3, 3]
     offset = float(np.hypot(*elbow[:2])) - parameters.dh[0].a
     rounding = lengths(printed).a_0.rounding + printed.elbow.opposite.rounding
-    return _row(printed, "downward_centre", offset, rounding, 0.0)
+    return _row(printed, "downward_centre", offset, 0.0, rounding=rounding)
 
 
 def _downward_radius(printed: Published) -> AuditRow:
@@ -113,5 +123,9 @@ def _downward_radius(printed: Published) -> AuditRow:
     drop = figure(lambda x: np.hypot(*x) - abs(x[1]), [table.a_2, table.d_3])
     printed_radius = -table.d_3.si
     return _row(
-        printed, "downward_radius", _forearm(printed), drop.bound, printed_radius
+        printed,
+        "downward_radius",
+        _forearm(printed),
+        printed_radius,
+        rounding=drop.bound,
     )
