@@ -688,6 +688,15 @@ def test_base_frame(rows: dict[str, AuditRow]) -> None:
     assert row.effect == pytest.approx(moment)
 
 
+def test_base_frame_of_a_com_that_is_too_low_as_well() -> None:
+    """Both the x and the z of the COM are then outside the body."""
+    printed = 'com = ["-52.425", "-7.120", "-0.037"]'
+    assert printed in DOCUMENT
+    lower = audit_of(DOCUMENT.replace(printed, printed.replace("-0.037", "-30.037")))
+    expected = math.hypot(52.425 - 20, 30.037 - 20)
+    assert lower["base_frame.link_0"].measured == pytest.approx(expected)
+
+
 def test_inner_offset(rows: dict[str, AuditRow]) -> None:
     row = rows["workspace.inner_offset"]
     assert (row.measured, row.expected) == (39.94, 40)
