@@ -121,7 +121,7 @@ def test_defaults_are_those_of_the_library(
 def test_milliseconds_are_said(
     motion_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    header, *rows = motion_file.read_text().split()
+    header, *rows = motion_file.read_text("utf-8").split()
     cells = [row.split(",", 1) for row in rows]
     scaled = [f"{1e3 * float(time)!r},{rest}" for time, rest in cells]
     plain = summary_of(capsys, str(motion_file))
@@ -129,7 +129,8 @@ def test_milliseconds_are_said(
         ("time", "warning: time read as ms"),
         ("time_ms", "(time column in ms)"),
     ):
-        motion_file.write_text("\n".join([header.replace("time", name), *scaled]))
+        lines = [header.replace("time", name), *scaled]
+        motion_file.write_text("\n".join(lines), "utf-8")
         assert main(["trajectory", str(motion_file)]) == 0
         out = capsys.readouterr().out
         assert "300 samples, 5.98 s (time column in ms)" in out
@@ -139,7 +140,8 @@ def test_milliseconds_are_said(
         assert got["energy"]["drawn_j"] == pytest.approx(
             plain["energy"]["drawn_j"], rel=1e-9
         )
-    motion_file.write_text("\n".join([header.replace("time", "time_secs"), *scaled]))
+    lines = [header.replace("time", "time_secs"), *scaled]
+    motion_file.write_text("\n".join(lines), "utf-8")
     assert main(["trajectory", str(motion_file)]) == 2
     assert "is the time in seconds?" in capsys.readouterr().err
 
@@ -231,9 +233,10 @@ def test_one_line_for_what_cannot_be_used(
 def test_bad_file_names_line_and_column(
     motion_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    lines = motion_file.read_text().split("\n")
-    lines[40] = lines[40].replace(lines[40].split(",")[2], "??")
-    motion_file.write_text("\n".join(lines))
+    lines = motion_file.read_text("utf-8").split("\n")
+    third_cell = lines[40].split(",")[2]
+    lines[40] = lines[40].replace(third_cell, "??")
+    motion_file.write_text("\n".join(lines), "utf-8")
     out_file = motion_file.parent / "out.csv"
     assert main(["trajectory", str(motion_file), "--output", str(out_file)]) == 2
     assert "line 41, column 3 (axis_d_pos)" in capsys.readouterr().err
@@ -243,8 +246,8 @@ def test_bad_file_names_line_and_column(
 def test_jaws_need_the_jaw_column(
     motion_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = motion_file.read_text().replace("axis_a_pos", "something")
-    motion_file.write_text(text)
+    text = motion_file.read_text("utf-8").replace("axis_a_pos", "something")
+    motion_file.write_text(text, "utf-8")
     assert main(["trajectory", str(motion_file), "--gripper", "jaws"]) == 2
     assert "axis_a" in capsys.readouterr().err
     got = summary_of(capsys, str(motion_file))

@@ -24,8 +24,8 @@ ROBOT = """\
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="vehicle">
   <xacro:include filename="{folder}/alpha5_macro.xacro"/>
   <link name="vehicle"/>
-  <xacro:alpha5 parameters="${{xacro.load_yaml('{folder}/parameters.yaml')}}" parent="vehicle"
-                prefix="left_" gripper="jaws" limits_file="own.yaml">
+  <xacro:alpha5 parameters="${{xacro.load_yaml('{folder}/parameters.yaml')}}"
+                parent="vehicle" prefix="left_" gripper="jaws" limits_file="own.yaml">
     <origin xyz="0.2 0 -0.1" rpy="0 0 0"/>
   </xacro:alpha5>
 </robot>
@@ -94,7 +94,8 @@ def test_the_example_changes_what_it_names_and_nothing_else() -> None:
 
 def test_a_robots_own_xacro_and_a_start_within_the_limits(tmp_path: Path) -> None:
     (tmp_path / "own.yaml").write_text(
-        "joint_limits:\n  axis_c: {min_position: 0.5, max_position: 2.0, max_effort: 3}\n"
+        "joint_limits:\n"
+        "  axis_c: {min_position: 0.5, max_position: 2.0, max_effort: 3}\n"
         "  axis_a: {min_position: 0.002, max_velocity: 0.001}\n"
     )
     (tmp_path / "robot.xacro").write_text(ROBOT.format(folder=XACRO))
@@ -133,22 +134,64 @@ def test_a_robots_own_xacro_and_a_start_within_the_limits(tmp_path: Path) -> Non
         ("limits: {}", "expected one key, joint_limits"),
         ("joint_limits: {}\ndefault: 1", "expected one key, joint_limits"),
         ("joint_limits: [axis_e]", "expected joints, each with its limits"),
-        ("joint_limits: {axis_f: {max_velocity: 1}}", "no joint 'axis_f'; joints are axis_e, axis_d, axis_c, axis_b, axis_a, without prefix"),
+        (
+            "joint_limits: {axis_f: {max_velocity: 1}}",
+            (
+                "no joint 'axis_f'; joints are axis_e, axis_d, axis_c, axis_b, axis_a, "
+                "without prefix"
+            ),
+        ),
         ("joint_limits: {left_axis_e: {max_velocity: 1}}", "no joint 'left_axis_e'"),
         ("joint_limits: {axis_d: 0.2}", "axis_d: expected limits by name, not '0.2'"),
-        ("joint_limits: {axis_d: {velocity: 0.2}}", "axis_d: no limit 'velocity'; limits are min_position, max_position, max_velocity, max_effort"),
-        ("joint_limits: {axis_d: {has_position_limits: false}}", "no limit 'has_position_limits'"),
-        ("joint_limits: {axis_d: {max_velocity: fast}}", "max_velocity must be a finite number, not 'fast'"),
-        ("joint_limits: {axis_d: {max_velocity: true}}", "must be a finite number, not 'True'"),
-        ("joint_limits: {axis_d: {max_position: .inf}}", "must be a finite number, not 'inf'"),
-        ("joint_limits: {axis_d: {max_position: .nan}}", "must be a finite number, not 'nan'"),
-        ("joint_limits: {axis_d: {max_position: }}", "must be a finite number, not 'None'"),
-        ("joint_limits: {axis_d: {max_velocity: 0}}", "max_velocity must be above 0, not 0"),
-        ("joint_limits: {axis_d: {max_effort: -1}}", "max_effort must be above 0, not -1"),
-        ("joint_limits: {axis_d: {min_position: 3.5}}", "axis_d: min_position 3.5 is not below max_position 3.40339"),
-        ("joint_limits: {axis_e: {max_velocity: 1}, axis_d: {max_position: -1}}", "axis_d: min_position 0.01745 is not below max_position -1"),
+        (
+            "joint_limits: {axis_d: {velocity: 0.2}}",
+            (
+                "axis_d: no limit 'velocity'; limits are min_position, max_position, "
+                "max_velocity, max_effort"
+            ),
+        ),
+        (
+            "joint_limits: {axis_d: {has_position_limits: false}}",
+            "no limit 'has_position_limits'",
+        ),
+        (
+            "joint_limits: {axis_d: {max_velocity: fast}}",
+            "max_velocity must be a finite number, not 'fast'",
+        ),
+        (
+            "joint_limits: {axis_d: {max_velocity: true}}",
+            "must be a finite number, not 'True'",
+        ),
+        (
+            "joint_limits: {axis_d: {max_position: .inf}}",
+            "must be a finite number, not 'inf'",
+        ),
+        (
+            "joint_limits: {axis_d: {max_position: .nan}}",
+            "must be a finite number, not 'nan'",
+        ),
+        (
+            "joint_limits: {axis_d: {max_position: }}",
+            "must be a finite number, not 'None'",
+        ),
+        (
+            "joint_limits: {axis_d: {max_velocity: 0}}",
+            "max_velocity must be above 0, not 0",
+        ),
+        (
+            "joint_limits: {axis_d: {max_effort: -1}}",
+            "max_effort must be above 0, not -1",
+        ),
+        (
+            "joint_limits: {axis_d: {min_position: 3.5}}",
+            "axis_d: min_position 3.5 is not below max_position 3.40339",
+        ),
+        (
+            "joint_limits: {axis_e: {max_velocity: 1}, axis_d: {max_position: -1}}",
+            "axis_d: min_position 0.01745 is not below max_position -1",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_wrong_is_said(text: str, words: str, tmp_path: Path) -> None:
     path = tmp_path / "own.yaml"
     path.write_text(text)

@@ -1,4 +1,4 @@
-"""What a motion asks of the arm: against single states, energies, and formulas case by case."""
+"""The analysis of a motion agrees with single states, energies and the formulas."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import math
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from alpha5_model.trajectory import columns
 from alpha5_model.trajectory.warning import MotionWarning
 
 JAW_LOWER, JAW_UPPER = 0.0013, 0.0133
+MOTOR_JOINTS = list(enumerate(("axis_e", "axis_d", "axis_c", "axis_b")))
 
 
 def states(
@@ -104,18 +106,17 @@ def planned(count: int = 4001, duration: float = 6.0) -> a5.trajectory.Motion:
 
 @pytest.mark.parametrize("density", [a5.AIR, a5.SEA_WATER])
 def test_work_at_the_joints_is_the_change_of_energy(density: float) -> None:
-    """At each instant: mechanical work so far = kinetic + potential energy gained (weight and water)."""
+    """At each instant, the mechanical work done so far is the energy gained."""
     arm = a5.load(fluid_density=density)
     motion = planned()
     r = a5.trajectory.analyse(motion, arm, method="interpolate")
     power = r.mechanical_power.sum(axis=1)
-    work = np.concatenate(
-        [[0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(motion.time))]
-    )
+    work_per_step = (power[1:] + power[:-1]) / 2 * np.diff(motion.time)
+    work = np.concatenate([[0], np.cumsum(work_per_step)])
+    at_start = arm.potential_energy(r.smooth.position[0])
     for k in range(0, 4001, 400):
         q, v = r.smooth.position[k], r.smooth.velocity[k]
-        gained = arm.kinetic_energy(q, v) + arm.potential_energy(q)
-        gained -= arm.potential_energy(r.smooth.position[0])
+        gained = arm.kinetic_energy(q, v) + arm.potential_energy(q) - at_start
         assert work[k] == pytest.approx(gained, abs=2e-6)
     assert np.abs(work).max() > 0.05
 
@@ -160,19 +161,17 @@ def test_motors_case_by_case() -> None:
         for j, (resistance, friction, eta, k_t, k_v, gear) in enumerate(TABLE_4):
             tau, v = r.torque[k, j], r.smooth.velocity[k, j]
             if abs(v) < 0.002 * RATED[j]:
-                # At rest friction holds a load of either sign up to F, so that no current is needed.
+                # At rest, friction up to F holds a load of either sign: no current.
+                case = "rest"
                 assert abs(tau) * eta / gear < friction
-                current, v, case = 0.0, 0.0, "rest"
+                current = 0.0
+                v = 0.0
             elif (tau > 0) == (v > 0):
-                current, case = (
-                    (tau / (gear * eta) + np.sign(v) * friction) / k_t,
-                    "driving",
-                )
+                case = "driving"
+                current = (tau / (gear * eta) + np.sign(v) * friction) / k_t
             else:
-                current, case = (
-                    (tau * eta / gear + np.sign(v) * friction) / k_t,
-                    "driven",
-                )
+                case = "driven"
+                current = (tau * eta / gear + np.sign(v) * friction) / k_t
             seen.add(case)
             assert r.current[k, j] == pytest.approx(current, rel=1e-12, abs=1e-15)
             voltage = resistance * current + k_v * gear * v
@@ -192,7 +191,7 @@ def test_motors_case_by_case() -> None:
 
 
 def test_noise_does_not_turn_friction_round() -> None:
-    """A joint that creeps forward, its velocities noisier than they are large, needs a steady current."""
+    """A joint that creeps forward needs a steady current, noisy as it is."""
     rng = np.random.default_rng(31)
     t = np.cumsum(rng.uniform(0.01, 0.03, 2000))
     q = 1.0 + 0.006 * t[:, None] * np.ones(4)
@@ -231,90 +230,159 @@ def test_rotor_inertia_and_screw_lead_are_used_when_given() -> None:
     assert np.isfinite(a5.trajectory.analyse(jaw, actuators=lead).current).all()
 
 
-def test_summary_holds_the_peaks_and_margins() -> None:
-    motion = planned(801)
-    r = a5.trajectory.analyse(motion, supply_voltage=24.0, current_limit=0.3)
-    s = a5.trajectory.summary(r)
-    json.dumps(s, allow_nan=False)
-    for k, name in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
-        j = s["joints"][name]
-        assert abs(j["torque_peak"]["value"]) == np.abs(r.torque[:, k]).max()
-        assert j["torque_margin"] == pytest.approx(9.0 - np.abs(r.torque[:, k]).max())
-        assert j["velocity_margin"] == pytest.approx(
-            RATED[k] - np.abs(r.smooth.velocity[:, k]).max()
-        )
-        at = np.flatnonzero(r.smooth.time == j["current_peak"]["time_s"])[0]
-        assert j["current_peak"]["value"] == r.current[at, k]
-        assert j["current_peak"]["interval"] == [
-            r.current_lower[at, k],
-            r.current_upper[at, k],
-        ]
-        assert j["current_margin"] == pytest.approx(
-            0.3 - np.abs(r.current_upper[:, k]).max()
-        )
-        assert j["position_margin"] == pytest.approx(
-            min(
-                motion.position[:, k].min() - LOWER[k],
-                UPPER[k] - motion.position[:, k].max(),
-            )
-        )
-        # Beyond the drive's limits exactly where the current passes the limit or the voltage the supply.
-        # At rest friction holds, so that no current is needed.
-        over = (np.abs(r.current[:, k]) > 0.3) | (np.abs(r.voltage[:, k]) > 24.0)
-        assert j["beyond_drive_limits"] == np.count_nonzero(over)
-        assert (j["drive_torque_margin"] < 0) == bool(over.any())
-    assert s["joints"]["axis_d"]["beyond_drive_limits"] > 0
-    assert s["joints"]["axis_b"]["beyond_drive_limits"] == 0
-    power = np.clip(r.electrical_power.sum(axis=1), 0, None)
-    assert s["energy"]["drawn_j"] == pytest.approx(
-        np.trapezoid(power, r.smooth.time), rel=1e-12
-    )
-    # The interval of energy by running the motors of each extreme of friction.
-    for end, energy in zip((0, 1), s["energy"]["drawn_interval_j"], strict=True):
-        extreme = {
-            name: actuator(name).extremes()[end]
-            for name in ("axis_e", "axis_d", "axis_c", "axis_b")
-        }
-        other = a5.trajectory.summary(a5.trajectory.analyse(motion, actuators=extreme))[
-            "energy"
-        ]
-        assert energy == pytest.approx(other["drawn_j"], rel=1e-9)
-        # By definition, from the curves: root mean squares over time, peaks with their times.
-        for key, curve in (
-            ("torque", r.torque[:, k]),
-            ("velocity", r.smooth.velocity[:, k]),
-            ("acceleration", r.smooth.acceleration[:, k]),
-            ("voltage", r.voltage[:, k]),
-            ("power", r.electrical_power[:, k]),
-        ):
-            at = np.flatnonzero(r.smooth.time == j[f"{key}_peak"]["time_s"])[0]
-            assert j[f"{key}_peak"]["value"] == curve[at]
-            assert abs(curve[at]) == np.abs(curve).max()
-        for key, curve in (("torque", r.torque[:, k]), ("current", r.current[:, k])):
-            mean_square = np.trapezoid(curve**2, r.smooth.time) / 6.0
-            assert j[f"{key}_rms"] == pytest.approx(np.sqrt(mean_square), rel=1e-12)
-        used = np.clip(r.electrical_power[:, k], 0, None)
-        assert j["energy_drawn_j"] == pytest.approx(
-            np.trapezoid(used, r.smooth.time), rel=1e-12
-        )
-        assert j["voltage_margin"] == pytest.approx(
-            24.0 - np.abs(r.voltage[:, k]).max()
-        )
-        assert j["position_range"] == [
-            motion.position[:, k].min(),
-            motion.position[:, k].max(),
-        ]
-        assert j["smoothing_deviation"] == r.smooth.deviation[k]
-        for cause in ("inertia", "coriolis", "weight", "buoyancy", "friction"):
-            assert j["causes_peak"][cause] == np.abs(getattr(r, cause)[:, k]).max()
-        left = np.minimum(
-            r.torque_limits.upper - r.torque, r.torque - r.torque_limits.lower
-        )
-        assert j["drive_torque_margin"] == np.nanmin(left[:, k])
-        assert j["units"] == {"position": "rad", "velocity": "rad/s", "torque": "N m"}
-    text = a5.trajectory.text(s)
+@pytest.fixture(scope="module")
+def driven() -> a5.trajectory.Analysis:
+    """A planned motion with the limits of a drive that it passes."""
+    return a5.trajectory.analyse(planned(801), supply_voltage=24.0, current_limit=0.3)
+
+
+@pytest.fixture(scope="module")
+def driven_summary(driven: a5.trajectory.Analysis) -> dict[str, Any]:
+    summary = a5.trajectory.summary(driven)
+    json.dumps(summary, allow_nan=False)
+    return summary
+
+
+def sample_at(analysis: a5.trajectory.Analysis, peak: dict[str, Any]) -> int:
+    """The number of the sample at the time of a peak."""
+    return np.flatnonzero(analysis.smooth.time == peak["time_s"])[0]
+
+
+@pytest.mark.parametrize(("k", "name"), MOTOR_JOINTS)
+def test_margins_are_the_limits_minus_the_peaks(
+    k: int,
+    name: str,
+    driven: a5.trajectory.Analysis,
+    driven_summary: dict[str, Any],
+) -> None:
+    joint = driven_summary["joints"][name]
+    torque_peak = np.abs(driven.torque[:, k]).max()
+    assert abs(joint["torque_peak"]["value"]) == torque_peak
+    assert joint["torque_margin"] == pytest.approx(9.0 - torque_peak)
+
+    velocity_peak = np.abs(driven.smooth.velocity[:, k]).max()
+    assert joint["velocity_margin"] == pytest.approx(RATED[k] - velocity_peak)
+
+    upper_current_peak = np.abs(driven.current_upper[:, k]).max()
+    assert joint["current_margin"] == pytest.approx(0.3 - upper_current_peak)
+
+    voltage_peak = np.abs(driven.voltage[:, k]).max()
+    assert joint["voltage_margin"] == pytest.approx(24.0 - voltage_peak)
+
+    lowest = driven.motion.position[:, k].min()
+    highest = driven.motion.position[:, k].max()
+    assert joint["position_range"] == [lowest, highest]
+    nearest = min(lowest - LOWER[k], UPPER[k] - highest)
+    assert joint["position_margin"] == pytest.approx(nearest)
+
+
+@pytest.mark.parametrize(("k", "name"), MOTOR_JOINTS)
+def test_samples_beyond_the_drive_pass_its_current_or_its_voltage(
+    k: int,
+    name: str,
+    driven: a5.trajectory.Analysis,
+    driven_summary: dict[str, Any],
+) -> None:
+    """At rest friction holds, so no current is needed and no limit is passed."""
+    joint = driven_summary["joints"][name]
+    too_much_current = np.abs(driven.current[:, k]) > 0.3
+    too_much_voltage = np.abs(driven.voltage[:, k]) > 24.0
+    over = too_much_current | too_much_voltage
+    assert joint["beyond_drive_limits"] == np.count_nonzero(over)
+    assert (joint["drive_torque_margin"] < 0) == bool(over.any())
+
+    below_upper = driven.torque_limits.upper - driven.torque
+    above_lower = driven.torque - driven.torque_limits.lower
+    left = np.minimum(below_upper, above_lower)
+    assert joint["drive_torque_margin"] == np.nanmin(left[:, k])
+
+
+def test_the_big_motor_passes_the_drives_limits_and_the_wrist_does_not(
+    driven_summary: dict[str, Any],
+) -> None:
+    joints = driven_summary["joints"]
+    assert joints["axis_d"]["beyond_drive_limits"] > 0
+    assert joints["axis_b"]["beyond_drive_limits"] == 0
+    text = a5.trajectory.text(driven_summary)
     assert "K_t/K_v: axis_e 1.155" in text
     assert "beyond the speed-torque limit" in text
+
+
+@pytest.mark.parametrize(("k", "name"), MOTOR_JOINTS)
+def test_peaks_are_the_largest_samples_of_their_curves(
+    k: int,
+    name: str,
+    driven: a5.trajectory.Analysis,
+    driven_summary: dict[str, Any],
+) -> None:
+    joint = driven_summary["joints"][name]
+    curves = {
+        "torque": driven.torque,
+        "velocity": driven.smooth.velocity,
+        "acceleration": driven.smooth.acceleration,
+        "voltage": driven.voltage,
+        "power": driven.electrical_power,
+    }
+    for key, curves_of_joints in curves.items():
+        curve = curves_of_joints[:, k]
+        peak = joint[f"{key}_peak"]
+        at = sample_at(driven, peak)
+        assert peak["value"] == curve[at]
+        assert abs(curve[at]) == np.abs(curve).max()
+
+    current_peak = joint["current_peak"]
+    at = sample_at(driven, current_peak)
+    assert current_peak["value"] == driven.current[at, k]
+    assert current_peak["interval"] == [
+        driven.current_lower[at, k],
+        driven.current_upper[at, k],
+    ]
+    for cause in ("inertia", "coriolis", "weight", "buoyancy", "friction"):
+        largest = np.abs(getattr(driven, cause)[:, k]).max()
+        assert joint["causes_peak"][cause] == largest
+
+
+@pytest.mark.parametrize(("k", "name"), MOTOR_JOINTS)
+def test_means_and_energies_are_integrals_over_time(
+    k: int,
+    name: str,
+    driven: a5.trajectory.Analysis,
+    driven_summary: dict[str, Any],
+) -> None:
+    joint = driven_summary["joints"][name]
+    time = driven.smooth.time
+    for key, curve in (
+        ("torque", driven.torque[:, k]),
+        ("current", driven.current[:, k]),
+    ):
+        mean_square = np.trapezoid(curve**2, time) / 6.0
+        assert joint[f"{key}_rms"] == pytest.approx(np.sqrt(mean_square), rel=1e-12)
+
+    drawn_power = np.clip(driven.electrical_power[:, k], 0, None)
+    drawn_energy = np.trapezoid(drawn_power, time)
+    assert joint["energy_drawn_j"] == pytest.approx(drawn_energy, rel=1e-12)
+    assert joint["smoothing_deviation"] == driven.smooth.deviation[k]
+    assert joint["units"] == {"position": "rad", "velocity": "rad/s", "torque": "N m"}
+
+
+def test_energy_drawn_is_the_integral_of_the_positive_power(
+    driven: a5.trajectory.Analysis, driven_summary: dict[str, Any]
+) -> None:
+    power = np.clip(driven.electrical_power.sum(axis=1), 0, None)
+    drawn = np.trapezoid(power, driven.smooth.time)
+    assert driven_summary["energy"]["drawn_j"] == pytest.approx(drawn, rel=1e-12)
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_the_interval_of_energy_is_that_of_the_extremes_of_friction(
+    end: int, driven: a5.trajectory.Analysis, driven_summary: dict[str, Any]
+) -> None:
+    energy = driven_summary["energy"]["drawn_interval_j"]
+    assert len(energy) == 2
+    extreme = {name: actuator(name).extremes()[end] for _, name in MOTOR_JOINTS}
+    other = a5.trajectory.analyse(driven.motion, actuators=extreme)
+    drawn = a5.trajectory.summary(other)["energy"]["drawn_j"]
+    assert energy[end] == pytest.approx(drawn, rel=1e-9)
 
 
 def test_summary_of_the_whole_motion() -> None:
@@ -432,8 +500,8 @@ def test_speeds_beyond_the_rating_are_said_as_limits_are() -> None:
     assert over == {"axis_e": 101, "axis_d": 0, "axis_c": 0, "axis_b": 101}
     text = a5.trajectory.text(s)
     assert (
-        "limit: axis_e is beyond its rated speed of 0.5236 rad/s in 101 samples, up to 0.6\n"
-        in text
+        "limit: axis_e is beyond its rated speed of 0.5236 rad/s "
+        "in 101 samples, up to 0.6\n" in text
     )
     assert text.count("is beyond its rated speed") == 2
 
@@ -445,12 +513,14 @@ def test_speeds_beyond_the_rating_are_said_as_limits_are() -> None:
 def test_a_margin_within_the_slack_is_none(
     beyond: float, margin: float, warned: int
 ) -> None:
-    """The rod rests 0.9 micrometres past its printed limit in the recordings; a thousandth of the range counts."""
+    """Only a thousandth of the range beyond a limit counts.
+
+    In the recordings the rod rests 0.9 micrometres past its printed limit.
+    """
     rod = np.full(50, JAW_LOWER - beyond)
     q = np.column_stack([np.full((50, 4), 1.2), rod])
-    s = a5.trajectory.summary(
-        a5.trajectory.analyse(a5.trajectory.motion(np.arange(50) / 50, q))
-    )
+    motion = a5.trajectory.motion(np.arange(50) / 50, q)
+    s = a5.trajectory.summary(a5.trajectory.analyse(motion))
     assert s["joints"]["axis_a"]["position_margin"] == pytest.approx(margin, abs=1e-12)
     assert [w["kind"] for w in s["warnings"]] == ["outside_limits"] * warned
 
@@ -594,7 +664,11 @@ def test_tables_hold_every_column_and_can_be_read_again(tmp_path: Path) -> None:
 
 
 def test_import_stays_light() -> None:
-    script = "import sys; from alpha5_model.trajectory import read_motion; print(*sys.modules)"
+    script = (
+        "import sys; "
+        "from alpha5_model.trajectory import read_motion; "
+        "print(*sys.modules)"
+    )
     root = Path(a5.__file__).parent.parent
     done = subprocess.run(
         [sys.executable, "-c", script],
@@ -621,7 +695,8 @@ def test_recordings_end_to_end(path: Path, method: str) -> None:
     moves = np.ptp(r.motion.position[:, :4], axis=0) > 0.1
     for k, name in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
         j = s["joints"][name]
-        # The arm's own peak gravity torque in water is below 1 N m; friction alone takes 0.28 A of the big motors.
+        # In water, the arm's own weight takes less than 1 N m at any joint.
+        # Friction alone takes 0.28 A of a big motor.
         assert abs(j["torque_peak"]["value"]) < 1.0
         assert j["torque_margin"] > 8.0
         assert j["velocity_margin"] > 0

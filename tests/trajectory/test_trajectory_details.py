@@ -1,4 +1,4 @@
-"""The trajectory's thresholds, windows, tables and sentences, each from its own definition."""
+"""Each threshold, window, table and sentence of the analysis keeps its definition."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def kinds(motion: a5.trajectory.Motion) -> list[tuple[str, int, str]]:
     return [(w.kind, w.count, w.first) for w in motion.warnings]
 
 
-# --- checks of a motion --------------------------------------------------------------------------
+# --- checks of a motion ---------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("k", "joint"), enumerate(JOINTS))
@@ -71,7 +71,8 @@ def test_outside_is_a_thousandth_of_the_range_beyond(
             low, high = RANGES[k]
             unit = "m" if joint == "axis_a" else "rad"
             assert str(motion.warnings[0]) == (
-                f"{joint} outside its range {low:.6g} to {high:.6g} {unit}: 40 x, first: sample 0 of {joint}"
+                f"{joint} outside its range {low:.6g} to {high:.6g} {unit}: "
+                f"40 x, first: sample 0 of {joint}"
             )
 
 
@@ -109,16 +110,19 @@ def test_of_a_repeated_time_the_first_sample_counts() -> None:
         assert not array.flags.writeable
 
 
-# --- smoothing -----------------------------------------------------------------------------------
+# --- smoothing ------------------------------------------------------------------------
 
 
 def test_direction_is_that_of_the_way_in_half_a_second() -> None:
-    """Sign of the way from a quarter of a second before to one after, none below 0.2 % of the rated speed."""
+    """The direction is the sign of the way from 0.25 s before to 0.25 s after.
+
+    Below 0.2 % of the rated speed there is none.
+    """
     rng = np.random.default_rng(2)
     t = np.cumsum(rng.uniform(0.01, 0.05, 300))
-    q = resting(300)[1] + np.cumsum(
-        rng.normal(size=(300, 5)), axis=0
-    ) * 1e-4 * np.array([1, 1, 1, 1, 0.01])
+    random_walk = np.cumsum(rng.normal(size=(300, 5)), axis=0)
+    _, at_rest_position = resting(300)
+    q = at_rest_position + random_walk * 1e-4 * np.array([1, 1, 1, 1, 0.01])
     q[:, 2] = 1.0 + 0.003 * RATED[2] * np.sin(t)  # now and then above the threshold
     q[:, 1] = 1.0 + 0.0021 * RATED[1] * t
     q[:, 0] = 1.0 - 0.0019 * RATED[0] * t
@@ -126,8 +130,10 @@ def test_direction_is_that_of_the_way_in_half_a_second() -> None:
         s = a5.trajectory.smooth(a5.trajectory.motion(t, q), method)
         for k in range(5):
             for i in range(300):
-                start, end = max(t[i] - 0.25, t[0]), min(t[i] + 0.25, t[-1])
-                speed = np.diff(np.interp([start, end], t, q[:, k]))[0] / (end - start)
+                start = max(t[i] - 0.25, t[0])
+                end = min(t[i] + 0.25, t[-1])
+                before, after = np.interp([start, end], t, q[:, k])
+                speed = (after - before) / (end - start)
                 expected = 0.0 if abs(speed) < 0.002 * RATED[k] else np.sign(speed)
                 assert s.direction[i, k] == expected
         assert set(s.direction[:, 2]) == {-1.0, 0.0, 1.0}
@@ -145,7 +151,7 @@ def test_direction_is_that_of_the_way_in_half_a_second() -> None:
 
 
 def cutoff(window: int) -> float:
-    """-3 dB frequency of the cubic filter from its frequency response, cycles per sample."""
+    """The frequency, in cycles per sample, where the cubic filter's gain is -3 dB."""
     response = np.abs(np.fft.rfft(savgol_coeffs(window, 3), 2**18))
     return float(np.argmax(response < math.sqrt(0.5))) / 2**18
 
@@ -165,7 +171,7 @@ def test_savitzky_golay_takes_the_window_nearest_to_the_bandwidth() -> None:
 
 
 def test_savitzky_golay_on_uneven_times() -> None:
-    """A cubic passes unchanged but for the joining by lines, of second order in the step."""
+    """A cubic passes unchanged except for the error of linear interpolation."""
     rng = np.random.default_rng(3)
     t = 2.0 + np.cumsum(rng.uniform(0.006, 0.014, 500))
     y = (0.1 * t**3 - t)[:, None]
@@ -198,7 +204,7 @@ def test_the_bandwidth_stays_below_half_the_sample_rate() -> None:
     assert a5.trajectory.smooth(slow, "interpolate", -1.0).bandwidth is None
 
 
-# --- analysis ------------------------------------------------------------------------------------
+# --- analysis -------------------------------------------------------------------------
 
 
 def moving(
@@ -310,15 +316,13 @@ def test_the_rod_is_left_out_with_its_warnings() -> None:
 
 @pytest.mark.parametrize("rest", [True, False])
 def test_limits_hold_a_resting_joint_and_drive_a_moving_one(rest: bool) -> None:
-    """With Table 4's figures: R 3.22, F 3.752e-3, eta 0.86, K_t 0.0134, K_v 0.0116, Gr 1754.4 (big motors)."""
-    resistance, friction, eta, k_t, k_v, gear = (
-        3.22,
-        3.752e-3,
-        0.86,
-        0.0134,
-        0.0116,
-        1754.4,
-    )
+    """The torque limits follow from Table 4's figures of the big motors."""
+    resistance = 3.22
+    friction = 3.752e-3
+    eta = 0.86
+    k_t = 0.0134
+    k_v = 0.0116
+    gear = 1754.4
     t = 0.02 * np.arange(100)
     q = resting(100)[1][:, :4]
     if not rest:
@@ -332,7 +336,7 @@ def test_limits_hold_a_resting_joint_and_drive_a_moving_one(rest: bool) -> None:
         assert r.torque_limits is not None
         if rest:
             most = min(ampere, volt / resistance)
-            # What the motor gives and what friction adds, through the gear the wrong way round.
+            # The load drives motor and friction backwards through the gear.
             held = (k_t * most + friction) * gear / eta
             np.testing.assert_allclose(r.torque_limits.upper[:, :3], held, rtol=1e-9)
             np.testing.assert_allclose(r.torque_limits.lower[:, :3], -held, rtol=1e-9)
@@ -344,7 +348,7 @@ def test_limits_hold_a_resting_joint_and_drive_a_moving_one(rest: bool) -> None:
             )
 
 
-# --- tables and sentences ------------------------------------------------------------------------
+# --- tables and sentences -------------------------------------------------------------
 
 
 def test_columns_by_name(tmp_path: Path) -> None:
@@ -523,14 +527,18 @@ x.csv: 77 samples, 3.14 s
   TCP: path 1.5 m, from (0.100, 0.000, 0.300) to (0.400, 0.500, 0.600) m,
        within (0.000, -0.250, 0.125) .. (0.500, 0.750, 0.875) m
   warning: a gap: 2 x, first: line 9
-  note: below 0.2% of its rated speed a joint is at rest: friction holds it, its motor helps with \
-the least current
-  note: friction, at the motor, is a cause of its own; it is in the current, not in the torque
-  note: torque limits are the 9 N·m (jaw rod 10 N) of most public models; no rating is published
-  note: Table 4's constants contradict each other (K_t/K_v: axis_e 1.155); used here: printed, \
-which leaves -5 J of the electrical energy unexplained
-  note: Table 4 does not say whose efficiency eta_max is; taken here for that of the gearbox
-  note: current limits need --supply-voltage and --current-limit; neither is published"""
+  note: below 0.2% of its rated speed a joint is at rest: friction holds it, \
+its motor helps with the least current
+  note: friction, at the motor, is a cause of its own; it is in the current, \
+not in the torque
+  note: torque limits are the 9 N·m (jaw rod 10 N) of most public models; \
+no rating is published
+  note: Table 4's constants contradict each other (K_t/K_v: axis_e 1.155); \
+used here: printed, which leaves -5 J of the electrical energy unexplained
+  note: Table 4 does not say whose efficiency eta_max is; \
+taken here for that of the gearbox
+  note: current limits need --supply-voltage and --current-limit; \
+neither is published"""
 
 
 def test_the_text_of_a_summary() -> None:
@@ -547,7 +555,8 @@ def test_the_text_says_limits_units_and_what_is_missing() -> None:
         )
     )
     assert (
-        "\n  limit: axis_e is beyond its rated speed of 0.5 rad/s in 3 samples, up to 0.75\n"
+        "\n  limit: axis_e is beyond its rated speed of 0.5 rad/s "
+        "in 3 samples, up to 0.75\n"
         "  limit: axis_e is beyond the speed-torque limit in 4 samples\n" in said
     )
     assert "  axis_e    7.75   -0.500  -0.25" in said
@@ -568,7 +577,7 @@ def test_the_text_says_limits_units_and_what_is_missing() -> None:
 
 
 def test_energies_peaks_and_missing_motors_in_the_record() -> None:
-    """Two joints forced: one feeds back, one draws; the rod's motor cannot be computed."""
+    """One joint feeds back, one draws, and the rod's motor cannot be computed."""
     t, q = resting(3000, step=0.002)
     q[:, 1] += 0.4 * np.sin(2 * t)
     r = a5.trajectory.analyse(a5.trajectory.motion(t, q), method="interpolate")
@@ -598,10 +607,11 @@ def test_energies_peaks_and_missing_motors_in_the_record() -> None:
     ):
         assert rod[key] is None
     assert rod["causes_peak"]["friction"] is None
-    # The contradiction of the constants: (K_v - K_t) times gear, current and speed, Table 4's figures.
-    flow = (0.0116 - 0.0134) * 1754.4 * (r.current * r.smooth.signed_velocity)[:, :3]
-    wrist = (0.0545 - 0.0271) * 340.4 * (r.current * r.smooth.signed_velocity)[:, 3]
-    expected = np.trapezoid(flow.sum(axis=1) + wrist, t)
+    # Table 4's constants contradict each other by (K_v - K_t) gear current speed.
+    current_speed = r.current * r.smooth.signed_velocity
+    big_motors = (0.0116 - 0.0134) * 1754.4 * current_speed[:, :3]
+    wrist = (0.0545 - 0.0271) * 340.4 * current_speed[:, 3]
+    expected = np.trapezoid(big_motors.sum(axis=1) + wrist, t)
     assert s["energy"]["contradiction_j"] == pytest.approx(expected, rel=1e-9)
     assert abs(expected) > 1e-3
     json.dumps(s, allow_nan=False)

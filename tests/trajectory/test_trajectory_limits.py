@@ -1,4 +1,4 @@
-"""Small files that would take memory or time without end, and compressed ones that are in order."""
+"""Files made to exhaust memory or time are refused; sound compressed files are read."""
 
 from __future__ import annotations
 
@@ -193,7 +193,8 @@ def test_columns_that_are_formulas(formula: str, tmp_path: Path) -> None:
     with sqlite3.connect(path) as database:
         database.execute("DROP TABLE messages")
         database.execute(
-            "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, "
+            "CREATE TABLE messages(id INTEGER PRIMARY KEY, "
+            "topic_id INTEGER, timestamp INTEGER, "
             f"data BLOB GENERATED ALWAYS AS ({formula}))"
         )
         database.execute("INSERT INTO messages(topic_id, timestamp) VALUES (1, 1)")
@@ -259,7 +260,9 @@ YAML = {
     "brackets": "[" * 90_000,
     "braces": "{" * 90_000,
     "dashes": "- " * 45_000,
-    "code": "rosbag2_bagfile_information: !!python/object/apply:os.system [touch hacked]",
+    "code": (
+        "rosbag2_bagfile_information: !!python/object/apply:os.system [touch hacked]"
+    ),
     "nothing": "",
     "list": "[1, 2]",
     "binary": "\x00\x01",
@@ -375,7 +378,7 @@ def test_tables_that_nobody_wrote(name: str, tmp_path: Path) -> None:
 
 
 def test_a_gap_without_measure() -> None:
-    """The filter of Savitzky and Golay makes times even, which may be more than memory holds."""
+    """A gap whose even samples would not fit into memory is refused by savgol only."""
     gap = np.array([*0.01 * np.arange(20), 1e12])
     q = np.tile([3.0, 1.5, 1.4, 1.2], (21, 1))
     # Two hours without a sample are no harm.

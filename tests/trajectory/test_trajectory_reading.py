@@ -32,7 +32,8 @@ def table(count: int = 12) -> list[list[str]]:
 def write(
     path: Path, header: list[str], rows: list[list[str]], separator: str = ","
 ) -> Path:
-    path.write_text("\n".join(separator.join(line) for line in [header, *rows]) + "\n")
+    lines = [separator.join(cells) + "\n" for cells in [header, *rows]]
+    path.write_text("".join(lines), "utf-8")
     return path
 
 
@@ -340,7 +341,7 @@ def test_time_without_a_unit_is_judged_by_steps_and_speeds(
 
 
 def test_plans_of_few_points_stay_in_seconds(tmp_path: Path) -> None:
-    """Steps of a second: in milliseconds joints would be far too fast; a shade below that they would not."""
+    """Steps of 1 are seconds if in milliseconds a joint would pass twice its rating."""
     rated = {
         "axis_e": 0.5235988,
         "axis_d": 0.5235988,
@@ -348,14 +349,16 @@ def test_plans_of_few_points_stay_in_seconds(tmp_path: Path) -> None:
         "axis_b": 0.8726646,
     }
     for column, name in enumerate(HEADER[1:], start=1):
+        rated_speed = rated[name.removesuffix("_pos")]
         for share, unit in ((1.99, "ms"), (2.01, "s")):
             rows = [[repr(1.0 * k), "1.5", "1.5", "1.5", "1.5"] for k in range(6)]
             for k, row in enumerate(rows):
-                row[column] = repr(
-                    1.5 + share * rated[name.removesuffix("_pos")] * 1e-3 * k
-                )
+                row[column] = repr(1.5 + share * rated_speed * 1e-3 * k)
             path = write(tmp_path / "plan.csv", ["time", *HEADER[1:]], rows)
             assert a5.trajectory.read_motion(path).time_unit == unit
+
+
+def test_the_median_step_decides_the_unit_of_a_joint_at_rest(tmp_path: Path) -> None:
     for step, unit in ((0.999, "s"), (1.0, "ms"), (999.0, "ms"), (1000.0, "us")):
         path = write(tmp_path / "m.csv", ["time", *HEADER[1:]], in_unit(1.0, step))
         still = [[row[0], "1", "1", "1", "1"] for row in in_unit(1.0, step)]
@@ -364,7 +367,7 @@ def test_plans_of_few_points_stay_in_seconds(tmp_path: Path) -> None:
 
 
 def test_two_names_for_the_time(tmp_path: Path) -> None:
-    """A second column of time in another unit is ignored as before; two of them alone are refused."""
+    """Times in two other units are refused; beside plain seconds one is ignored."""
     rows = [[*row, row[0]] for row in table()]
     path = write(tmp_path / "m.csv", [*HEADER, "time_ms"], rows)
     motion = a5.trajectory.read_motion(path)
@@ -387,8 +390,8 @@ def test_several_columns_of_one_quantity_are_counted(tmp_path: Path) -> None:
         a5.trajectory.read_motion(path)
 
 
-def test_fields_and_paths_without_end_are_one_error(tmp_path: Path) -> None:
-    """The csv module takes 131 072 characters in a field; longer numbers are numbers all the same."""
+def test_a_field_may_be_longer_than_the_csv_module_takes(tmp_path: Path) -> None:
+    """The csv module takes 131 072 characters in a field."""
     long = "1." + "0" * 140_000
     rows = table()
     rows[3][1] = long
@@ -397,6 +400,9 @@ def test_fields_and_paths_without_end_are_one_error(tmp_path: Path) -> None:
     rows[4][1] = "?" * 140_000
     with pytest.raises(FileFormatError, match="line 5: is not a table of numbers"):
         a5.trajectory.read_motion(write(tmp_path / "m.csv", HEADER, rows))
+
+
+def test_names_of_columns_without_end_are_one_short_error(tmp_path: Path) -> None:
     for header in ([*HEADER[:-1], "x" * 140_000], [*HEADER[:-1], "x" * 100_000]):
         with pytest.raises(FileFormatError, match="line 1") as caught:
             a5.trajectory.read_motion(write(tmp_path / "m.csv", header, table()))
@@ -406,6 +412,9 @@ def test_fields_and_paths_without_end_are_one_error(tmp_path: Path) -> None:
         FileFormatError, match=r"line 1, column 7: column 'y{40}' stands twice"
     ):
         a5.trajectory.read_motion(write(tmp_path / "m.csv", header, table()))
+
+
+def test_what_no_path_can_be_is_one_error() -> None:
     for name in (None, 3.5, "a\0b"):
         with pytest.raises(InputError, match="path"):
             a5.trajectory.read_motion(name)  # type: ignore[arg-type]
@@ -455,7 +464,7 @@ def test_times_nearer_than_a_nanosecond_are_the_same() -> None:
 @pytest.mark.parametrize("path", JOINT_STATES, ids=lambda p: p.stem)
 def test_recordings_are_read_to_the_last_digit(path: Path) -> None:
     motion = a5.trajectory.read_motion(path)
-    with path.open() as stream:
+    with path.open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     assert motion.joints[-1] == "axis_a"
     assert motion.time.tolist() == [float(row["time_secs"]) for row in rows]

@@ -1,4 +1,4 @@
-"""ROS bags and Parquet against CSV, recorded efforts, and recordings that are not tidy."""
+"""ROS bags and Parquet agree with CSV; untidy recordings and efforts are understood."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import json
 import re
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def write_csv(
         seconds, rest = divmod(time(s), 10**9)
         values = [repr(float(x)) for x in (*s.position, *s.velocity, *s.effort)]
         lines.append(",".join([f"{seconds}.{rest:09d}", *values]))
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", "utf-8")
     return path
 
 
@@ -121,7 +122,7 @@ def test_a_real_recording_as_a_bag(tmp_path: Path) -> None:
     assert back.warnings == motion.warnings
 
 
-# --- which topic, which joints -------------------------------------------------------------------
+# --- which topic, which joints --------------------------------------------------------
 
 
 def renamed(states: Sequence[State], topic: str, prefix: str = "") -> list[State]:
@@ -236,7 +237,7 @@ def test_prefixes_in_a_csv(tmp_path: Path) -> None:
         a5.trajectory.read_motion(tmp_path / "d.csv", prefix="x_")
 
 
-# --- untidy --------------------------------------------------------------------------------------
+# --- untidy ---------------------------------------------------------------------------
 
 
 def found(motion: a5.trajectory.Motion) -> dict[str, tuple[int, str]]:
@@ -270,12 +271,14 @@ def test_one_message_without_a_stamp_is_enough(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("first", "warned"),
-    # Two without a stamp; simulated time that starts at zero, or below; that ends at 100 s.
     [
+        # Two without a stamp.
         ((0, 0), True),
         ((0, 0, 10**8), True),
+        # Simulated time that starts at zero, or below.
         ((0, 10**8), False),
         ((-2 * 10**8, -(10**8)), False),
+        # Simulated time ends at 100 s.
         ((0, 10**11 - 1), False),
         ((0, 10**11), True),
     ],
@@ -371,31 +374,37 @@ def test_simulated_time_may_start_at_zero(tmp_path: Path) -> None:
 
 
 def test_a_gripper_of_its_own_leaves_the_arm_alone(tmp_path: Path) -> None:
-    """Two publishers on one topic, the jaw in messages of its own: the arm's four joints."""
+    """If the jaw has messages of its own on the topic, the arm has four joints."""
     states = samples()
-    pairs = [
-        (
-            replace(s, names=s.names[:2] + s.names[3:], position=s.position[:2] + s.position[3:], velocity=[], effort=[]),
-            State(s.stamp + 5, ["axis_a"], [s.position[2]], publisher="/gripper"),
+    messages = []
+    for s in states:
+        without_jaw = replace(
+            s,
+            names=s.names[:2] + s.names[3:],
+            position=s.position[:2] + s.position[3:],
+            velocity=[],
+            effort=[],
         )
-        for s in states
-    ]  # fmt: skip
-    path = write_bag(tmp_path, ".bag", [s for pair in pairs for s in pair])
+        jaw = State(s.stamp + 5, ["axis_a"], [s.position[2]], publisher="/gripper")
+        messages += [without_jaw, jaw]
+    path = write_bag(tmp_path, ".bag", messages)
     motion = a5.trajectory.read_motion(path)
     assert motion.joints == JOINTS[:4]
     assert motion.velocity is None
     assert found(motion) == {"missing_joints": (40, "message 2")}
-    (tmp_path / "each").mkdir()
-    alone = [
-        State(s.stamp, [n], [x])
-        for s in states
-        for n, x in zip(s.names, s.position, strict=True)
-    ]
+
+
+def test_each_joint_in_a_message_of_its_own_is_refused(tmp_path: Path) -> None:
+    alone = []
+    for s in samples():
+        for name, position in zip(s.names, s.position, strict=True):
+            alone.append(State(s.stamp, [name], [position]))
+    path = write_bag(tmp_path, ".bag", alone)
     with pytest.raises(
         FileFormatError,
         match=r"no message has all of axis_e, .*/joint_states: axis_a; ",
     ):
-        a5.trajectory.read_motion(write_bag(tmp_path / "each", ".bag", alone))
+        a5.trajectory.read_motion(path)
 
 
 def test_publishers_of_the_same_joints_are_said(tmp_path: Path) -> None:
@@ -456,7 +465,7 @@ def test_no_bag_no_joint_states_and_no_reader(
         assert capsys.readouterr().err.count("\n") == 1
 
 
-# --- Parquet -------------------------------------------------------------------------------------
+# --- Parquet --------------------------------------------------------------------------
 
 
 def test_what_a_parquet_file_may_hold(tmp_path: Path) -> None:
@@ -500,13 +509,21 @@ def test_what_a_parquet_file_may_hold(tmp_path: Path) -> None:
         a5.trajectory.read_motion(tmp_path / "m.parquet")
 
 
-# --- efforts -------------------------------------------------------------------------------------
+# --- efforts --------------------------------------------------------------------------
 
 
-def test_recorded_effort_against_the_torque(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """An effort made of the torque: a gain, an offset and a hole give figures known beforehand."""
+@dataclass(frozen=True)
+class EffortRecording:
+    """A recording whose effort is made from the torque computed without it."""
+
+    path: Path
+    torque: np.ndarray  # (60, 5)
+    analysis: a5.trajectory.Analysis
+
+
+@pytest.fixture
+def effort_recording(tmp_path: Path) -> EffortRecording:
+    """Effort = 2 torque + 0.25, without axis_b, and axis_d in one sample only."""
     states = samples(60)
     bare = write_csv(tmp_path / "m.csv", states, lambda s: s.stamp)
     torque = a5.trajectory.analyse(a5.trajectory.read_motion(bare)).torque
@@ -516,28 +533,57 @@ def test_recorded_effort_against_the_torque(
         s.effort[place.index(1)] = float("nan") if k != 5 else 1.0
         s.effort[place.index(3)] = float("nan")
     path = write_csv(tmp_path / "e.csv", states, lambda s: s.stamp)
-    r = a5.trajectory.analyse(a5.trajectory.read_motion(path))
-    np.testing.assert_array_equal(r.torque, torque)  # never used for it
-    record = a5.trajectory.summary(r)
-    efforts = {name: j["effort"] for name, j in record["joints"].items()}
+    analysis = a5.trajectory.analyse(a5.trajectory.read_motion(path))
+    return EffortRecording(path=path, torque=torque, analysis=analysis)
+
+
+def efforts_of_joints(analysis: a5.trajectory.Analysis) -> dict[str, Any]:
+    joints = a5.trajectory.summary(analysis)["joints"]
+    return {name: joint["effort"] for name, joint in joints.items()}
+
+
+def test_recorded_effort_does_not_change_the_torque(
+    effort_recording: EffortRecording,
+) -> None:
+    torque = effort_recording.analysis.torque
+    np.testing.assert_array_equal(torque, effort_recording.torque)
+
+
+def test_recorded_effort_against_the_torque(effort_recording: EffortRecording) -> None:
+    """A known gain and offset give figures that are known beforehand."""
+    r = effort_recording.analysis
+    torque = effort_recording.torque
+    e = efforts_of_joints(r)["axis_c"]
     difference = torque[:, 2] + 0.25
-    e = efforts["axis_c"]
     assert e["samples"] == 60
     assert e["difference_mean"] == pytest.approx(difference.mean())
     assert e["difference_rms"] == pytest.approx(np.sqrt((difference**2).mean()))
     assert e["difference_peak"]["value"] == pytest.approx(
         difference[np.abs(difference).argmax()]
     )
-    assert e["rms"] == pytest.approx(np.sqrt(((2 * torque[:, 2] + 0.25) ** 2).mean()))
+    effort = 2 * torque[:, 2] + 0.25
+    assert e["rms"] == pytest.approx(np.sqrt((effort**2).mean()))
     assert e["correlation"] == pytest.approx(1.0)
     left = difference - r.friction[:, 2]
     assert e["difference_rms_with_friction"] == pytest.approx(np.sqrt((left**2).mean()))
+
+
+def test_recorded_effort_with_holes(effort_recording: EffortRecording) -> None:
+    """One sample has no correlation, and a joint without effort has no figures."""
+    r = effort_recording.analysis
+    efforts = efforts_of_joints(r)
     assert (efforts["axis_d"]["samples"], efforts["axis_d"]["correlation"]) == (1, None)
     assert efforts["axis_d"]["difference_peak"]["time_s"] == r.smooth.time[5]
     assert efforts["axis_b"] is None
-    assert (
-        efforts["axis_a"]["difference_rms_with_friction"] is None
-    )  # no screw lead, no friction
+    # Without the screw's lead the rod's friction is unknown.
+    assert efforts["axis_a"]["difference_rms_with_friction"] is None
+
+
+def test_recorded_effort_is_a_table_of_the_text(
+    effort_recording: EffortRecording,
+) -> None:
+    record = a5.trajectory.summary(effort_recording.analysis)
+    e = record["joints"]["axis_c"]["effort"]
     text = a5.trajectory.text(record)
     table = text.partition("recorded effort, and what it has more than the torque")[2]
     assert [line.split()[0] for line in table.splitlines()[2:7]] == [
@@ -559,14 +605,24 @@ def test_recorded_effort_against_the_torque(
         f"{e['difference_rms_with_friction']:.4g}",
         "1",
     ]
-    # In the table of all quantities, and back from there.
+
+
+def test_recorded_effort_returns_from_the_table_of_all_quantities(
+    effort_recording: EffortRecording, tmp_path: Path
+) -> None:
+    r = effort_recording.analysis
     table = a5.trajectory.columns(r)
     assert "axis_b_effort" not in table
     np.testing.assert_array_equal(table["axis_c_effort"], r.motion.effort[:, 2])
     a5.trajectory.write(r, tmp_path / "again.csv")
     again = a5.trajectory.read_motion(tmp_path / "again.csv")
     np.testing.assert_allclose(again.effort, r.motion.effort, rtol=1e-8)
-    assert main(["trajectory", str(path)]) == 0
+
+
+def test_the_command_prints_the_recorded_effort(
+    effort_recording: EffortRecording, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["trajectory", str(effort_recording.path)]) == 0
     assert "recorded effort" in capsys.readouterr().out
 
 
@@ -624,7 +680,7 @@ def test_text_among_the_efforts_leaves_them_out(tmp_path: Path) -> None:
 
 
 def test_names_in_a_parquet_file_that_are_no_text(tmp_path: Path) -> None:
-    """Each place of a column's name in turn: it is no name of a joint, or a damaged file."""
+    """A damaged name of a column is no joint's name, or the file is refused."""
     path = write_parquet(tmp_path / "m.parquet", samples(3))
     content = path.read_bytes()
     places = [m.start() for m in re.finditer(b"axis_d_pos", content)]

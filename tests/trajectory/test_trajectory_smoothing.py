@@ -1,4 +1,4 @@
-"""Smoothing against SciPy's spline, the stated response to sines, and exact derivatives."""
+"""Smoothing agrees with SciPy's spline, its stated response and exact derivatives."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from alpha5_model.trajectory.smoothing import (
 
 
 def uneven(count: int, mean_step: float, seed: int) -> np.ndarray:
-    """Sample times as recordings have them: jitter, and now and then two nearly at once."""
+    """Sample times with jitter, of which some are nearly equal, as in recordings."""
     steps = np.random.default_rng(seed).uniform(0.2, 1.8, count)
     steps[::17] = 0.005
     return np.cumsum(steps) * mean_step
@@ -45,8 +45,12 @@ def test_spline_is_the_one_scipy_finds(bandwidth: float) -> None:
 
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 1.0, 2.0])
 def test_spline_passes_sines_as_stated(ratio: float) -> None:
-    """Amplitude 1 / (1 + (sqrt(2) - 1) ratio^4), no phase shift, at the given share of the bandwidth."""
-    bandwidth, time = 2.0, uneven(6000, 0.004, seed=5)
+    """The amplitude is 1 / (1 + (sqrt(2) - 1) ratio^4), without a phase shift.
+
+    `ratio` is the frequency divided by the bandwidth.
+    """
+    bandwidth = 2.0
+    time = uneven(6000, 0.004, seed=5)
     w = 2 * math.pi * bandwidth * ratio
     gain = 1 / (1 + (math.sqrt(2) - 1) * ratio**4)
     value, slope, bend = (
@@ -72,7 +76,7 @@ def test_savitzky_golay_reaches_the_bandwidth_it_states(bandwidth: float) -> Non
     middle = slice(1000, -1000)
     np.testing.assert_allclose(value[middle], math.sqrt(0.5) * sine[middle], atol=2e-3)
     rate = np.gradient(value[:, 0], time)
-    # The filter's derivative is that of the fitted cubic, near the derivative of its value.
+    # The filter differentiates the fitted cubic, not its own smoothed value.
     assert np.abs(slope[middle, 0] - rate[middle]).max() < 0.35 * np.abs(rate).max()
 
 
@@ -115,7 +119,7 @@ def test_velocities_of_the_motion_are_used_when_asked(method: str) -> None:
 
 @pytest.mark.parametrize("jitter", [0.0, 0.5])
 def test_the_least_bandwidth_is_as_good_as_it_says(jitter: float) -> None:
-    """A sine at the least bandwidth comes out at 1/sqrt(2) of its amplitude, to 0.1 %."""
+    """A sine at the least bandwidth keeps 1/sqrt(2) of its amplitude, to 0.1 %."""
     steps = 1 + jitter * np.random.default_rng(1).uniform(-1, 1, 60_000)
     time = 0.02 * np.cumsum(steps)
     width = LEAST_BANDWIDTH / float(np.median(np.diff(time)))
