@@ -1,8 +1,9 @@
-"""Classification, task capability, and what the Alpha 5 has instead of a dexterous workspace."""
+"""Types of arms, their task capability, and the Alpha 5's approach directions."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pinocchio as pin
@@ -33,7 +34,7 @@ SCARA = [
     [0, 0, 0, 0, 1],
     [0, 0, 0, 0, 0],
 ]
-#: yaw, three parallel pitch joints, roll about the tool: a five-joint arm such as the youBot's
+#: A five-joint arm such as the youBot's: yaw, three parallel pitch joints, roll.
 FIVE = [
     [0, 0.147, 0.033, Q, 0],
     [0, 0, 0.155, 0, 0],
@@ -148,11 +149,17 @@ def test_task_capability(chain, dimension, position, orientation, insertion) -> 
     [
         (
             3,
-            "3 joints reach at most 3 of the 6 dimensions of SE(3); the Jacobian has rank 3",
+            (
+                "3 joints reach at most 3 of the 6 dimensions of SE(3); the Jacobian "
+                "has rank 3"
+            ),
         ),
         (
             4,
-            "4 joints reach at most 4 of the 6 dimensions of SE(3); the Jacobian has rank 3",
+            (
+                "4 joints reach at most 4 of the 6 dimensions of SE(3); the Jacobian "
+                "has rank 3"
+            ),
         ),
         (6, "6 joints, but the Jacobian never has more than rank 3"),
         (7, "7 joints, but the Jacobian never has more than rank 3"),
@@ -173,7 +180,10 @@ def test_a_tool_that_can_never_be_vertical() -> None:
 def test_joint_limits_decide_whether_the_tool_gets_upright(
     middle: float, dimension: int
 ) -> None:
-    """At zero the hand points down; three pitch joints at 0.4 +- 0.1 rad each hold it 0.9 rad off."""
+    """At zero the hand points down; three pitch joints at 0.4 rad keep it 0.9 rad off.
+
+    Each pitch joint may turn 0.1 rad to either side.
+    """
     low, high = middle - 0.1, middle + 0.1
     links = [DHLink(*row[:4]) for row in FIVE]
     links[1:4] = [
@@ -187,10 +197,11 @@ def test_joint_limits_decide_whether_the_tool_gets_upright(
     "chain", [DHChain.alpha5(), DHChain.from_table(SCARA), DHChain.from_table(PUMA_560)]
 )
 def test_dimension_by_counting_boxes(chain: DHChain) -> None:
-    """A second way to the dimension of the pose set: how fast nearby poses fill space.
+    """The dimension of the pose set is the number of directions that nearby poses fill.
 
-    Poses near one pose, from joint positions near one position: the share of the variance beyond the
-    first `dimension` principal directions falls with the square of the neighbourhood's size.
+    The poses come from joint positions near one position. The share of the variance
+    beyond the first `dimension` principal directions falls with the square of the
+    neighbourhood's size.
     """
     rng = np.random.default_rng(0)
     q = rng.uniform(0.5, 1.5, chain.n)
@@ -198,9 +209,8 @@ def test_dimension_by_counting_boxes(chain: DHChain) -> None:
     rest = []
     for size in (1e-2, 1e-3):
         near = chain.forward_kinematics(q + size * rng.normal(size=(4000, chain.n)))
-        values = np.linalg.svd(
-            near[:, :3, :].reshape(4000, 12) - near[:, :3, :].reshape(4000, 12).mean(0)
-        )[1]
+        entries = near[:, :3, :].reshape(4000, 12)
+        values = np.linalg.svd(entries - entries.mean(0))[1]
         assert values[dimension - 1] / values[0] > 1e-4
         rest.append(values[dimension] / values[0])
     assert rest[1] < 0.2 * rest[0]
@@ -272,54 +282,68 @@ def test_on_the_yaw_axis_the_freedom_is_two() -> None:
     assert len(np.unique(ways.directions[ways.exists][:, 2].round(9))) <= 4
 
 
+#: The residuals (2, ...) of an arm in a vertical plane for its angles (2, ...)
+Residuals = Callable[[np.ndarray], np.ndarray]
+
+
+def residuals_in_plane(chain: DHChain, point: np.ndarray, yaw: float) -> Residuals:
+    """How far the tcp is off a point, along and up the plane of the yaw."""
+    inwards = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+
+    def residuals(angles: np.ndarray) -> np.ndarray:
+        first, second = angles
+        q = np.stack([np.full_like(first, yaw), first, second, 0 * first], axis=-1)
+        tip = chain.forward_kinematics(q)[..., :3, 3]
+        radial = tip @ inwards - point @ inwards
+        height = tip[..., 2] - point[2]
+        return np.array([radial, height])
+
+    return residuals
+
+
+def starts_on_grid(residuals: Residuals) -> np.ndarray:
+    """The pairs of angles, (M, 2), that are local minima of a fine grid."""
+    grid = np.linspace(0, 2 * math.pi, 360, endpoint=False)
+    angles = np.array(np.meshgrid(grid, grid, indexing="ij"))
+    distance = np.hypot(*residuals(angles))
+    start = distance < 0.02
+    for axis in (0, 1):
+        for shift in (-1, 1):
+            start &= distance <= np.roll(distance, shift, axis=axis)
+    return angles[:, start].T
+
+
+def newton_root(residuals: Residuals, angles: np.ndarray) -> np.ndarray:
+    """The pair of angles after fifty Newton steps, derivatives by differences."""
+    h = 1e-7
+    for _ in range(50):
+        value = residuals(angles)
+        moved = [residuals(angles + h * unit) for unit in np.eye(2)]
+        slope = np.stack([(x - value) / h for x in moved], axis=1)
+        angles = angles - np.linalg.lstsq(slope, value, rcond=None)[0]
+    return angles
+
+
 def enumerate_directions(chain: DHChain, point: np.ndarray) -> list[np.ndarray]:
-    """All approach directions at a point by root finding over joint angles, without any formula.
+    """All approach directions at a point by root finding over joint angles.
 
-    The yaw that points at the target or away from it; then, along theta_1, the theta_2 that bring
-    the tcp to the height of the target; among these the roots of the radial distance.
+    The yaw points at the target or away from it. In its plane, Newton's method starts
+    from every minimum of a grid over the two pitch angles.
     """
-    found = []
-    for yaw in (
-        math.atan2(point[1], point[0]) + math.pi,
-        math.atan2(point[1], point[0]),
-    ):
-        inwards = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-
-        def plane(first: np.ndarray, second: np.ndarray, yaw=yaw, inwards=inwards):
-            q = np.stack([np.full_like(first, yaw), first, second, 0 * first], axis=-1)
-            tip = chain.forward_kinematics(q)[..., :3, 3]
-            return tip @ inwards - point @ inwards, tip[..., 2] - point[2]
-
-        n = 360
-        grid = np.linspace(0, 2 * math.pi, n, endpoint=False)
-        a, b = np.meshgrid(grid, grid, indexing="ij")
-        radial, height = plane(a, b)
-        cost = np.hypot(radial, height)
-        local = np.ones_like(cost, dtype=bool)
-        for axis in (0, 1):
-            for shift in (-1, 1):
-                local &= cost <= np.roll(cost, shift, axis=axis)
-        for x in zip(a[local & (cost < 0.02)], b[local & (cost < 0.02)], strict=True):
-            angles = np.array(x)
-            for _ in range(50):  # Newton on two equations
-                value = np.array(plane(*angles[:, None]))[:, 0]
-                h = 1e-7
-                slope = np.stack(
-                    [
-                        (np.array(plane(*(angles + h * e)[:, None]))[:, 0] - value) / h
-                        for e in np.eye(2)
-                    ],
-                    axis=1,
-                )
-                angles = angles - np.linalg.lstsq(slope, value, rcond=None)[0]
-            if np.abs(plane(*angles[:, None])).max() < 1e-9:
-                q = np.array([yaw, *angles, 0.0])
-                tip, elbow = (
-                    chain.forward_kinematics(q, f)[:3, 3] for f in ("tool", 3)
-                )
-                direction = (tip - elbow) / np.linalg.norm(tip - elbow)
-                if not any(np.abs(direction - other).max() < 1e-6 for other in found):
-                    found.append(direction)
+    bearing = math.atan2(point[1], point[0])
+    found: list[np.ndarray] = []
+    for yaw in (bearing + math.pi, bearing):
+        residuals = residuals_in_plane(chain, point, yaw)
+        for start in starts_on_grid(residuals):
+            angles = newton_root(residuals, start)
+            if np.abs(residuals(angles)).max() >= 1e-9:
+                continue
+            q = np.array([yaw, *angles, 0.0])
+            tip = chain.forward_kinematics(q, "tool")[:3, 3]
+            elbow = chain.forward_kinematics(q, 3)[:3, 3]
+            direction = (tip - elbow) / np.linalg.norm(tip - elbow)
+            if not any(np.abs(direction - other).max() < 1e-6 for other in found):
+                found.append(direction)
     return found
 
 
@@ -338,18 +362,19 @@ def test_approach_directions_against_enumeration(point) -> None:
 
 
 def test_approach_directions_of_sampled_poses() -> None:
-    """Within the limits: the direction of a sampled configuration is among those at its tcp."""
+    """The direction of a sampled configuration is one of those found at its tcp."""
     model = pin.buildModelFromUrdf(a5.URDF_PATH)
-    data, rng = model.createData(), np.random.default_rng(2)
+    data = model.createData()
+    rng = np.random.default_rng(2)
     tcp = model.getFrameId("tcp")
     q = rng.uniform(model.lowerPositionLimit, model.upperPositionLimit, (300, 4))
     points, directions = [], []
     for x in q:
         pin.framesForwardKinematics(model, data, x)
-        points.append(data.oMf[tcp].translation.copy())
-        line = (
-            points[-1] - data.oMi[4].translation
-        )  # joint 3's frame lies on the hand's axis
+        tip = data.oMf[tcp].translation.copy()
+        # The frame of joint 4 lies on the hand's axis.
+        line = tip - data.oMi[4].translation
+        points.append(tip)
         directions.append(line / np.linalg.norm(line))
     ways = approach_directions(np.array(points))
     gap = np.linalg.norm(ways.directions - np.array(directions)[:, None], axis=-1)
@@ -373,7 +398,7 @@ def test_approach_directions_out_of_reach_and_as_a_method() -> None:
 
 
 def elbow_arm(hand: float) -> DHChain:
-    """Links 0.4 and 0.3 on a base without offsets, three wrist axes through a point, a hand."""
+    """Links of 0.4 and 0.3 m, three wrist axes through one point, and a hand."""
     return DHChain.from_table(
         [
             [0, 0, 0, Q, 0],
@@ -387,11 +412,10 @@ def elbow_arm(hand: float) -> DHChain:
 
 
 def test_steps_converge_quadratically() -> None:
-    """Each step squares the error: a dozen find every orientation that there is a way to."""
+    """A dozen steps find every reachable orientation, as each squares the error."""
     wrist = axes_chain([(ORIGIN, Z, 0), (ORIGIN, Y, 0), (ORIGIN, X, 0)])
-    assert (
-        spatial_dexterity(wrist, ORIGIN, orientations=40, starts=6, steps=10).share == 1
-    )
+    at_wrist = spatial_dexterity(wrist, ORIGIN, orientations=40, starts=6, steps=10)
+    assert at_wrist.share == 1
     puma = DHChain.from_table(PUMA_560)
     near = spatial_dexterity(puma, [0.3, 0.2, 0.2], orientations=40, starts=6, steps=15)
     assert near.share == 1
@@ -399,23 +423,21 @@ def test_steps_converge_quadratically() -> None:
 
 @pytest.mark.parametrize("hand", [0.0, 0.1])
 def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> None:
-    """The wrist reaches the shell 0.1 <= r <= 0.7; a point is dexterous where the sphere of the hand's
-    length about it lies in the shell: the planar condition once more. Hands that point outwards or
-    inwards count exactly."""
+    """A point is dexterous if the sphere of possible wrist places lies in the shell.
+
+    The wrist reaches the shell 0.1 <= r <= 0.7; the sphere has the hand's length. Hands
+    that point outwards or inwards count exactly.
+    """
     radius = np.array([0.03, 0.15, 0.25, 0.4, 0.55, 0.64, 0.68, 0.75, 0.9])
-    estimate = spatial_dexterity(
-        elbow_arm(hand), np.outer(radius, [0.6, 0.0, 0.8]), orientations=40
-    )
+    points = np.outer(radius, [0.6, 0.0, 0.8])
+    estimate = spatial_dexterity(elbow_arm(hand), points, orientations=40)
     wanted = (radius + hand <= 0.7) & (np.abs(radius - hand) >= 0.1)
     assert np.array_equal(estimate.share == 1, wanted)
-    # orientation by orientation: is the wrist's place in the shell?
-    place = (
-        np.outer(radius, [0.6, 0.0, 0.8])[:, None]
-        - hand * estimate.rotations[None, :, :, 2]
-    )
-    shell = np.linalg.norm(place, axis=-1)
-    away = (np.abs(shell - 0.1) > 0.01) & (np.abs(shell - 0.7) > 0.01)
-    truth = (shell >= 0.1) & (shell <= 0.7)
+    # Orientation by orientation, the wrist's place must lie in the shell.
+    wrist = points[:, None] - hand * estimate.rotations[None, :, :, 2]
+    distance = np.linalg.norm(wrist, axis=-1)
+    away = (np.abs(distance - 0.1) > 0.01) & (np.abs(distance - 0.7) > 0.01)
+    truth = (distance >= 0.1) & (distance <= 0.7)
     assert np.array_equal(estimate.reached[away], truth[away])
     assert estimate.interior
 

@@ -1,4 +1,4 @@
-"""The commands ``dh`` and ``planar``, the pictures, and the walk through the lecture notes."""
+"""The commands ``dh`` and ``planar``, the pictures and the examples of the notes."""
 
 from __future__ import annotations
 
@@ -245,7 +245,7 @@ def test_a_picture_that_cannot_be_written(tmp_path: Path) -> None:
     ],
 )
 def test_the_filled_area_is_the_workspace(arm: PlanarArm) -> None:
-    """Every pixel's colour against `contains`: holes are holes, the inside is filled."""
+    """Each pixel is filled if, and only if, its point is in the workspace."""
     axes = plot_planar(arm, dexterous=False)
     axes.figure.canvas.draw()
     image = np.asarray(axes.figure.canvas.buffer_rgba())[..., :3].astype(int)
@@ -255,10 +255,8 @@ def test_the_filled_area_is_the_workspace(arm: PlanarArm) -> None:
     pixels = axes.transData.transform(points)
     rows = image.shape[0] - 1 - pixels[:, 1].astype(int)
     colour = image[rows, pixels[:, 0].astype(int)]
-    filled, empty = (
-        (colour == (0xDB, 0xE7, 0xF3)).all(axis=1),
-        (colour == 255).all(axis=1),
-    )
+    filled = (colour == (0xDB, 0xE7, 0xF3)).all(axis=1)
+    empty = (colour == 255).all(axis=1)
     inside = arm.workspace().contains(points)
     assert (filled | empty).mean() > 0.85  # the rest is arm and outline
     assert inside[filled].mean() > 0.998

@@ -1,4 +1,4 @@
-"""Standard DH links and chains against the printed matrix, the literature, another toolbox, Pinocchio."""
+"""DH chains agree with the printed matrix, the literature, a toolbox and Pinocchio."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_transform_is_the_product_of_the_four_elementary_ones(
 
 
 def test_the_sign_of_the_second_row_is_the_rotation_not_the_scan() -> None:
-    """The notes' matrix, as transcribed, has +cos(theta) sin(alpha): that is not a rotation."""
+    """The transcribed matrix has +cos(theta) sin(alpha), which makes it no rotation."""
     values = (0.7, 0.1, 0.2, 1.1)
     assert np.abs(dh_transform(*values) - printed(*values)).max() < 1e-15
     scanned = printed(*values)
@@ -169,23 +169,22 @@ def test_against_roboticstoolbox(name: str, model: str) -> None:
     peer = getattr(toolbox.models.DH, model)()
     links = tuple(
         DHLink(
-            float(x.theta),
-            float(x.d),
-            float(x.a),
-            float(x.alpha),
-            int(x.sigma),
-            float(x.offset),
+            theta=float(x.theta),
+            d=float(x.d),
+            a=float(x.a),
+            alpha=float(x.alpha),
+            sigma=int(x.sigma),
+            offset=float(x.offset),
         )
         for x in peer.links
     )
     chain = DHChain(links, base=peer.base.A, tool=peer.tool.A)
     for row, link in zip(TABLES[name], links, strict=True):
         ours = DHLink.from_vector(row)
-        # The Puma model of the toolbox stands on a pedestal and has its own shoulder offset.
+        # d may differ: the toolbox's Puma has a pedestal and its own shoulder offset.
         assert (ours.a, ours.sigma) == pytest.approx((link.a, link.sigma), abs=1e-4)
-        assert math.remainder(ours.alpha - link.alpha, 2 * math.pi) == pytest.approx(
-            0, abs=1e-9
-        )
+        twist = math.remainder(ours.alpha - link.alpha, 2 * math.pi)
+        assert twist == pytest.approx(0, abs=1e-9)
     for q in np.random.default_rng(3).uniform(-3, 3, (30, chain.n)):
         assert np.abs(chain.forward_kinematics(q) - peer.fkine(q).A).max() < 1e-12
         assert np.abs(chain.jacobian(q) - peer.jacob0(q)).max() < 1e-12
@@ -214,33 +213,32 @@ def test_jacobian_is_the_derivative(name: str) -> None:
 
 
 def test_joint_axes_stay_where_their_joint_moves() -> None:
-    """The axis of joint j is what joint j leaves fixed: it must not depend on q_j, q_j+1, ..."""
+    """The axis of joint j stays fixed if joint j or a joint after it moves."""
     chain = DHChain.from_table(STANFORD)
     q = np.random.default_rng(5).uniform(-1, 1, 6)
     points, directions = chain.joint_axes(q)
     for j in range(6):
         moved = q.copy()
         moved[j:] += 0.7
-        others = chain.joint_axes(moved)
-        assert np.abs(others[0][j] - points[j]).max() < 1e-15
-        assert np.abs(others[1][j] - directions[j]).max() < 1e-15
-        pose, after = (
-            chain.forward_kinematics(q, j + 1),
-            chain.forward_kinematics(q + 0.7 * np.eye(6)[j], j + 1),
-        )
-        step = after @ np.linalg.inv(pose)
+        other_points, other_directions = chain.joint_axes(moved)
+        assert np.abs(other_points[j] - points[j]).max() < 1e-15
+        assert np.abs(other_directions[j] - directions[j]).max() < 1e-15
+        before = chain.forward_kinematics(q, j + 1)
+        after = chain.forward_kinematics(q + 0.7 * np.eye(6)[j], j + 1)
+        step = after @ np.linalg.inv(before)
         if chain.sigma[j]:
             assert np.abs(step[:3, 3] - 0.7 * directions[j]).max() < 1e-14
         else:
-            assert np.abs(step[:3, :3] @ directions[j] - directions[j]).max() < 1e-14
-            assert (
-                np.abs(step[:3, :3] @ points[j] + step[:3, 3] - points[j]).max() < 1e-14
-            )
+            turned_direction = step[:3, :3] @ directions[j]
+            turned_point = step[:3, :3] @ points[j] + step[:3, 3]
+            assert np.abs(turned_direction - directions[j]).max() < 1e-14
+            assert np.abs(turned_point - points[j]).max() < 1e-14
 
 
 def test_alpha5_is_table_1() -> None:
-    """Table 1 typed from the document, mm; its last row is fixed and becomes the tool."""
-    theta_c, a_1 = math.atan2(40, 145.3), math.hypot(40, 145.3)
+    """The chain is Table 1, in mm; its last row is fixed and becomes the tool."""
+    theta_c = math.atan2(40, 145.3)
+    a_1 = math.hypot(40, 145.3)
     rows = [
         (math.pi, 46.2, 20, QUARTER),
         (theta_c - QUARTER, 0, a_1, math.pi),

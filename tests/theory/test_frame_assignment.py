@@ -14,6 +14,8 @@ from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
 from alpha5_model.theory.dh.chain import DHChain
 from alpha5_model.theory.dh.frame_assignment import common_normal
 
+QUARTER = math.pi / 2
+
 KINDS = ("skew", "parallel", "antiparallel", "intersecting", "coincident", "opposed")
 TIGHT = 1e-12
 assign_frames = DHChain.from_axes
@@ -122,7 +124,7 @@ def test_the_frames_obey_the_rule(kind: str) -> None:
 
 @pytest.mark.parametrize("angle", [1e-12, 1e-10, 1e-8, 1e-6, 1e-4])
 def test_nearly_parallel_axes(angle: float) -> None:
-    """The common normal is far away, so digits go, worst next to the jump from skew to parallel."""
+    """Little accuracy is lost although the common normal is far away."""
     rng = np.random.default_rng(31)
     for _ in range(20):
         p, z = rng.normal(size=(2, 3)), rng.normal(size=3)
@@ -134,7 +136,7 @@ def test_nearly_parallel_axes(angle: float) -> None:
 
 
 def product_of_exponentials(points, directions, end, q) -> np.ndarray:
-    """Pose of the end effector by turning about the axes as they were drawn, without any table."""
+    """The pose of the end effector by rotations about the axes, without a DH table."""
     pose = pin.SE3.Identity()
     for p, z, angle in zip(points, directions, q, strict=True):
         pose = pose * pin.exp6(angle * pin.Motion(np.cross(p, z), z))
@@ -142,7 +144,7 @@ def product_of_exponentials(points, directions, end, q) -> np.ndarray:
 
 
 def tilted_axes(tilts, rng: np.random.Generator):
-    """Axes through a cube of 1 m, each tilted against the one before by an angle of its own."""
+    """Axes through a cube of 1 m, each tilted against the previous one by its angle."""
     points = rng.uniform(-0.5, 0.5, (len(tilts) + 1, 3))
     directions = [unit(rng.normal(size=3))]
     for tilt in tilts:
@@ -183,7 +185,7 @@ def test_axes_that_are_nearly_parallel_move_the_tool_as_they_were_drawn(
 
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-8, 1e-7])
 def test_tilts_next_to_the_tolerance(tolerance: float) -> None:
-    """One tilt beyond it, whose normal is far away, and one within it, which would count there."""
+    """The error is small if some tilts are just above the tolerance and some below."""
     rng = np.random.default_rng(52)
     for _ in range(100):
         tilts = tolerance * np.array([1.2, 0.7, 1.9, 0.4])[rng.permutation(4)]
@@ -217,14 +219,17 @@ def test_alpha5_axes_from_its_urdf_give_table_1() -> None:
 @pytest.mark.parametrize(
     ("robot", "frame", "d", "a", "alpha"),
     [
-        (  # Universal Robots, DH parameters for calculations of kinematics and dynamics: UR5.
+        # Universal Robots: "DH parameters for calculations of kinematics and dynamics".
+        (
             "ur5",
             "tool0",
             [0.089159, 0, 0, 0.10915, 0.09465, 0.0823],
             [0, 0.425, 0.39225, 0, 0, 0],
-            [QUARTER := math.pi / 2, 0, 0, QUARTER, QUARTER, 0],
+            [QUARTER, 0, 0, QUARTER, QUARTER, 0],
         ),
-        (  # Franka Control Interface documentation; standard convention by shifting a and alpha.
+        # Franka Control Interface documentation; a and alpha are shifted by one row,
+        # which makes its modified convention the standard one.
+        (
             "panda",
             "panda_link8",
             [0.333, 0, 0.316, 0, 0.384, 0, 0.107],
@@ -240,16 +245,15 @@ def test_real_arms_from_their_urdf(robot: str, frame: str, d, a, alpha) -> None:
     assert [abs(x.d) for x in chain.links] == pytest.approx(np.abs(d), abs=1e-5)
     assert [abs(x.a) for x in chain.links] == pytest.approx(np.abs(a), abs=1e-5)
     assert [abs(x.alpha) for x in chain.links] == pytest.approx(np.abs(alpha), abs=1e-5)
-    data, rng = model.createData(), np.random.default_rng(51)
+    data = model.createData()
+    rng = np.random.default_rng(51)
     tip = model.getFrameId(frame)
     for q in rng.uniform(-2, 2, (30, chain.n)):
         full = np.zeros(model.nq)
         full[: chain.n] = q
         pin.framesForwardKinematics(model, data, full)
-        assert (
-            np.abs(data.oMf[tip].homogeneous - chain.forward_kinematics(q)).max()
-            < 1e-12
-        )
+        pose = data.oMf[tip].homogeneous
+        assert np.abs(pose - chain.forward_kinematics(q)).max() < 1e-12
 
 
 def test_joints_that_have_no_dh_row_are_refused() -> None:

@@ -1,8 +1,9 @@
-"""Dexterous workspaces: the theorem, the exact condition, brute force, the notes' table."""
+"""Dexterous workspaces agree with the theorem, brute force and the notes' table."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from alpha5_model.theory.planar import (
     turns_fully,
 )
 
-#: The notes' experiment, l = (5, 4, 1), typed from the page: l_4, sum of the pair, half the total.
+#: The notes' experiment with l = (5, 4, 1): l_4, sum of the pair, half the total.
 NOTES = [
     (10, 9, 10),
     (9, 9, 9.5),
@@ -39,7 +40,7 @@ NOTES = [
 def brute_force(
     lengths: np.ndarray, radius: np.ndarray, turns: int = 720
 ) -> np.ndarray:
-    """Turn the last link of 3R arms through a full turn and solve the remaining 2R arm each time.
+    """Whether 3R arms reach a point at each of many angles of the last link.
 
     Args:
         lengths: (M, 3).
@@ -48,9 +49,8 @@ def brute_force(
     Returns:
         Whether the law of cosines has a solution at every step, (M,).
     """
-    phi = np.arange(turns) * (
-        2 * math.pi / turns
-    )  # both critical directions, 0 and pi, included
+    # An even number of turns includes both critical directions, 0 and pi.
+    phi = np.arange(turns) * (2 * math.pi / turns)
     l_1, l_2, l_3 = lengths.T[..., None]
     wrist_x = radius[:, None] - l_3 * np.cos(phi)
     wrist_y = -l_3 * np.sin(phi)
@@ -79,7 +79,10 @@ def test_the_table_of_the_notes() -> None:
 
 
 def test_with_equal_indices_the_theorem_would_contradict_the_table() -> None:
-    """2 l_4 >= L/2 fails in the row l_4 = 2, which the notes count as satisfied: i differs from j."""
+    """2 l_4 >= L/2 fails for l_4 = 2, which the notes count as satisfied.
+
+    So the indices i and j of the theorem differ.
+    """
     assert lecture_theorem(5, 4, 1, 2)
     assert 2 * 2 < (5 + 4 + 1 + 2) / 2
 
@@ -95,26 +98,23 @@ def test_the_cases_where_theorem_and_truth_differ() -> None:
 
 @pytest.mark.parametrize("integers", [False, True])
 def test_theorem_and_exact_condition_against_brute_force(integers: bool) -> None:
-    """Thousands of length triples; small integers hit every equality, zero radius included."""
+    """The exact condition is brute force's; the theorem is sufficient, not necessary.
+
+    Small integers hit every equality, zero radius included.
+    """
     rng = np.random.default_rng(int(integers))
     count = 3000
     if integers:
-        lengths, radius = (
-            rng.integers(1, 7, (count, 3)) * 1.0,
-            rng.integers(0, 12, count) * 1.0,
-        )
+        lengths = rng.integers(1, 7, (count, 3)) * 1.0
+        radius = rng.integers(0, 12, count) * 1.0
     else:
-        lengths, radius = rng.uniform(0.1, 3, (count, 3)), rng.uniform(0, 6, count)
+        lengths = rng.uniform(0.1, 3, (count, 3))
+        radius = rng.uniform(0, 6, count)
     truth = brute_force(lengths, radius)
-    exact = np.array(
-        [turns_fully(PlanarArm(ls), r) for ls, r in zip(lengths, radius, strict=True)]
-    )
-    theorem = np.array(
-        [lecture_theorem(*ls, r) for ls, r in zip(lengths, radius, strict=True)]
-    )
-    literal = np.array(
-        [literal_theorem(*ls, r) for ls, r in zip(lengths, radius, strict=True)]
-    )
+    cases = list(zip(lengths, radius, strict=True))
+    exact = np.array([turns_fully(PlanarArm(ls), r) for ls, r in cases])
+    theorem = np.array([lecture_theorem(*ls, r) for ls, r in cases])
+    literal = np.array([literal_theorem(*ls, r) for ls, r in cases])
     assert np.array_equal(exact, truth)
     assert np.array_equal(theorem, literal)
     assert not (theorem & ~truth).any()  # sufficient
@@ -151,16 +151,17 @@ def test_intervals_against_brute_force() -> None:
 
 
 def test_rotating_the_arm_through_the_full_turn_closes() -> None:
-    """With the wrist's circle inside the annulus one elbow serves the whole turn, continuously."""
-    l_1, l_2, l_3, r = 5.0, 4.0, 1.0, 3.0
+    """If the wrist's circle is inside the annulus, one elbow serves the whole turn."""
+    l_1, l_2, l_3 = 5.0, 4.0, 1.0
+    r = 3.0
     arm = PlanarArm((l_1, l_2, l_3))
     assert turns_fully(arm, r)
     phi = np.linspace(0, 2 * math.pi, 2001)
-    x, y = r - l_3 * np.cos(phi), -l_3 * np.sin(phi)
+    x = r - l_3 * np.cos(phi)
+    y = -l_3 * np.sin(phi)
     elbow = np.arccos((x**2 + y**2 - l_1**2 - l_2**2) / (2 * l_1 * l_2))
-    first = np.arctan2(y, x) - np.arctan2(
-        l_2 * np.sin(elbow), l_1 + l_2 * np.cos(elbow)
-    )
+    inner_angle = np.arctan2(l_2 * np.sin(elbow), l_1 + l_2 * np.cos(elbow))
+    first = np.arctan2(y, x) - inner_angle
     q = np.stack([first, elbow, phi - first - elbow], axis=-1)
     tip = arm.forward_kinematics(q)
     assert np.abs(tip[:, :2] - [r, 0]).max() < 1e-12
@@ -171,7 +172,7 @@ def test_rotating_the_arm_through_the_full_turn_closes() -> None:
     "lengths", [(4, 2, 1, 1), (1, 1, 1, 1), (6, 1, 2, 2), (1, 2, 3, 7), (2, 2, 3, 3, 1)]
 )
 def test_more_joints_by_enumeration(lengths) -> None:
-    """Sample all joints but the last, see which wrist radii occur, turn the last link about p."""
+    """A point is dexterous if the sampled wrist reaches its whole circle around it."""
     rng = np.random.default_rng(3)
     arm = PlanarArm(lengths)
     q = rng.uniform(-math.pi, math.pi, (200000, arm.n - 1))
@@ -221,30 +222,41 @@ def test_lengths_that_vary_by_enumeration() -> None:
 
 
 def limited_brute_force(arm: PlanarArm, point: np.ndarray, turns: int) -> float:
-    """Share of orientations of a 3R arm with limits, elbow up and elbow down, written out."""
+    """The share of orientations that a 3R arm with limits has at a point."""
+    orientations = [2 * math.pi * k / turns for k in range(turns)]
+    reached = [
+        any(within_limits(arm, q) for q in both_elbows(arm, point, phi))
+        for phi in orientations
+    ]
+    return sum(reached) / turns
+
+
+def both_elbows(arm: PlanarArm, point: np.ndarray, phi: float) -> list[Sequence[float]]:
+    """The joint positions of a 3R arm at a point and an angle, elbow up and down."""
     l_1, l_2, l_3 = arm.lengths
-    count = 0
-    for k in range(turns):
-        phi = 2 * math.pi * k / turns
-        x, y = point[0] - l_3 * math.cos(phi), point[1] - l_3 * math.sin(phi)
-        cosine = (x * x + y * y - l_1**2 - l_2**2) / (2 * l_1 * l_2)
-        if abs(cosine) > 1:
-            continue
-        for elbow in (math.acos(cosine), -math.acos(cosine)):
-            first = math.atan2(y, x) - math.atan2(
-                l_2 * math.sin(elbow), l_1 + l_2 * math.cos(elbow)
-            )
-            q = (first, elbow, phi - first - elbow)
-            if all(
-                limit is None
-                or any(
-                    limit[0] <= v + 2 * math.pi * m <= limit[1] for m in range(-3, 4)
-                )
-                for v, limit in zip(q, arm.limits, strict=True)
-            ):
-                count += 1
-                break
-    return count / turns
+    x = point[0] - l_3 * math.cos(phi)
+    y = point[1] - l_3 * math.sin(phi)
+    cosine = (x * x + y * y - l_1**2 - l_2**2) / (2 * l_1 * l_2)
+    if abs(cosine) > 1:
+        return []
+    solutions = []
+    for elbow in (math.acos(cosine), -math.acos(cosine)):
+        inner_angle = math.atan2(l_2 * math.sin(elbow), l_1 + l_2 * math.cos(elbow))
+        first = math.atan2(y, x) - inner_angle
+        solutions.append((first, elbow, phi - first - elbow))
+    return solutions
+
+
+def within_limits(arm: PlanarArm, q: Sequence[float]) -> bool:
+    """Whether each angle, shifted by full turns, has a value within its limits."""
+    return all(
+        limit is None or turn_within(angle, *limit)
+        for angle, limit in zip(q, arm.limits, strict=True)
+    )
+
+
+def turn_within(angle: float, low: float, high: float) -> bool:
+    return any(low <= angle + 2 * math.pi * turn <= high for turn in range(-3, 4))
 
 
 def test_joint_limits_against_brute_force() -> None:
@@ -274,17 +286,19 @@ def test_without_limits_the_map_is_the_exact_region() -> None:
 
 @pytest.mark.parametrize("kinds", ["RPR", "PRR", "PPR", "RRR", "RRRR", "PRRR", "RPRR"])
 def test_reached_orientations_are_reached(kinds: str) -> None:
-    """Sample joints, take their poses: `dexterity` must count each of these orientations."""
+    """`dexterity` counts the orientation of each sampled configuration."""
     rng = np.random.default_rng(6)
     n = len(kinds)
     limits = [(-1.0, 1.5) if k == "R" else (0.2, 2.0) for k in kinds]
     arm = PlanarArm(rng.uniform(0.5, 2, n), limits, kinds, rng.uniform(-1, 1, n))
     low, high = np.array(limits).T
     for q in low + rng.random((12, n)) * (high - low):
-        if n > 3:  # earlier joints are sampled: stand at a sample
+        if n > 3:
+            # `dexterity` samples the first joint, which must stand at a sample.
             q[0] = np.linspace(low[0], high[0], 101)[47]
+        # With one orientation, `dexterity` looks at zero. The first constant angle
+        # turns this configuration there.
         heading = arm.forward_kinematics(q)[2]
-        # the one orientation that is asked for is zero: turn the first constant angle until it is
         turned = PlanarArm(
             arm.lengths, limits, kinds, (arm.angles[0] - heading, *arm.angles[1:])
         )
@@ -324,7 +338,10 @@ def test_the_mirror_image_reaches_as_much(kinds: str) -> None:
 
 
 def test_a_free_first_joint_makes_all_bearings_alike() -> None:
-    """Turned by the spacing of samples and orientations, the same poses are asked for."""
+    """If the first joint is free, points of a circle have the same share.
+
+    Their bearings differ by the spacing of samples and orientations.
+    """
     arm = PlanarArm((5, 2, 0.5, 0.3), [None, (-0.5, 1), (-1, 1), (-2, 2)])
     bearing = np.arange(24) * (2 * math.pi / 24)
     circle = 7.2 * np.stack([np.cos(bearing), np.sin(bearing)], axis=-1)
@@ -373,17 +390,21 @@ def test_negative_controls_of_the_map() -> None:
 
 def test_necessary_conditions() -> None:
     assert necessary_conditions(PlanarArm((5, 4, 1))).satisfied
-    assert necessary_conditions(
-        PlanarArm((1, 1, 1), [(0, 1), (0, 1), None], "PPR")
-    ).satisfied
+    slides = PlanarArm((1, 1, 1), [(0, 1), (0, 1), None], "PPR")
+    assert necessary_conditions(slides).satisfied
     two = necessary_conditions(PlanarArm((5, 5)))
     assert not two.satisfied
     assert "takes two" in two.reasons[0]
     limited = necessary_conditions(PlanarArm((5, 4, 1), [(0, 1)] * 3))
     assert [*limited.reasons] == [
-        "the revolute joints together turn 3 rad, less than 2 pi: not every orientation occurs"
+        "the revolute joints together turn 3 rad, less than 2 pi: "
+        "not every orientation occurs"
     ]
-    # They speak of an interior: this arm has one dexterous point, and no more.
+
+
+def test_necessary_conditions_are_about_an_interior() -> None:
+    """An arm that fails them has one dexterous point at most."""
+    assert not necessary_conditions(PlanarArm((5, 5))).satisfied
     assert dexterous_radii(PlanarArm((5, 5))) == ((0, 0),)
     assert dexterous_radii(PlanarArm((5, 4))) == ()
 
@@ -404,22 +425,23 @@ def test_conditions_never_deny_an_orientation_that_occurs(limit: float) -> None:
 
 
 def test_limits_short_of_a_turn_leave_a_dexterous_workspace() -> None:
-    """155.8 of dexterous workspace with every joint limited to 170 degrees either way."""
+    """With all joints limited to 170 degrees either way, 155.8 stay dexterous."""
     arm = PlanarArm((5, 4, 1), [(-2.967, 2.967)] * 3)
     assert dexterity_map(arm).area == pytest.approx(155.8, abs=0.05)
     assert necessary_conditions(arm).satisfied
-    # One joint that turns fully does as well as three that share the turn.
-    assert necessary_conditions(
-        PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.2)])
-    ).satisfied
-    assert not necessary_conditions(
-        PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.0)])
-    ).satisfied
-    # What a prismatic joint slides is no turn.
-    sliding = necessary_conditions(
-        PlanarArm((1, 1, 1), [(0, 9), (0, 9), (0, 1)], "PPR")
-    )
-    assert "turn 1 rad" in sliding.reasons[0]
+
+
+def test_the_turns_of_all_joints_add_up() -> None:
+    """One joint that turns almost fully does as well as three that share the turn."""
+    enough = PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.2)])
+    assert necessary_conditions(enough).satisfied
+    too_little = PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.0)])
+    assert not necessary_conditions(too_little).satisfied
+
+
+def test_the_slide_of_a_prismatic_joint_is_no_turn() -> None:
+    sliding = PlanarArm((1, 1, 1), [(0, 9), (0, 9), (0, 1)], "PPR")
+    assert "turn 1 rad" in necessary_conditions(sliding).reasons[0]
 
 
 @pytest.mark.parametrize(

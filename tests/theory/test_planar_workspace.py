@@ -1,4 +1,4 @@
-"""Workspaces of planar arms against closed forms, enumeration and numerical inverse kinematics."""
+"""Workspaces of planar arms agree with closed forms, enumeration and a solver."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ LIMITED = {
         "RPRR",
         (0, QUARTER, QUARTER, 0),
     ),
-    # The second joint passes the slide at right angles, inside its range: the foot of the
-    # perpendicular from that joint sweeps a part of the boundary.
+    # The second joint passes the slide at right angles, inside its range. The foot of
+    # the perpendicular from that joint sweeps a part of the boundary.
     "RRP, across the slide": PlanarArm(
         (0.4, 1.1, 0), [(0.4, 2.8), (0.7, 2.1), (-0.8, 0.4)], "RRP", (0.1, -0.5, 0.9)
     ),
@@ -88,28 +88,28 @@ def bounds(arm: PlanarArm) -> tuple[np.ndarray, np.ndarray]:
 
 
 def random_tips(arm: PlanarArm, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Enumeration; half of the joint values sit at a limit now and then, to fill the corners."""
+    """Tips of random configurations; 15 % of the joint values sit at a limit."""
     low, high = bounds(arm)
     share = rng.random((count, arm.n))
-    share = np.where(
-        rng.random(share.shape) < 0.15, rng.integers(0, 2, share.shape), share
-    )
+    at_limit = rng.random(share.shape) < 0.15
+    share = np.where(at_limit, rng.integers(0, 2, share.shape), share)
     return arm.forward_kinematics(low + share * (high - low))[:, :2]
 
 
 def distances(
     arm: PlanarArm, points: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
-    """Least distances from points (M, 2) to the tip, by damped least squares within the limits.
+    """The least distances from points (M, 2) to the tip, by damped least squares.
 
-    32 starts each, chosen among random ones; a joint that is pushed against its limit is let go.
+    Each point has the 32 nearest of many random starts. A joint that is pushed against
+    its limit does not take part in a step.
     """
     low, high = bounds(arm)
     starts = low + rng.random((3000, arm.n)) * (high - low)
-    gaps = np.linalg.norm(
-        arm.forward_kinematics(starts)[:, :2] - points[:, None], axis=-1
-    )
-    q = starts[np.argsort(gaps, axis=1)[:, :32]]
+    tips = arm.forward_kinematics(starts)[:, :2]
+    gaps = np.linalg.norm(tips - points[:, None], axis=-1)
+    nearest = np.argsort(gaps, axis=1)[:, :32]
+    q = starts[nearest]
     best = np.full(len(points), np.inf)
     for step in range(90):
         error = points[:, None] - arm.forward_kinematics(q)[..., :2]
@@ -118,19 +118,18 @@ def distances(
         pull = np.einsum("...ij,...i->...j", jacobian, error)
         stuck = ((q <= low) & (pull < 0)) | ((q >= high) & (pull > 0))
         jacobian = np.where(stuck[..., None, :], 0.0, jacobian)
-        damping = (1e-3 if step < 45 else 1e-7) * np.einsum(
-            "...i,...i->...", error, error
-        ) + 1e-12
-        square = jacobian @ np.swapaxes(jacobian, -1, -2) + damping[
-            ..., None, None
-        ] * np.eye(2)
-        move = np.swapaxes(jacobian, -1, -2) @ np.linalg.solve(square, error[..., None])
+        transposed = np.swapaxes(jacobian, -1, -2)
+        damping_factor = 1e-3 if step < 45 else 1e-7
+        squared_error = np.einsum("...i,...i->...", error, error)
+        damping = damping_factor * squared_error + 1e-12
+        square = jacobian @ transposed + damping[..., None, None] * np.eye(2)
+        move = transposed @ np.linalg.solve(square, error[..., None])
         q = np.clip(q + np.clip(move[..., 0], -0.5, 0.5), low, high)
     return best
 
 
 def general_route(arm: PlanarArm, monkeypatch: pytest.MonkeyPatch) -> Workspace:
-    """The workspace by critical curves, the closed form of unlimited arms switched off."""
+    """The workspace by critical curves, without the closed form of unlimited arms."""
     monkeypatch.setattr(PlanarArm, "length_ranges", None)
     return workspace(arm)
 
@@ -144,8 +143,9 @@ def test_every_enumerated_point_is_inside(name: str) -> None:
 
 @pytest.mark.parametrize("name", LIMITED)
 def test_the_boundary_divides_reachable_from_unreachable(name: str) -> None:
-    """On either side of every edge, ask a numerical solver that knows nothing of curves."""
-    arm, rng = LIMITED[name], np.random.default_rng(2)
+    """A solver reaches the points just inside each edge and none just outside."""
+    arm = LIMITED[name]
+    rng = np.random.default_rng(2)
     space = arm.workspace()
     assert space.edges
     step = 2e-3 * arm.reach
@@ -159,8 +159,10 @@ def test_the_boundary_divides_reachable_from_unreachable(name: str) -> None:
     assert space.contains(on).all()
     # On the boundary itself the arm is singular: convergence is slow there.
     assert (distances(arm, on, rng) < 1e-5 * arm.reach).all()
-    within, beyond = on + step * normal, on - step * normal
-    within = within[space.contains(within)]  # thinner parts are crossed by the step
+    within = on + step * normal
+    beyond = on - step * normal
+    # The step may cross a part of the workspace that is thinner than the step.
+    within = within[space.contains(within)]
     beyond = beyond[~space.contains(beyond)]
     assert len(within) > 0.7 * len(on)
     assert len(beyond) > 0.7 * len(on)
@@ -178,9 +180,10 @@ def test_points_inside_are_reached_and_points_outside_are_not(name: str) -> None
 
 @pytest.mark.parametrize("name", LIMITED)
 def test_area_is_that_of_a_fine_grid(name: str) -> None:
-    """Green's theorem over the boundary against counting the squares whose centre is inside."""
+    """The area is the number of squares whose centre is inside, times their area."""
     arm = LIMITED[name]
-    space, cells = arm.workspace(), 200
+    space = arm.workspace()
+    cells = 200
     width = 2 * arm.reach / cells
     x = -arm.reach + width * (np.arange(cells) + 0.5)
     grid = np.stack(np.meshgrid(x, x), axis=-1)
@@ -188,34 +191,45 @@ def test_area_is_that_of_a_fine_grid(name: str) -> None:
     length = sum(
         c.span * c.radius if isinstance(c, Arc) else c.length for c in space.curves
     )
-    assert (
-        abs(counted - space.area) < 0.5 * width * length
-    )  # half a square along the boundary
+    half_a_square_along_the_boundary = 0.5 * width * length
+    assert abs(counted - space.area) < half_a_square_along_the_boundary
     assert space.area > 0
 
 
-def test_areas_against_closed_forms() -> None:
-    # 2R with the elbow on one side: l1 l2 |cos(a) - cos(b)| times the range of joint 1, from the
-    # determinant l1 l2 sin(q2) of the Jacobian, as long as nothing is covered twice.
+def test_area_of_two_revolute_joints_with_the_elbow_on_one_side() -> None:
+    """The integral of the Jacobian's determinant, l_1 l_2 sin(q_2), over the limits.
+
+    It is the area as long as no point is reached twice.
+    """
     arm = PlanarArm((5, 4), [(0, 2), (0.3, 2.5)])
-    assert arm.workspace().area == pytest.approx(
-        20 * (math.cos(0.3) - math.cos(2.5)) * 2, rel=1e-13
-    )
-    assert PlanarArm((1, 0), [(-1, 2), (1, 3)], "RP").workspace().area == pytest.approx(
-        3 * (16 - 4) / 2, rel=1e-13
-    )
+    area = 20 * (math.cos(0.3) - math.cos(2.5)) * 2
+    assert arm.workspace().area == pytest.approx(area, rel=1e-13)
+
+
+def test_area_of_a_turning_slide_is_a_sector_of_an_annulus() -> None:
+    arm = PlanarArm((1, 0), [(-1, 2), (1, 3)], "RP")
+    assert arm.workspace().area == pytest.approx(3 * (16 - 4) / 2, rel=1e-13)
+
+
+def test_area_of_two_slides_is_a_parallelogram() -> None:
     assert LIMITED["PP"].workspace().area == pytest.approx(6, rel=1e-13)
     oblique = 1 * 2 * math.sin(1.0)
     assert LIMITED["PP, oblique"].workspace().area == pytest.approx(oblique, rel=1e-13)
-    # A circle of radius 2 slid over 3: the stadium less the lens that no circle touches.
+
+
+def test_area_of_a_circle_that_slides() -> None:
+    """A circle of radius 2 slides by 3: a stadium without the lens it never touches."""
     lens = 2 * 4 * math.acos(3 / 4) - 1.5 * math.sqrt(16 - 9)
     stadium = 4 * math.pi + 3 * 4
     assert LIMITED["PR"].workspace().area == pytest.approx(stadium - lens, rel=1e-12)
-    for lengths in FREE:
-        low = max(0, 2 * max(lengths) - sum(lengths))
-        area = math.pi * (sum(lengths) ** 2 - low**2)
-        wanted = area if len(lengths) > 1 else 0.0
-        assert PlanarArm(lengths).workspace().area == pytest.approx(wanted, rel=1e-13)
+
+
+@pytest.mark.parametrize("lengths", FREE)
+def test_area_of_an_arm_without_limits_is_an_annulus(lengths) -> None:
+    inner = max(0, 2 * max(lengths) - sum(lengths))
+    area = math.pi * (sum(lengths) ** 2 - inner**2)
+    wanted = area if len(lengths) > 1 else 0.0
+    assert PlanarArm(lengths).workspace().area == pytest.approx(wanted, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -319,7 +333,7 @@ def test_beyond_the_last_joint_there_is_the_tip_alone() -> None:
 
 
 def test_a_hole_and_a_slit() -> None:
-    """Negative controls: what lies in the lens of the PR arm, or below the 2R arm, is out."""
+    """The lens in the PR arm's workspace and the places below the 2R arm are out."""
     space = LIMITED["PR"].workspace()
     assert not space.contains([2.5, 0.0])
     assert space.contains([2.5, 1.5])
