@@ -1,4 +1,4 @@
-"""Motors and gearboxes against formulas written case by case from Table 4, and against a simulation."""
+"""Motors and gearboxes agree with Table 4's formulas and with a simulation."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ REVOLUTE = tuple(TABLE_4)
 
 
 def states(count: int = 400, seed: int = 4) -> tuple[np.ndarray, np.ndarray]:
-    """Joint torques and velocities in all four quadrants, some of them exactly at rest."""
+    """Joint torques and velocities in all four quadrants, some exactly at rest."""
     rng = np.random.default_rng(seed)
     velocity = rng.uniform(-0.6, 0.6, count)
     velocity[::10] = 0.0
@@ -61,9 +61,8 @@ def test_current_in_four_quadrants(joint: str, efficiency: str) -> None:
 
 
 @pytest.mark.parametrize("joint", REVOLUTE)
-def test_whose_efficiency_eta_max_is(joint: str) -> None:
-    """Without the gearbox's loss its heat is zero, and holding takes what weight and friction take."""
-    resistance, _, friction, _, eta, k_t, _, gear = TABLE_4[joint]
+def test_without_the_gearboxs_loss_its_heat_is_zero(joint: str) -> None:
+    eta = TABLE_4[joint][4]
     torque, velocity = states()
     plain = actuators.actuator(joint)
     lossless = actuators.actuator(joint, efficiency="motor")
@@ -72,16 +71,25 @@ def test_whose_efficiency_eta_max_is(joint: str) -> None:
     np.testing.assert_allclose(lossless.power(torque, velocity).gear, 0.0, atol=1e-15)
     assert (plain.power(torque, velocity).gear[velocity != 0] > 0).all()
 
-    low, high = lossless.holding_current(2.0)
-    assert (low, high) == pytest.approx(
-        ((2 / gear - friction) / k_t, (2 / gear + friction) / k_t)
-    )
-    low, high = lossless.holding_torque(0.05)
-    assert (low, high) == pytest.approx(
-        ((k_t * 0.05 - friction) * gear, (k_t * 0.05 + friction) * gear)
-    )
 
-    # Stalled at full voltage, friction left out: eta apart.
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_without_the_gearboxs_loss_weight_and_friction_are_held(joint: str) -> None:
+    _, _, friction, _, _, k_t, _, gear = TABLE_4[joint]
+    lossless = actuators.actuator(joint, efficiency="motor")
+    weight = 2 / gear
+    currents = ((weight - friction) / k_t, (weight + friction) / k_t)
+    assert tuple(lossless.holding_current(2.0)) == pytest.approx(currents)
+    motor_torque = k_t * 0.05
+    torques = ((motor_torque - friction) * gear, (motor_torque + friction) * gear)
+    assert tuple(lossless.holding_torque(0.05)) == pytest.approx(torques)
+
+
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_stall_torques_at_full_voltage_differ_by_the_efficiency(joint: str) -> None:
+    """At rest both motors hold the same; as soon as they turn, eta is between them."""
+    resistance, _, friction, _, eta, k_t, _, gear = TABLE_4[joint]
+    plain = actuators.actuator(joint)
+    lossless = actuators.actuator(joint, efficiency="motor")
     ends = [motor.torque_limits(0.0, 24.0, 100.0).upper for motor in (plain, lossless)]
     assert ends == pytest.approx([k_t * 24 / resistance * gear] * 2)
     ends = [
@@ -90,6 +98,10 @@ def test_whose_efficiency_eta_max_is(joint: str) -> None:
     stalled = (k_t * 24 / resistance - friction) * gear
     assert ends == pytest.approx([stalled * eta, stalled])
 
+
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_an_unknown_owner_of_the_efficiency_is_refused(joint: str) -> None:
+    plain = actuators.actuator(joint)
     with pytest.raises(
         UnknownNameError, match="efficiency 'best'; choose from gearbox, motor"
     ):
@@ -154,22 +166,22 @@ def test_constants_contradict_each_other_and_the_choice_is_obeyed() -> None:
 @pytest.mark.parametrize("joint", ["axis_d", "axis_b"])
 @pytest.mark.parametrize("load", [0.4, -0.4])
 def test_steady_state_of_a_simulated_motor(joint: str, load: float) -> None:
-    """Winding and shaft integrated in time settle at the speed and current of the algebra."""
+    """A motor integrated in time settles at the speed and current of the algebra."""
     resistance, inductance, friction, _, eta, k_t, k_v, gear = TABLE_4[joint]
-    voltage, rotor = 12.0, 4e-7
+    voltage = 12.0
+    rotor_inertia = 4e-7
 
     def rates(_: float, state: np.ndarray) -> list[float]:
         current, speed = state
         gear_input = load / (gear * eta) if load > 0 else load * eta / gear
-        shaft = k_t * current - friction - gear_input  # it turns forward throughout
-        return [
-            (voltage - resistance * current - k_v * speed) / inductance,
-            shaft / rotor,
-        ]
+        # The motor turns forward throughout, so friction keeps its sign.
+        shaft_torque = k_t * current - friction - gear_input
+        winding_voltage = voltage - resistance * current - k_v * speed
+        return [winding_voltage / inductance, shaft_torque / rotor_inertia]
 
-    # Start at the no-load speed, so that friction keeps its sign.
+    no_load_speed = voltage / k_v
     run = solve_ivp(
-        rates, (0, 1.0), [0.0, voltage / k_v], method="LSODA", rtol=1e-10, atol=1e-10
+        rates, (0, 1.0), [0.0, no_load_speed], method="LSODA", rtol=1e-10, atol=1e-10
     )
     current, speed = run.y[:, -1]
     motor = actuators.actuator(joint)
@@ -182,30 +194,28 @@ def test_steady_state_of_a_simulated_motor(joint: str, load: float) -> None:
 
 @pytest.mark.parametrize("joint", REVOLUTE)
 def test_holding_interval_is_where_a_pushed_joint_stays(joint: str) -> None:
-    """Beyond the interval the motor overcomes friction and gear in one of the two directions."""
+    """Beyond the interval, the motor overcomes friction and gear in one direction."""
     _, _, friction, _, eta, k_t, _, gear = TABLE_4[joint]
     motor = actuators.actuator(joint)
     torque, _ = states()
     currents = np.linspace(-1.5, 1.5, 601) * (friction + 3 / (gear * eta)) / k_t
     low, high = motor.holding_current(torque)
     for tau, lo, hi in zip(torque, low, high, strict=True):
-        rises = k_t * currents - friction > (
-            tau / (gear * eta) if tau > 0 else tau * eta / gear
-        )
-        falls = k_t * currents + friction < (
-            tau * eta / gear if tau > 0 else tau / (gear * eta)
-        )
+        driving = tau / (gear * eta)
+        driven = tau * eta / gear
+        rises = k_t * currents - friction > (driving if tau > 0 else driven)
+        falls = k_t * currents + friction < (driven if tau > 0 else driving)
         inside = (currents >= lo) & (currents <= hi)
         np.testing.assert_array_equal(inside, ~(rises | falls))
     for current in currents[::60]:
         t_low, t_high = motor.holding_torque(current)
-        np.testing.assert_array_equal(
-            (low <= current) & (current <= high), (t_low <= torque) & (torque <= t_high)
-        )
+        held_by_current = (low <= current) & (current <= high)
+        held_by_torque = (t_low <= torque) & (torque <= t_high)
+        np.testing.assert_array_equal(held_by_current, held_by_torque)
 
 
 def test_friction_alone_holds_the_arm() -> None:
-    """F Gr of the big actuators is 6.6 N m, far above the arm's own peak gravity torque."""
+    """F Gr of the big motors is 6.6 N m, far above the arm's largest gravity torque."""
     motor = actuators.actuator("axis_d")
     assert motor.joint_friction == pytest.approx(3.752e-3 * 1754.4)
     low, high = motor.holding_current(1.4)

@@ -1,9 +1,8 @@
-"""How an arm behaves as an object: input, ownership, threads, copies, payload, loading."""
+"""An arm as an object: its input, ownership, threads, copies, payload and loading."""
 
 from __future__ import annotations
 
 import copy
-import itertools
 import math
 import pickle
 import subprocess
@@ -85,7 +84,7 @@ def inputs(arm, count, seed=0):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(("method", "count"), METHODS.items())
 def test_nothing_that_is_not_finite_gets_through(kind, method, count):
-    """Every place of every argument: the fast paths rely on nothing being lost on the way."""
+    """A bad number at any place of any argument is refused with its place."""
     arm = make(kind)
     clean = inputs(arm, count)
     for which in range(count):
@@ -154,37 +153,49 @@ def test_wrong_input_is_one_clear_error(kind, method, count):
                 getattr(arm, method)(*given)
 
 
+def largest_inputs(clean, kind):
+    """The largest magnitude at each place of each argument."""
+    bounds = [np.full(len(x), LARGEST) for x in clean]
+    if kind == "jaws":
+        # The fingers turn 51 rad per metre of the rod, and their angles are bounded.
+        for bound in bounds:
+            bound[-1] /= 51.0
+    return bounds
+
+
+def bounded_places(arm, clean):
+    """Number of the argument and place in it; a quaternion has its norm instead."""
+    places = [(which, k) for which, x in enumerate(clean) for k in range(len(x))]
+    quaternion = {(0, k) for k in range(3, 7)} if arm.floating_base else set()
+    return [place for place in places if place not in quaternion]
+
+
+def acceleration_is_beyond_the_bound(method):
+    """Whether finite input gives a method an acceleration that it refuses."""
+    return method.startswith("forward_dynamics_d")
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(("method", "count"), METHODS.items())
 def test_numbers_that_would_overflow_are_refused_and_no_others(kind, method, count):
-    """Up to the bound every result is finite, beyond it there is none: overflow is never an answer."""
+    """Up to the bound every result is finite; beyond it there is none."""
     arm = make(kind)
+    compute = getattr(arm, method)
     clean = inputs(arm, count)
-    bounds = [np.full(len(x), LARGEST) for x in clean]
-    if kind == "jaws":
-        for bound in bounds:
-            bound[-1] /= (
-                51.0  # the fingers' angles per metre of the rod are bounded, too
-            )
-    places = [(i, k) for i, x in enumerate(clean) for k in range(len(x))]
-    for which, place in places:
-        if arm.floating_base and which == 0 and 3 <= place < 7:
-            continue  # a quaternion has its norm
+    bounds = largest_inputs(clean, kind)
+    for which, place in bounded_places(arm, clean):
         for sign in (1.0, -1.0):
             given = [x.copy() for x in clean]
             given[which][place] = sign * bounds[which][place] * (1 - 1e-12)
-            if not method.startswith(
-                "forward_dynamics_d"
-            ):  # the acceleration is beyond the bound
-                assert np.isfinite(numbers(getattr(arm, method)(*given))).all()
+            if not acceleration_is_beyond_the_bound(method):
+                assert np.isfinite(numbers(compute(*given))).all()
             for bad in (LARGEST * (1 + 1e-12), 1e200, 1.7e308):
                 given[which][place] = sign * bad
                 with pytest.raises(InputError, match="overflow"):
-                    getattr(arm, method)(*given)
-    if not arm.floating_base:
+                    compute(*given)
+    if not arm.floating_base and not acceleration_is_beyond_the_bound(method):
         extreme = [0.4 * x for x in bounds]
-        if not method.startswith("forward_dynamics_d"):
-            assert np.isfinite(numbers(getattr(arm, method)(*extreme))).all()
+        assert np.isfinite(numbers(compute(*extreme))).all()
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -265,30 +276,38 @@ def test_input_and_output_belong_to_the_caller(kind, method, count):
     kept = numbers(first).copy()
     for x, y in zip(given, before, strict=True):
         assert np.array_equal(x, y)
-    call(
-        *inputs(arm, count, seed=1)
-    )  # another computation does not reach into the first result
+    # Another computation does not change the first result.
+    call(*inputs(arm, count, seed=1))
     assert np.array_equal(numbers(first), kept)
     if isinstance(first, np.ndarray):
         first += 1.0
         assert np.array_equal(numbers(call(*given)), kept)
-    # lists, strided and Fortran-ordered arrays give the same; integers and float32 what they stand for
-    assert np.array_equal(numbers(call(*[x.tolist() for x in given])), kept)
-    assert np.array_equal(numbers(call(*[np.repeat(x, 2)[::2] for x in given])), kept)
-    if kind == "locked":
-        whole = [np.ones(4, dtype=t) for t in (int, np.float32, np.int8)][:count]
-        assert np.array_equal(
-            numbers(call(*whole)), numbers(call(*[np.ones(4)] * count))
-        )
-        for place, other in itertools.product(
-            range(count), (np.longdouble, ">f8", ">i4")
-        ):
-            mixed = [
-                np.ones(4, dtype=other if k == place else float) for k in range(count)
-            ]
-            assert np.array_equal(
-                numbers(call(*mixed)), numbers(call(*[np.ones(4)] * count))
-            )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("method", "count"), METHODS.items())
+def test_lists_and_strided_arrays_give_the_same(kind, method, count):
+    arm = make(kind)
+    call = getattr(arm, method)
+    given = inputs(arm, count)
+    expected = numbers(call(*given))
+    lists = [x.tolist() for x in given]
+    assert np.array_equal(numbers(call(*lists)), expected)
+    strided = [np.repeat(x, 2)[::2] for x in given]
+    assert np.array_equal(numbers(call(*strided)), expected)
+
+
+@pytest.mark.parametrize(("method", "count"), METHODS.items())
+def test_arrays_of_other_types_stand_for_their_numbers(method, count):
+    call = getattr(make("locked"), method)
+    expected = numbers(call(*[np.ones(4)] * count))
+    whole = [np.ones(4, dtype=t) for t in (int, np.float32, np.int8)][:count]
+    assert np.array_equal(numbers(call(*whole)), expected)
+    for place in range(count):
+        for other in (np.longdouble, ">f8", ">i4"):
+            mixed = [np.ones(4) for _ in range(count)]
+            mixed[place] = np.ones(4, dtype=other)
+            assert np.array_equal(numbers(call(*mixed)), expected)
 
 
 def test_the_arm_does_not_follow_changes_of_the_model_it_hands_out():
@@ -469,52 +488,58 @@ def test_batch_arguments():
     )
 
 
-# payload ------------------------------------------------------------------------------------------------------
+# --- payload --------------------------------------------------------------------------
+
+
+def payload_wrench(
+    rotation: np.ndarray, twist: pin.Motion, rate: pin.Motion, gravity: np.ndarray
+) -> np.ndarray:
+    """Force and moment at the TCP that move PAYLOAD, in the world's axes, (6,).
+
+    Args:
+        rotation: The TCP's, (3, 3).
+        twist: Its velocity.
+        rate: Its classical acceleration.
+        gravity: (3,).
+    """
+    lever = rotation @ np.array(PAYLOAD["com"])
+    omega = twist.angular
+    alpha = rate.angular
+    centripetal = np.cross(omega, np.cross(omega, lever))
+    acceleration = rate.linear + np.cross(alpha, lever) + centripetal
+    inertia = rotation @ np.array(PAYLOAD["inertia"]) @ rotation.T
+    at_com = PAYLOAD["mass"] * (acceleration - gravity)
+    lift = -1025.0 * PAYLOAD["volume"] * gravity
+    cob = rotation @ np.array(PAYLOAD["cob"])
+    moment = (
+        np.cross(lever, at_com)
+        - np.cross(cob, lift)
+        + inertia @ alpha
+        + np.cross(omega, inertia @ omega)
+    )
+    return np.concatenate([at_com - lift, moment])
 
 
 def test_payload_is_a_body_of_its_own():
-    """Second route: the payload as forces of Newton and Euler at the TCP, written out in the world's axes."""
+    """A payload adds its Newton-Euler forces at the TCP to the joint torques."""
     arm = a5.load(gravity=(1.0, 2.0, -9.0))
     loaded = arm.with_payload(**PAYLOAD)
+    model, data = arm.model, arm.data
+    tcp = model.getFrameId("tcp")
+    axes = pin.LOCAL_WORLD_ALIGNED
     rng = np.random.default_rng(5)
-    mass, com, tensor = (
-        PAYLOAD["mass"],
-        np.array(PAYLOAD["com"]),
-        np.array(PAYLOAD["inertia"]),
-    )
-    cob, volume = np.array(PAYLOAD["cob"]), PAYLOAD["volume"]
-    g = arm.model.gravity.linear
     for _ in range(50):
         q, v, a = rng.normal(size=(3, 4))
-        model, data = arm.model, arm.data
         pin.forwardKinematics(model, data, q, v, a)
         pin.updateFramePlacements(model, data)
-        tcp = model.getFrameId("tcp")
-        rotation = data.oMf[tcp].rotation
-        twist = pin.getFrameVelocity(model, data, tcp, pin.LOCAL_WORLD_ALIGNED)
-        rate = pin.getFrameClassicalAcceleration(
-            model, data, tcp, pin.LOCAL_WORLD_ALIGNED
+        wrench = payload_wrench(
+            data.oMf[tcp].rotation,
+            pin.getFrameVelocity(model, data, tcp, axes),
+            pin.getFrameClassicalAcceleration(model, data, tcp, axes),
+            model.gravity.linear,
         )
-        lever, omega, alpha = rotation @ com, twist.angular, rate.angular
-        acceleration = (
-            rate.linear
-            + np.cross(alpha, lever)
-            + np.cross(omega, np.cross(omega, lever))
-        )
-        world = rotation @ tensor @ rotation.T
-        at_com = mass * (acceleration - g)
-        lift = -1025.0 * volume * g
-        force = at_com - lift
-        moment = (
-            np.cross(lever, at_com)
-            - np.cross(rotation @ cob, lift)
-            + world @ alpha
-            + np.cross(omega, world @ omega)
-        )
-        jacobian = pin.computeFrameJacobian(
-            model, data, q, tcp, pin.LOCAL_WORLD_ALIGNED
-        )
-        extra = jacobian.T @ np.concatenate([force, moment])
+        jacobian = pin.computeFrameJacobian(model, data, q, tcp, axes)
+        extra = jacobian.T @ wrench
         gap = loaded.inverse_dynamics(q, v, a) - arm.inverse_dynamics(q, v, a) - extra
         assert np.abs(gap).max() < 1e-12
         assert np.abs(extra).max() > 0.01
@@ -615,7 +640,7 @@ def test_impossible_payloads():
         arm.with_payload(1.0, inertia=np.diag([1.0, -2.0, 30.0]))
 
 
-# loading ------------------------------------------------------------------------------------------------------
+# --- loading --------------------------------------------------------------------------
 
 
 def test_load_refuses_what_it_cannot_use():
@@ -651,7 +676,8 @@ def test_loaded_arms_are_independent():
 
 def test_constants_do_not_load_pinocchio():
     code = (
-        "import sys, alpha5_model as a5; a5.gravity_in_base([[1, 0, 0], [0, 1, 0], [0, 0, 1]]);"
+        "import sys, alpha5_model as a5; "
+        "a5.gravity_in_base([[1, 0, 0], [0, 1, 0], [0, 0, 1]]);"
         "sys.exit('pinocchio' in sys.modules or a5.SEA_WATER != 1025.0)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
@@ -673,7 +699,7 @@ def test_public_types_and_constants():
 
 
 def test_gravity_in_base_is_a_tilted_world():
-    """A vehicle that pitches and rolls: the same as a floating base with that attitude."""
+    """A fixed base in turned gravity is a floating base with that attitude."""
     rng = np.random.default_rng(6)
     free = a5.load(floating_base=True)
     for _ in range(20):
@@ -681,31 +707,33 @@ def test_gravity_in_base_is_a_tilted_world():
         rotation = pin.Quaternion(pose[3:7]).toRotationMatrix()
         fixed = a5.load(gravity=a5.gravity_in_base(rotation))
         q, still = pose[7:], np.zeros(4)
-        assert (
-            np.abs(
-                fixed.hydrostatic_torque(q) - free.hydrostatic_torque(pose)[6:]
-            ).max()
-            < 1e-12
-        )
+        of_base, of_joints = np.split(free.hydrostatic_torque(pose), [6])
+        assert np.abs(fixed.hydrostatic_torque(q) - of_joints).max() < 1e-12
         wrench = fixed.base_wrench(q, still, still).vector
-        assert np.abs(wrench + free.hydrostatic_torque(pose)[:6]).max() < 1e-12
-    pitched = np.array(
-        [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
-    )  # +90 deg about y: nose down
-    assert a5.gravity_in_base(pitched) == pytest.approx([9.81, 0.0, 0.0])
-    assert a5.gravity_in_base(np.eye(3), gravity=(0, 0, 9.81)) == pytest.approx(
-        [0, 0, 9.81]
-    )
-    for bad in (
+        assert np.abs(wrench + of_base).max() < 1e-12
+
+
+def test_gravity_in_base_by_hand():
+    nose_down = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    assert a5.gravity_in_base(nose_down) == pytest.approx([9.81, 0.0, 0.0])
+    upwards = (0, 0, 9.81)
+    assert a5.gravity_in_base(np.eye(3), gravity=upwards) == pytest.approx([0, 0, 9.81])
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
         np.eye(2),
         2 * np.eye(3),
         np.diag([1.0, 1.0, -1.0]),
         np.zeros((3, 3)),
         "north",
         [np.eye(3)],
-    ):
-        with pytest.raises(InputError):
-            a5.gravity_in_base(bad)
+    ],
+)
+def test_what_is_no_rotation_of_the_base_is_refused(bad):
+    with pytest.raises(InputError):
+        a5.gravity_in_base(bad)
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])

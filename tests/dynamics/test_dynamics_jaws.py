@@ -1,4 +1,4 @@
-"""The jaw variant: equal to the locked arm when closed, and by the chain rule exact when open."""
+"""The jaw variant is the locked arm when closed, and the chain rule's when open."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_closed_jaws_are_the_locked_arm(floating):
 
 
 def test_open_jaws_are_the_tree_with_its_fingers_driven(arms):
-    """Second route: all seven joints free in Pinocchio, fingers prescribed, torques pulled back by G^T."""
+    """The torques are those of Pinocchio's seven free joints, pulled back by G^T."""
     jaws, _ = arms
     tree = pin.buildModelFromUrdf(JAWS_URDF_PATH)
     tree.gravity.linear = jaws.model.gravity.linear
@@ -85,24 +85,33 @@ def test_open_jaws_are_the_tree_with_its_fingers_driven(arms):
     offset = np.array([0, 0, 0, 0, 0, -51.0 * CLOSED, -51.0 * CLOSED])
     rng = np.random.default_rng(2)
     for _ in range(100):
-        q, v, a = random_q(jaws, rng), random_v(jaws, rng), random_v(jaws, rng)
-        q_7, v_7, a_7 = pulled @ q + offset, pulled @ v, pulled @ a
+        q = random_q(jaws, rng)
+        v = random_v(jaws, rng)
+        a = random_v(jaws, rng)
+        q_7 = pulled @ q + offset
+        v_7 = pulled @ v
+        a_7 = pulled @ a
         dry = pulled.T @ pin.rnea(tree, data, q_7, v_7, a_7)
         wet = jaws.inverse_dynamics(q, v, a) + jaws.buoyancy_torque(q)
         assert np.abs(dry - wet).max() < 1e-12
-        # buoyancy: J^T f at the centres of the bodies, as the parameters of the jaws give them
-        pin.computeJointJacobians(tree, data, q_7)
-        pin.updateFramePlacements(tree, data)
-        lift = np.zeros(7)
-        for body in jaws.displacements:
-            joint = tree.getJointId(body.joint)
-            if body.joint == "universe":
-                continue
-            world = pin.getJointJacobian(tree, data, joint, pin.LOCAL_WORLD_ALIGNED)
-            lever = data.oMi[joint].rotation @ body.cob
-            force = -1025.0 * body.volume * jaws.model.gravity.linear
-            lift += world[:3].T @ force + world[3:].T @ np.cross(lever, force)
+        lift = buoyancy_of_tree(tree, data, q_7, jaws)
         assert np.abs(pulled.T @ lift - jaws.buoyancy_torque(q)).max() < 1e-12
+
+
+def buoyancy_of_tree(tree, data, q_7, jaws):
+    """The sum of J^T f over the displaced bodies, for the tree's seven joints, (7,)."""
+    pin.computeJointJacobians(tree, data, q_7)
+    pin.updateFramePlacements(tree, data)
+    lift = np.zeros(7)
+    for body in jaws.displacements:
+        if body.joint == "universe":
+            continue
+        joint = tree.getJointId(body.joint)
+        jacobian = pin.getJointJacobian(tree, data, joint, pin.LOCAL_WORLD_ALIGNED)
+        lever = data.oMi[joint].rotation @ body.cob
+        force = -1025.0 * body.volume * jaws.model.gravity.linear
+        lift += jacobian[:3].T @ force + jacobian[3:].T @ np.cross(lever, force)
+    return lift
 
 
 def test_pinocchio_s_own_coriolis_matrix_of_mimic_joints_is_not_used(arms):

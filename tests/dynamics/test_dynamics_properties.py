@@ -1,4 +1,4 @@
-"""Laws that the dynamics must obey, for every kind of arm: identities, energy, derivatives."""
+"""Every kind of arm obeys the laws of dynamics: identities, energy, derivatives."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def test_potential_energy_counts_link_0_on_either_base():
     "variant", [v for v, c in VARIANTS.items() if not c.get("floating_base")]
 )
 def test_energy_is_kept_to_the_order_of_the_integrator(variant, rng):
-    """Classical Runge-Kutta of order 4 on a free swing: a quarter of the step leaves 1/4^4 of the drift."""
+    """A free swing drifts by 1/4^4 if a Runge-Kutta of order 4 takes a quarter step."""
     arm = make(variant)
     n = arm.model.nv
     start = np.concatenate([random_q(arm, rng), random_v(arm, rng, 0.3)])
@@ -158,13 +158,11 @@ def test_inverse_dynamics_derivatives(arm, rng):
         dq, dv, da = arm.inverse_dynamics_derivatives(q, v, a)
         close(dq, central_difference(arm.inverse_dynamics, arm, q, 1e-5, v, a), 1e-6)
         eye = np.eye(arm.model.nv)
-        # tau is quadratic in v and linear in a: central differences of any step are exact
-        for i, column in enumerate(eye):
-            exact = (
-                arm.inverse_dynamics(q, v + column, a)
-                - arm.inverse_dynamics(q, v - column, a)
-            ) / 2
-            close(dv[:, i], exact, 1e-10)
+        # tau is quadratic in v, so central differences of any step are exact.
+        for i, unit in enumerate(eye):
+            ahead = arm.inverse_dynamics(q, v + unit, a)
+            behind = arm.inverse_dynamics(q, v - unit, a)
+            close(dv[:, i], (ahead - behind) / 2, 1e-10)
         assert np.array_equal(da, da.T)
         close(da, arm.mass_matrix(q), 1e-13)
 

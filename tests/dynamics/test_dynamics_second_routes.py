@@ -1,4 +1,4 @@
-"""Inverse dynamics, buoyancy and mount load against an independent Newton-Euler and three other routes."""
+"""Dynamics, buoyancy and mount load agree with four independent routes."""
 
 from __future__ import annotations
 
@@ -61,62 +61,72 @@ def test_own_newton_euler_sees_a_wrong_model(states, variant, monkeypatch):
     assert np.abs(a5.load().inverse_dynamics_batch(q, v, a) - tau).max() > 1e-3
 
 
+def arm_that_holds(ratio, density):
+    """An arm in tilted gravity with a payload, and the payload for `newton_euler`."""
+    payload = payload_of_net_weight(ratio, density) | {"inertia": PAYLOAD["inertia"]}
+    arm = a5.load(density, gravity=TILTED).with_payload(**payload)
+    names = ("mass", "com", "inertia", "volume", "cob")
+    return arm, tuple(np.array(payload[name]) for name in names)
+
+
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 @pytest.mark.parametrize("density", [0.0, 1025.0, 2e4])
 @pytest.mark.parametrize("ratio", [-5.0, -1.0, -1e-9, 0.0, 1.0, 5.0])
 def test_what_the_arm_holds_may_float(states, density, ratio):
     q, v, a = (x[:100] for x in states)
-    payload = payload_of_net_weight(ratio, density) | {"inertia": PAYLOAD["inertia"]}
-    held = tuple(
-        map(np.array, (payload[k] for k in ("mass", "com", "inertia", "volume", "cob")))
-    )
+    arm, held = arm_that_holds(ratio, density)
     tau, force, moment = newton_euler(q, v, a, density, TILTED, held=held)
-    arm = a5.load(density, gravity=TILTED).with_payload(**payload)
     scale = max(1.0, np.abs(tau).max())
     assert np.abs(arm.inverse_dynamics_batch(q, v, a) - tau).max() < EXACT * scale
-    for i, single in enumerate(
-        arm.base_wrench(*state) for state in zip(q, v, a, strict=True)
-    ):
-        assert (
-            np.abs(single.vector - np.hstack([force[i], moment[i]])).max()
-            < 1e-11 * scale
-        )
-        assert np.abs(arm.forward_dynamics(q[i], v[i], tau[i]) - a[i]).max() < 1e-9
-    still = 0 * v
-    held_still = newton_euler(q, still, still, density, TILTED, held=held)[0]
+    wrench = np.hstack([force, moment])
+    for i in range(100):
+        single = arm.base_wrench(q[i], v[i], a[i]).vector
+        assert np.abs(single - wrench[i]).max() < 1e-11 * scale
+        acceleration = arm.forward_dynamics(q[i], v[i], tau[i])
+        assert np.abs(acceleration - a[i]).max() < 1e-9
+
+
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+@pytest.mark.parametrize("density", [0.0, 1025.0, 2e4])
+@pytest.mark.parametrize("ratio", [-5.0, -1.0, -1e-9, 0.0, 1.0, 5.0])
+def test_what_the_arm_holds_at_rest_may_float(states, density, ratio):
+    q = states[0][:100]
+    arm, held = arm_that_holds(ratio, density)
+
+    def torque_at_rest(positions):
+        still = 0 * positions
+        return newton_euler(positions, still, still, density, TILTED, held=held)[0]
+
+    moving = newton_euler(*(x[:100] for x in states), density, TILTED, held=held)[0]
+    scale = max(1.0, np.abs(moving).max())
+    expected = torque_at_rest(q)
     step = 1e-5
     for i in range(0, 100, 10):
-        assert (
-            np.abs(arm.hydrostatic_torque(q[i]) - held_still[i]).max() < EXACT * scale
-        )
-        ahead, behind = (
-            newton_euler(q[i] + s * step * np.eye(4), 0 * np.eye(4), 0 * np.eye(4), density, TILTED, held=held)[0]
-            for s in (1, -1)
-        )  # fmt: skip
+        hydrostatic = arm.hydrostatic_torque(q[i])
+        assert np.abs(hydrostatic - expected[i]).max() < EXACT * scale
+        ahead = torque_at_rest(q[i] + step * np.eye(4))
+        behind = torque_at_rest(q[i] - step * np.eye(4))
         slope = (ahead - behind).T / (2 * step)
-        assert (
-            np.abs(arm.hydrostatic_torque_derivative(q[i]) - slope).max() < 1e-8 * scale
-        )
+        derivative = arm.hydrostatic_torque_derivative(q[i])
+        assert np.abs(derivative - slope).max() < 1e-8 * scale
 
 
-def test_corrections_change_what_they_say(states):
-    q, v, a = states
-    q, v, a = q[:50], v[:50], a[:50]
+def test_the_correction_of_the_base_frame_turns_only_link_0(states):
+    """Without it, link_0 lies on the +x side and turns the mount the other way."""
+    q, v, a = (x[:50] for x in states)
     printed = a5.load(corrections=())
-    assert (
-        np.abs(
-            printed.inverse_dynamics_batch(q, v, a)
-            - a5.load().inverse_dynamics_batch(q, v, a)
-        ).max()
-        < 1e-12
-    )
-    # Without base_frame, link_0 lies on the +x side: its weight in water turns the mount the other way.
+    corrected = a5.load()
+    torque = printed.inverse_dynamics_batch(q, v, a)
+    corrected_torque = corrected.inverse_dynamics_batch(q, v, a)
+    assert np.abs(torque - corrected_torque).max() < 1e-12
     net = (MASS[0] * COM[0, 0] - 1025.0 * VOLUME[0] * COB[0, 0]) * 9.81
-    change = (
-        printed.base_wrench_batch(q, v, a)[:, 4]
-        - a5.load().base_wrench_batch(q, v, a)[:, 4]
-    )
+    wrench = printed.base_wrench_batch(q, v, a)
+    change = wrench[:, 4] - corrected.base_wrench_batch(q, v, a)[:, 4]
     assert np.abs(change + 2 * net).max() < 1e-12
+
+
+def test_the_correction_of_link_3s_centre_of_buoyancy_moves_it(states):
+    q, v, a = (x[:50] for x in states)
     cob = COB.copy()
     cob[3] = [0.02 - 0.002, 0.029 - 0.0462, -0.004]
     tau, _, _ = newton_euler(q, v, a, 1025.0, cob=cob)

@@ -1,4 +1,4 @@
-"""An arm with a_1 50 mm longer: every method answers for it, or refuses; none for the catalogue's."""
+"""Each method of an arm with a longer a_1 answers for that arm, or refuses."""
 
 from __future__ import annotations
 
@@ -164,13 +164,32 @@ def test_what_was_made_for_the_catalogues_dimensions_refuses(name: str) -> None:
 
 #: Methods of an arm that answer from its own model.
 ANSWERED = {
-    "base_wrench", "base_wrench_batch", "base_wrench_derivatives", "buoyancy_torque", "buoyancy_wrenches",
-    "center_of_buoyancy", "center_of_mass", "coriolis_matrix", "forward_dynamics", "forward_dynamics_batch",
-    "forward_dynamics_derivatives", "forward_kinematics", "gravity_torque", "hydrostatic_torque",
-    "hydrostatic_torque_derivative", "inverse_dynamics", "inverse_dynamics_batch", "inverse_dynamics_derivatives",
-    "jacobian", "kinetic_energy", "mass_matrix", "nonlinear_effects", "on_vehicle", "potential_energy",
+    "base_wrench",
+    "base_wrench_batch",
+    "base_wrench_derivatives",
+    "buoyancy_torque",
+    "buoyancy_wrenches",
+    "center_of_buoyancy",
+    "center_of_mass",
+    "coriolis_matrix",
+    "forward_dynamics",
+    "forward_dynamics_batch",
+    "forward_dynamics_derivatives",
+    "forward_kinematics",
+    "gravity_torque",
+    "hydrostatic_torque",
+    "hydrostatic_torque_derivative",
+    "inverse_dynamics",
+    "inverse_dynamics_batch",
+    "inverse_dynamics_derivatives",
+    "jacobian",
+    "kinetic_energy",
+    "mass_matrix",
+    "nonlinear_effects",
+    "on_vehicle",
+    "potential_energy",
     "with_payload",
-}  # fmt: skip
+}
 
 
 def test_every_method_of_an_arm_is_listed_here() -> None:

@@ -1,4 +1,4 @@
-"""What is reached without self-collision: against distances, exact volumes and plain sampling."""
+"""Reach without self-collision agrees with distances, exact volumes and sampling."""
 
 from __future__ import annotations
 
@@ -89,14 +89,15 @@ def test_the_pairs_are_split_by_what_the_wrist_moves() -> None:
 
 
 def test_a_wrist_angle_is_not_held_against_the_others(arm: Any) -> None:
-    """Positions where the hand touches at the given wrist angle and is free at another one."""
+    """A position is free if the hand is free at any angle of the wrist."""
     q = sample(3000, seed=94)
     touching = q[[arm.in_collision(row) for row in q]]
     freed = 0
     for row, free in zip(touching, a5.without_self_collision(touching), strict=True):
         turned = np.tile(row, (25, 1))
         turned[:, 3] = np.linspace(LOWER[3], UPPER[3], 25)
-        assert free == (not all(arm.in_collision(other) for other in turned))
+        touches_at_every_angle = all(arm.in_collision(other) for other in turned)
+        assert free == (not touches_at_every_angle)
         freed += free
     assert freed > 0
 
@@ -159,7 +160,10 @@ def test_on_the_yaw_axis_theta_0_is_tried() -> None:
 
 
 def test_shares_against_exact_volumes_and_areas() -> None:
-    """The underarm pose alone: its first moment by Green's theorem, turned through what it can face."""
+    """The share of the underarm pose is its first moment, turned about the yaw axis.
+
+    Green's theorem gives the moment; the wedge is what the pose cannot face.
+    """
     from alpha5_model.kinematics.arcs import first_moment
 
     exact = (2 * math.pi - WEDGE) * first_moment(space.boundary("underarm"))
