@@ -15,11 +15,11 @@ from hypothesis import settings
 sys.path[:0] = [
     str(folder) for folder in Path(__file__).parent.iterdir() if folder.is_dir()
 ]
-# On a busy machine any example may take long; what must be quick is timed by the benchmark.
+# On a busy machine any example may take long. The benchmarks time what must be quick.
 settings.register_profile("any machine", deadline=None)
 settings.load_profile("any machine")
 
-#: Set in CI, where everything is installed: a test is left out for a listed reason only.
+#: Set in CI, which has everything installed: a test is skipped for listed reasons only.
 ONLY_ALLOWED_SKIPS = "ALPHA5_ONLY_ALLOWED_SKIPS" in os.environ
 
 
@@ -45,7 +45,7 @@ def pytest_make_collect_report() -> Iterator[Any]:
 
 
 def judged(report: Any) -> Any:
-    """The report of a test or a file; where only listed skips pass, failed for another."""
+    """The report of a test or file; in CI it fails if its skip is not listed."""
     from skips import fail_unless_allowed
 
     if ONLY_ALLOWED_SKIPS:
