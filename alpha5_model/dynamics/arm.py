@@ -22,6 +22,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, frozen, instance, listed, real
+from alpha5_model.dynamics import mount_load
 from alpha5_model.dynamics.batch import kernel_rows
 from alpha5_model.dynamics.buoyancy import (
     Displacement,
@@ -30,18 +31,19 @@ from alpha5_model.dynamics.buoyancy import (
     net_weight_model,
 )
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
-from alpha5_model.dynamics.kernel_numbers import kernel_parameters
-from alpha5_model.dynamics.model_changes import (
-    added_body,
-    on_free_flyer,
-    with_payload,
+from alpha5_model.dynamics.fixed_bodies import fixed_bodies, moving_mass
+from alpha5_model.dynamics.joint_tree import (
+    AT_ORIGIN,
+    JointTree,
+    tree_of_model,
+    tree_on_free_flyer,
 )
+from alpha5_model.dynamics.kernel_numbers import kernel_parameters
+from alpha5_model.dynamics.model_changes import added_body, with_payload
 from alpha5_model.dynamics.regression import Regressor, regressor
 from alpha5_model.dynamics.scratch import Scratch
 from alpha5_model.dynamics.states import (
-    Embedding,
     Partials,
-    expanded,
     forces,
     state_check,
 )
@@ -71,8 +73,6 @@ _jacobian: _Algorithm = pin.computeFrameJacobian
 #: External forces: one pin.Force for each joint, the universe included, in the joint's
 #: frame.
 Forces = Sequence[Any] | None
-#: A free-flyer at the world's origin: position and quaternion.
-_HOME = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 
 
 class Limits(NamedTuple):
@@ -123,7 +123,7 @@ class Arm:
         *,
         parameters: Alpha5Parameters | None = None,
     ) -> None:
-        if not isinstance(model, pin.Model) or not _moving_mass(model):
+        if not isinstance(model, pin.Model) or not moving_mass(model):
             raise InputError("model", model, "a pin.Model with moving masses")
         self.displacements = tuple(
             instance("displacements", volume, Displacement)
@@ -142,31 +142,15 @@ class Arm:
         self._net = net_weight_model(model, self._fluid)
         self.model = model.copy()
         self.fluid_model = self._fluid.copy()
-        self._own = Scratch(self._model, self._fluid, self._net, self.model)
+        self._scratch = Scratch(self._model, self._fluid, self._net, self.model)
 
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
         self._volume = sum(body.volume for body in self.displacements)
-        self._set_shares_of_fixed_bodies()
+        self._fixed = fixed_bodies(self._model, self._net)
         self._clean_q: _Algorithm = state_check(self._model)
         self._clean_qv: _Clean = state_check(self._model, "v")
         self._clean_qva: _Clean = state_check(self._model, "v", "a")
         self._clean_qvtau: _Clean = state_check(self._model, "v", "tau")
-
-    def _set_shares_of_fixed_bodies(self) -> None:
-        """Compute what Pinocchio leaves out of its sums.
-
-        That is what is fixed to the universe: link_0 on a fixed base.
-        """
-        moving_mass = _moving_mass(self._model)
-        fixed = self._model.inertias[0]
-        total_mass = moving_mass + fixed.mass
-        self._moving_fraction = np.full(3, moving_mass / total_mass)
-        self._fixed_fraction = fixed.lever * (fixed.mass / total_mass)
-
-        gravity = self._model.gravity
-        net = self._net.inertias[0]
-        self._link_0_load = net * -gravity
-        self._fixed_potential = float(-net.mass * (gravity.linear @ net.lever))
 
     @property
     def data(self) -> Any:
@@ -174,7 +158,7 @@ class Arm:
 
         No method touches it.
         """
-        return self._own.callers_data
+        return self._scratch.callers_data
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -215,9 +199,9 @@ class Arm:
             UnknownNameError: No such frame.
         """
         q = self._clean_q(q)
-        own = self._own
-        pin.framesForwardKinematics(self._model, own.data, q)
-        return own.placements[self._frame(frame)].copy()
+        scratch = self._scratch
+        pin.framesForwardKinematics(self._model, scratch.data, q)
+        return scratch.placements[self._frame(frame)].copy()
 
     def jacobian(
         self,
@@ -241,7 +225,7 @@ class Arm:
             expected = "pin.LOCAL, pin.WORLD or LOCAL_WORLD_ALIGNED"
             raise InputError("reference_frame", reference_frame, expected)
         index = self._frame(frame)
-        return _jacobian(self._model, self._own.data, q, index, reference_frame)
+        return _jacobian(self._model, self._scratch.data, q, index, reference_frame)
 
     def approach_directions(self, position: ArrayLike) -> ApproachDirections:
         """From which directions the arm reaches points; see `kinematics.ik.pose`.
@@ -266,7 +250,7 @@ class Arm:
         Returns:
             (nv,) [N m, N].
         """
-        return _gravity(self._model, self._own.data, self._clean_q(q))
+        return _gravity(self._model, self._scratch.data, self._clean_q(q))
 
     def buoyancy_torque(self, q: ArrayLike) -> FloatArray:
         """Generalized force that the fluid applies.
@@ -279,7 +263,7 @@ class Arm:
         Returns:
             (nv,) [N m, N].
         """
-        return _gravity(self._fluid, self._own.fluid_data, self._clean_q(q))
+        return _gravity(self._fluid, self._scratch.fluid_data, self._clean_q(q))
 
     def hydrostatic_torque(self, q: ArrayLike) -> FloatArray:
         """Torque that holds the arm still in the fluid.
@@ -292,7 +276,7 @@ class Arm:
         Returns:
             (nv,) [N m, N].
         """
-        return _gravity(self._net, self._own.net_data, self._clean_q(q))
+        return _gravity(self._net, self._scratch.net_data, self._clean_q(q))
 
     def hydrostatic_torque_derivative(self, q: ArrayLike) -> FloatArray:
         """Derivative of `hydrostatic_torque` with respect to q.
@@ -306,13 +290,14 @@ class Arm:
             (nv, nv): row = torque, column = coordinate.
         """
         q = self._clean_q(q)
-        own = self._own
+        scratch = self._scratch
         # The net weights do not serve here: Pinocchio joins bodies, which takes
         # positive masses.
         out: FloatArray = pin.computeGeneralizedGravityDerivatives(
-            self._model, own.data, q
+            self._model, scratch.data, q
         )
-        out -= pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
+        fluid_data = scratch.fluid_data
+        out -= pin.computeGeneralizedGravityDerivatives(self._fluid, fluid_data, q)
         return out
 
     def buoyancy_wrenches(self, q: ArrayLike) -> Any:
@@ -329,7 +314,7 @@ class Arm:
             link_0 on a fixed base.
         """
         q = self._clean_q(q)
-        data = self._own.data
+        data = self._scratch.data
         pin.forwardKinematics(self._model, data, q)
         out = pin.StdVec_Force([pin.Force.Zero()] * self._model.njoints)
         up = -self._model.gravity
@@ -348,14 +333,15 @@ class Arm:
         constant.
         """
         moving = pin.computePotentialEnergy(
-            self._net, self._own.net_data, self._clean_q(q)
+            self._net, self._scratch.net_data, self._clean_q(q)
         )
-        return float(moving) + self._fixed_potential
+        return float(moving) + self._fixed.potential_energy
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""
-        moving = pin.centerOfMass(self._model, self._own.data, self._in_base(q))
-        return np.asarray(moving * self._moving_fraction + self._fixed_fraction)
+        moving = pin.centerOfMass(self._model, self._scratch.data, self._in_base(q))
+        fixed = self._fixed
+        return np.asarray(moving * fixed.moving_fraction + fixed.com)
 
     def center_of_buoyancy(self, q: ArrayLike) -> FloatArray:
         """Centroid of the displaced volume in base_link, (3,) [m].
@@ -370,7 +356,7 @@ class Arm:
         q = self._in_base(q)
         if not self._volume:
             raise InputError("displacements", self.displacements, "a volume above 0")
-        data = self._own.data
+        data = self._scratch.data
         pin.forwardKinematics(self._model, data, q)
         moment = np.zeros(3)
         for body in self.displacements:
@@ -388,7 +374,7 @@ class Arm:
             InputError: Also an arm with other dimensions than the catalogue's, whose
                 bodies they are.
         """
-        return self._own.collisions.in_collision(self._clean_q(q))
+        return self._scratch.collisions.in_collision(self._clean_q(q))
 
     def collision_distance(self, q: ArrayLike) -> float:
         """Smallest distance between two links that `in_collision` compares [m].
@@ -397,24 +383,24 @@ class Arm:
 
         `alpha5_model.dynamics.collision.CollisionModel` also says where.
         """
-        return self._own.collisions.clearance(self._clean_q(q)).distance
+        return self._scratch.collisions.clearance(self._clean_q(q)).distance
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Joint-space inertia M(q), (nv, nv), symmetric positive definite [kg m^2]."""
-        return _crba(self._model, self._own.data, self._clean_q(q))
+        return _crba(self._model, self._scratch.data, self._clean_q(q))
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """Coriolis matrix C(q, v), (nv, nv).
 
         C v is the Coriolis and centrifugal torque; ``dM/dt - 2 C`` is skew-symmetric.
         """
-        return _coriolis(self._model, self._own.data, *self._clean_qv(q, v))
+        return _coriolis(self._model, self._scratch.data, *self._clean_qv(q, v))
 
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """``C(q, v) v + hydrostatic_torque(q)``, (nv,) [N m]."""
         q, v = self._clean_qv(q, v)
-        water = _gravity(self._fluid, self._own.fluid_data, q)
-        return _nonlinear_effects(self._model, self._own.data, q, v) - water
+        water = _gravity(self._fluid, self._scratch.fluid_data, q)
+        return _nonlinear_effects(self._model, self._scratch.data, q, v) - water
 
     def inverse_dynamics(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None
@@ -433,10 +419,10 @@ class Arm:
             tau, (nv,) [N m].
         """
         q, v, a = self._clean_qva(q, v, a)
-        own = self._own
+        scratch = self._scratch
         outside = () if fext is None else (forces(fext, self._model.njoints),)
-        tau = _rnea(self._model, own.data, q, v, a, *outside)
-        tau -= _gravity(self._fluid, own.fluid_data, q)
+        tau = _rnea(self._model, scratch.data, q, v, a, *outside)
+        tau -= _gravity(self._fluid, scratch.fluid_data, q)
         return tau
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
@@ -474,10 +460,10 @@ class Arm:
             a, (nv,) [rad/s^2].
         """
         q, v, tau = self._clean_qvtau(q, v, tau)
-        own = self._own
+        scratch = self._scratch
         outside = () if fext is None else (forces(fext, self._model.njoints),)
-        total = tau + _gravity(self._fluid, own.fluid_data, q)
-        return _aba(self._model, own.data, q, v, total, *outside)
+        total = tau + _gravity(self._fluid, scratch.fluid_data, q)
+        return _aba(self._model, scratch.data, q, v, total, *outside)
 
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike
@@ -497,9 +483,10 @@ class Arm:
             floating base.
         """
         q, v, a = self._clean_qva(q, v, a)
-        own = self._own
-        dq, dv, da = pin.computeRNEADerivatives(self._model, own.data, q, v, a)
-        water = pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
+        data = self._scratch.data
+        fluid_data = self._scratch.fluid_data
+        dq, dv, da = pin.computeRNEADerivatives(self._model, data, q, v, a)
+        water = pin.computeGeneralizedGravityDerivatives(self._fluid, fluid_data, q)
         return dq - water, dv.copy(), da.copy()  # Pinocchio hands out views of its data
 
     def forward_dynamics_derivatives(
@@ -543,18 +530,7 @@ class Arm:
             [N m].
         """
         q, v, a = self._clean_qva(q, v, a)
-        own = self._own
-        outside = () if fext is None else (forces(fext, self._model.njoints),)
-        _rnea(self._model, own.data, q, v, a, *outside)
-        _gravity(self._fluid, own.fluid_data, q)
-        # The load of the first joint; on a floating base that is base_link itself.
-        load = own.data.f[1] - own.fluid_data.f[1]
-        if self.floating_base:
-            return -load
-        # RNEA stops at the first joint: here follows the last step, to the bodies of
-        # the universe.
-        load = self._link_0_load + own.data.liMi[1].act(load)
-        return outside[0][0] - load if outside else -load
+        return mount_load.base_wrench(self, q, v, a, fext)
 
     def base_wrench_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike
@@ -570,19 +546,13 @@ class Arm:
             dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the
             coupling between arm and vehicle, linearised.
         """
-        tree, fluid, embedding = self._free
-        state = expanded(embedding, *self._clean_qva(q, v, a))
-        data = self._own.pool(tree).getData(0)
-        fluid_data = self._own.pool(fluid).getData(0)
-        dq, dv, da = pin.computeRNEADerivatives(tree, data, *state)
-        water = pin.computeGeneralizedGravityDerivatives(fluid, fluid_data, state[0])
-        g = embedding[0]
-        return (water - dq)[:6] @ g, -dv[:6] @ g, -da[:6] @ g
+        q, v, a = self._clean_qva(q, v, a)
+        return mount_load.base_wrench_derivatives(self, q, v, a)
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
         state = self._clean_qv(q, v)
-        return float(pin.computeKineticEnergy(self._model, self._own.data, *state))
+        return float(pin.computeKineticEnergy(self._model, self._scratch.data, *state))
 
     def inverse_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -659,8 +629,8 @@ class Arm:
                 meant in another unit, such as 500 g or 20 mm.
         """
         body = added_body(mass, com, inertia, volume, cob)
-        model, displaced = with_payload(self._arguments[0], frame, body)
-        return self._made_of(model, (*self.displacements, displaced))
+        model, displaced = with_payload(self._joint_tree.model, frame, body)
+        return self._rebuilt(model, (*self.displacements, displaced))
 
     def with_hydrodynamics(
         self,
@@ -705,26 +675,16 @@ class Arm:
         return HydrodynamicArm(self, ()).on_vehicle(vehicle)
 
     @cached_property
-    def _embedded(self) -> tuple[Any, Any, Embedding]:
-        """A tree in which every joint is its own, its fluid, the arm's embedding."""
-        model = self._model
-        embedding = np.eye(model.nv), np.eye(model.nq), np.zeros(model.nq)
-        return model, self._fluid, embedding
+    def _joint_tree(self) -> JointTree:
+        """The tree in which each joint has coordinates of its own."""
+        return tree_of_model(self._model, self._fluid)
 
     @cached_property
-    def _free(self) -> tuple[Any, Any, Embedding]:
-        """The same on a free-flyer, whose six torques are those of the mount."""
+    def _floating_tree(self) -> JointTree:
+        """The same tree on a free-flyer, whose six torques load the mount."""
         if self.floating_base:
-            return self._embedded
-        tree, fluid, (g, g_q, g_0) = self._embedded
-        of_base_velocity = np.zeros((6, g.shape[1]))
-        of_base_position = np.zeros((7, g_q.shape[1]))
-        embedding = (
-            np.vstack([of_base_velocity, g]),
-            np.vstack([of_base_position, g_q]),
-            np.append(_HOME, g_0),
-        )
-        return on_free_flyer(tree), on_free_flyer(fluid), embedding
+            return self._joint_tree
+        return tree_on_free_flyer(self._joint_tree)
 
     def _frame(self, name: str) -> int:
         try:
@@ -735,7 +695,9 @@ class Arm:
     def _in_base(self, q: ArrayLike) -> FloatArray:
         """q with base_link at the world's origin."""
         checked: FloatArray = self._clean_q(q)
-        return np.concatenate([_HOME, checked[7:]]) if self.floating_base else checked
+        if not self.floating_base:
+            return checked
+        return np.concatenate([AT_ORIGIN, checked[7:]])
 
     @cached_property
     def _kinematics(self) -> ArmKinematics:
@@ -755,21 +717,27 @@ class Arm:
         return kernel_parameters(self)
 
     @property
-    def _arguments(self) -> tuple[Any, ...]:
-        """What makes the same arm, beside its record: the model comes first."""
+    def _constructor_arguments(self) -> tuple[Any, ...]:
+        """The positional arguments that make the same arm."""
         return self._model, self.displacements, self.fluid_density
 
-    def _made_of(self, model: Any, displacements: Iterable[Displacement]) -> Self:
-        """An arm like this one with another model and its volumes."""
-        others = self._arguments[2:]
+    def _rebuilt(self, model: Any, displacements: Iterable[Displacement]) -> Self:
+        """An arm like this one, from another model and its volumes.
+
+        Args:
+            model: pin.Model in which each joint has coordinates of its own.
+            displacements: The volumes on its joints.
+        """
+        _, _, *others = self._constructor_arguments
         return type(self)(model, displacements, *others, parameters=self.parameters)
 
-    def _afloat(self, model: Any, displacements: Iterable[Displacement]) -> Arm:
-        """The same for a model on a free-flyer."""
-        return self._made_of(model, displacements)
+    def _rebuilt_afloat(self, model: Any, displacements: Iterable[Displacement]) -> Arm:
+        """The same from a model on a free-flyer."""
+        return self._rebuilt(model, displacements)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(type(self), parameters=self.parameters), self._arguments
+        rebuild = partial(type(self), parameters=self.parameters)
+        return rebuild, self._constructor_arguments
 
     def __repr__(self) -> str:
         base = "floating" if self.floating_base else "fixed"
@@ -780,8 +748,3 @@ class Arm:
         joints = ", ".join(self.joint_names)
         contents = ", ".join(parts)
         return f"{type(self).__name__}({joints}; {base} base, {contents})"
-
-
-def _moving_mass(model: Any) -> float:
-    """Mass of all that is not fixed to the universe [kg]."""
-    return float(sum(inertia.mass for inertia in list(model.inertias)[1:]))

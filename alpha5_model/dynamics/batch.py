@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray, count
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.dynamics.scratch import Scratch
-from alpha5_model.dynamics.states import expanded, rows
+from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import KernelError
 
 #: States for which one more thread pays: 3 ms of work, the time that starting a thread
@@ -134,7 +134,7 @@ def available_threads() -> int:
 
 def rnea(
     model: Any,
-    own: Scratch,
+    scratch: Scratch,
     threads: int,
     q: FloatArray,
     v: FloatArray | None = None,
@@ -146,7 +146,7 @@ def rnea(
     a = still if a is None else a
 
     tau = np.empty((len(q), model.nv))
-    pool = own.pool(model, threads)
+    pool = scratch.pool(model, threads)
     for i in _blocks(len(q), threads):
         pin.rneaInParallel(threads, pool, q[i].T, v[i].T, a[i].T, tau[i].T)
     return tau
@@ -162,8 +162,8 @@ def _inverse_dynamics(
     arm: Any, threads: int, q: FloatArray, v: FloatArray, a: FloatArray
 ) -> FloatArray:
     """RNEA of each row less the torque of the water, (N, nv)."""
-    tau = rnea(arm._model, arm._own, threads, q, v, a)
-    tau -= rnea(arm._fluid, arm._own, threads, q)
+    tau = rnea(arm._model, arm._scratch, threads, q, v, a)
+    tau -= rnea(arm._fluid, arm._scratch, threads, q)
     return tau
 
 
@@ -171,12 +171,12 @@ def _base_wrench(
     arm: Any, threads: int, q: FloatArray, v: FloatArray, a: FloatArray
 ) -> FloatArray:
     """Wrench on the mount for each row, (N, 6)."""
-    tree, fluid, embedding = arm._free
+    tree, fluid, embedding = arm._floating_tree
     out = np.empty((len(q), 6))
     for i in _blocks(len(q), threads):
-        q_tree, v_tree, a_tree = expanded(embedding, q[i], v[i], a[i])
-        water = rnea(fluid, arm._own, threads, q_tree)
-        load = rnea(tree, arm._own, threads, q_tree, v_tree, a_tree)
+        q_tree, v_tree, a_tree = embedding.expand(q[i], v[i], a[i])
+        water = rnea(fluid, arm._scratch, threads, q_tree)
+        load = rnea(tree, arm._scratch, threads, q_tree, v_tree, a_tree)
         out[i] = (water - load)[:, :6]
     return out
 
@@ -188,12 +188,12 @@ def _forward_dynamics(
 
     Pinocchio's ABA refuses an arm with jaws: its mass matrix is solved.
     """
-    if arm._embedded[0] is not arm._model:
+    if arm._joint_tree.model is not arm._model:
         return solved_rows(arm, q, v, tau, threads)
-    total = rnea(arm._fluid, arm._own, threads, q)
+    total = rnea(arm._fluid, arm._scratch, threads, q)
     total += tau
     a = np.empty_like(v)
-    pool = arm._own.pool(arm._model, threads)
+    pool = arm._scratch.pool(arm._model, threads)
     for i in _blocks(len(q), threads):
         pin.abaInParallel(threads, pool, q[i].T, v[i].T, total[i].T, a[i].T)
     return a

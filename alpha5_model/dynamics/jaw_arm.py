@@ -21,7 +21,8 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm, Forces
 from alpha5_model.dynamics.buoyancy import Displacement
-from alpha5_model.dynamics.states import Embedding, Partials, expanded
+from alpha5_model.dynamics.joint_tree import Embedding, JointTree
+from alpha5_model.dynamics.states import Partials
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
@@ -52,9 +53,12 @@ class JawArm(Arm):
         self._tree = Arm(
             tree, self.displacements, fluid_density, parameters=self.parameters
         )
-        embedding = _expansion(model, tree, self._mimics)
-        self._embedded = self._tree._model, self._tree._fluid, embedding
-        self._g = embedding[0]
+        self._embedding = _embedding(model, tree, self._mimics)
+        self._joint_tree = JointTree(
+            model=self._tree._model,
+            fluid=self._tree._fluid,
+            embedding=self._embedding,
+        )
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         state = self._expand(*self._clean_qv(q, v))
@@ -89,14 +93,15 @@ class JawArm(Arm):
 
     def _expand(self, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
         """A state of the arm as one of the tree."""
-        return expanded(self._embedded[2], q, *rates)
+        return self._embedding.expand(q, *rates)
 
     def _project(self, matrix: FloatArray) -> FloatArray:
         """A matrix of the tree's coordinates in those of the arm."""
-        return np.asarray(self._g.T @ matrix @ self._g)
+        g = self._embedding.g
+        return np.asarray(g.T @ matrix @ g)
 
     @property
-    def _arguments(self) -> tuple[Any, ...]:
+    def _constructor_arguments(self) -> tuple[Any, ...]:
         # Pinocchio 4.1 pickles mimic joints into a model that crashes. The tree is
         # sound.
         return self._tree._model, self.displacements, self.fluid_density, self._mimics
@@ -114,8 +119,8 @@ def mimicking(tree: Any, mimics: Iterable[UrdfJoint]) -> Any:
     return model
 
 
-def _expansion(model: Any, tree: Any, mimics: Iterable[UrdfJoint]) -> Embedding:
-    """How the coordinates of an arm with jaws lie in its tree."""
+def _embedding(model: Any, tree: Any, mimics: Iterable[UrdfJoint]) -> Embedding:
+    """The map from the coordinates of an arm with jaws to those of its tree."""
     g = np.zeros((tree.nv, model.nv))
     g_q = np.zeros((tree.nq, model.nq))
     g_0 = np.zeros(tree.nq)
@@ -133,4 +138,4 @@ def _expansion(model: Any, tree: Any, mimics: Iterable[UrdfJoint]) -> Embedding:
         g[inner.idx_v + of_velocity, outer.idx_v + of_velocity] = scale
         g_q[inner.idx_q + of_position, outer.idx_q + of_position] = scale
         g_0[inner.idx_q] = offset
-    return g, g_q, g_0
+    return Embedding(g=g, g_q=g_q, g_0=g_0)

@@ -90,7 +90,7 @@ class KernelArm(Arm):
         """
         return map(np.ascontiguousarray, state_vectors(self._model, **state))
 
-    def _afloat(self, model: Any, displacements: Iterable[Displacement]) -> Arm:
+    def _rebuilt_afloat(self, model: Any, displacements: Iterable[Displacement]) -> Arm:
         # The kernels do not know a floating base.
         density = self.fluid_density
         return Arm(model, displacements, density, parameters=self.parameters)

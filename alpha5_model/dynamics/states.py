@@ -28,8 +28,6 @@ from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 
 #: Derivatives with respect to positions, velocities and accelerations or torques.
 Partials = tuple[FloatArray, FloatArray, FloatArray]
-#: How an arm lies in a tree: G (tree nv, nv), G_q (tree nq, nq) and g_0 (tree nq,).
-Embedding = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def state_check(model: Any, *rates: str) -> Callable[..., Any]:
@@ -148,19 +146,3 @@ def forces(fext: Any, njoints: int) -> Any:
             raise NonFiniteError("fext", components, (joint,))
         bounded(f"fext[{joint}]", force.vector)
     return fext if isinstance(fext, pin.StdVec_Force) else pin.StdVec_Force(given)
-
-
-def expanded(
-    embedding: Embedding, q: FloatArray, *rates: FloatArray
-) -> list[FloatArray]:
-    """States (..., n) of a tree in which an arm is embedded.
-
-    They are ``G_q q + g_0``, then ``G v`` of each rate.
-
-    Args:
-        embedding: Of the arm.
-        q: (..., nq).
-        rates: Velocity, acceleration, (..., nv) each.
-    """
-    g, g_q, g_0 = embedding
-    return [q @ g_q.T + g_0, *(rate @ g.T for rate in rates)]

@@ -72,14 +72,14 @@ def _terms_by_pinocchio(
     arm: Any, q: FloatArray, v: FloatArray, a: FloatArray, threads: int | None
 ) -> TorqueTerms:
     n_threads = thread_count(threads, len(q))
-    total = rnea(arm._model, arm._own, n_threads, q, v, a)
-    without_acceleration = rnea(arm._model, arm._own, n_threads, q, v)
-    weight = rnea(arm._model, arm._own, n_threads, q)
+    total = rnea(arm._model, arm._scratch, n_threads, q, v, a)
+    without_acceleration = rnea(arm._model, arm._scratch, n_threads, q, v)
+    weight = rnea(arm._model, arm._scratch, n_threads, q)
     return TorqueTerms(
         inertia=total - without_acceleration,
         coriolis=without_acceleration - weight,
         weight=weight,
-        buoyancy=-rnea(arm._fluid, arm._own, n_threads, q),
+        buoyancy=-rnea(arm._fluid, arm._scratch, n_threads, q),
     )
 
 

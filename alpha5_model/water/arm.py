@@ -1,14 +1,18 @@
-"""The arm in moving water: added mass and drag besides buoyancy, in a uniform current.
+"""The arm in moving water: buoyancy, added mass and drag, in a uniform current.
 
 The equation of motion is ``(M(q) + sum J^T A J) a + ... = tau + tau_buoyancy(q) +
-tau_drag``. Everything is computed on a tree in which every joint is its own and the
-base stands on a free-flyer. Its velocities are ``G v``, so torques are ``G^T
-tau_tree``. On a fixed base the first six of the tree are the load on the mount.
+tau_drag``. It is computed on the tree of the arm's joints, with its base on a
+free-flyer (`alpha5_model.water.tree`). The tree moves at ``v_tree = G v``, so the arm's
+torques are ``tau = G^T tau_tree``. On a fixed base, the first six torques of the tree
+are the load on the mount.
+
+Generated kernels compute inverse and forward dynamics if they know the arm and its
+water (`alpha5_model.water.kernel_water`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any, cast
 
@@ -24,8 +28,6 @@ from alpha5_model._support.checks import (
     frozen,
     rigid_transform,
 )
-from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.codegen.water_parameters import water_parameters
 from alpha5_model.dynamics.batch import kernel_rows, solved_rows
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
 from alpha5_model.dynamics.states import Partials, forces, rows
@@ -37,13 +39,21 @@ from alpha5_model.numbers.hydrodynamics import (
     hydrodynamics,
 )
 from alpha5_model.water.forces import JointWater
+from alpha5_model.water.kernel_water import (
+    WaterKernels,
+    water_kernel_parameters,
+    water_kernels,
+)
 from alpha5_model.water.tree import HydrodynamicTree
 from alpha5_model.water.vehicle import Trim, Vehicle, afloat, carrying, static_trim
 
 #: One state in each row, or one for all.
 Rows = ArrayLike
-#: Velocity of the water, in the world [m/s]; None for the arm's own.
-Flow = ArrayLike | None
+#: Velocity of the water, in the world [m/s]; None for the arm's `current`.
+Current = ArrayLike | None
+
+#: Attributes of an arm in still water that an arm in moving water does not have.
+_NOT_SHARED = ("still", "with_hydrodynamics", "regressor")
 
 
 def in_moving_water(
@@ -54,9 +64,9 @@ def in_moving_water(
     links = hydrodynamics(gripper, level, numbers)
     check_dimensions(arm._model, "the moving water at its links", DRAWN)
     bodies = [joint_water(arm, link, data) for link, data in links.items()]
-    flow = array("current", current, 3)
-    plausibility.check("current", flow, plausibility.CURRENT)
-    return HydrodynamicArm(arm, bodies, flow)
+    velocity = array("current", current, 3)
+    plausibility.check("current", velocity, plausibility.CURRENT)
+    return HydrodynamicArm(arm, bodies, velocity)
 
 
 class HydrodynamicArm:
@@ -64,15 +74,16 @@ class HydrodynamicArm:
 
     Make one with `Arm.with_hydrodynamics`, or with `on_vehicle`.
 
-    Arguments and errors are those of `alpha5_model.dynamics.arm.Arm`. The arm in still
-    water answers what is not listed here (kinematics, weight, buoyancy, collisions,
-    `model`, `joint_names`, ...). Every method that depends on the current takes one of
-    its own, uniform, in the world, (3,) [m/s]; batches take one for each row.
+    Arguments and errors are those of `alpha5_model.dynamics.arm.Arm`. What is not
+    listed here is that of the arm in still water (kinematics, weight, buoyancy,
+    collisions, `model`, `joint_names`, ...). Every method that depends on the current
+    has an argument ``current``, the uniform velocity of the water in the world, (3,)
+    [m/s]; batches take one for each row.
 
     Attributes:
-        still: The same arm in water that only bears it.
+        still: The same arm in still water: with buoyancy only.
         current: Velocity of the water if a method gets none, in the world, (3,) [m/s].
-        bodies: What moves water, on their joints.
+        bodies: The added mass and drag of each body.
     """
 
     def __init__(
@@ -88,16 +99,14 @@ class HydrodynamicArm:
         self._tree = HydrodynamicTree(still, self.bodies)
 
     def __getattr__(self, name: str) -> Any:
-        # Moving water changes nothing of what this class does not define, or has no
-        # such thing.
-        without = ("still", "with_hydrodynamics", "regressor")
-        if name.startswith("_") or name in without:
+        # What this class does not define is the same in still water, or does not exist.
+        if not _is_shared(name):
             own_type = type(self).__name__
             raise AttributeError(f"{own_type!r} object has no attribute {name!r}")
         return getattr(self.still, name)
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *dir(self.still)]
+        return [*super().__dir__(), *filter(_is_shared, dir(self.still))]
 
     def added_mass(self, link: str) -> FloatArray:
         """Added mass of a link at the arm's fluid density, (6, 6) [kg, kg m, kg m^2].
@@ -105,12 +114,12 @@ class HydrodynamicArm:
         Linear before angular, about and in the link's frame.
 
         Raises:
-            UnknownNameError: No such link, or none that moves water.
+            UnknownNameError: No such link, or one without added mass.
         """
-        bodies = {body.body: body.data for body in self.bodies}
-        data = bodies[choice("link", link, tuple(bodies))]
-        share = self.still.fluid_density / WATER_DENSITY
-        return np.asarray(data.added_mass * share)
+        data_of = {body.body: body.data for body in self.bodies}
+        data = data_of[choice("link", link, tuple(data_of))]
+        density_ratio = self.still.fluid_density / WATER_DENSITY
+        return np.asarray(data.added_mass * density_ratio)
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """``M(q) + sum J^T A J``, (nv, nv), symmetric positive definite [kg m^2]."""
@@ -123,14 +132,14 @@ class HydrodynamicArm:
         return self._tree.coriolis(q_tree, v_tree)
 
     def nonlinear_effects(
-        self, q: ArrayLike, v: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, current: Current = None
     ) -> FloatArray:
         """Inverse dynamics without acceleration, (nv,) [N m].
 
         This is Coriolis torque, weight, buoyancy and drag.
         """
-        still = np.zeros(self._model.nv)
-        return self.inverse_dynamics(q, v, still, current=current)
+        no_acceleration = np.zeros(self._model.nv)
+        return self.inverse_dynamics(q, v, no_acceleration, current=current)
 
     def inverse_dynamics(
         self,
@@ -138,18 +147,20 @@ class HydrodynamicArm:
         v: ArrayLike,
         a: ArrayLike,
         fext: Any = None,
-        current: Flow = None,
+        current: Current = None,
     ) -> FloatArray:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
-        flow = self.current if current is None else current
-        kernel = self._kernels[0]
-        out: FloatArray | None = kernel(q, v, a, flow) if fext is None else None
-        if out is not None:
-            return out
+        kernel = self._kernels.inverse_dynamics if fext is None else None
+        if kernel is not None:
+            given = self.current if current is None else current
+            out: FloatArray | None = kernel(q, v, a, given)
+            if out is not None:
+                return out
+
         state = self.still._clean_qva(q, v, a)
-        if fext is None and self._numbers is not None:
-            return cast(FloatArray, kernel(*state, self._flow(current)))
-        return np.asarray(self._tree.g.T @ self._torque(state, fext, current))
+        if kernel is not None:
+            return cast(FloatArray, kernel(*state, self._checked(current)))
+        return np.asarray(self._tree.g.T @ self._tree_torque(state, fext, current))
 
     def forward_dynamics(
         self,
@@ -157,26 +168,28 @@ class HydrodynamicArm:
         v: ArrayLike,
         tau: ArrayLike,
         fext: Any = None,
-        current: Flow = None,
+        current: Current = None,
     ) -> FloatArray:
         """Joint acceleration under a torque, (nv,) [rad/s^2].
 
         See `Arm.forward_dynamics`.
         """
-        flow = self.current if current is None else current
-        kernel = self._kernels[1]
-        out: FloatArray | None = kernel(q, v, tau, flow) if fext is None else None
-        if out is not None:
-            return out
+        kernel = self._kernels.forward_dynamics if fext is None else None
+        if kernel is not None:
+            given = self.current if current is None else current
+            out: FloatArray | None = kernel(q, v, tau, given)
+            if out is not None:
+                return out
+
         q, v, torque = self.still._clean_qvtau(q, v, tau)
-        if fext is None and self._numbers is not None:
-            return cast(FloatArray, kernel(q, v, torque, self._flow(current)))
+        if kernel is not None:
+            return cast(FloatArray, kernel(q, v, torque, self._checked(current)))
         bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
         a = np.linalg.solve(self.mass_matrix(q), torque - bias)
         return np.asarray(a, dtype=np.float64)
 
     def inverse_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
     ) -> Partials:
         """dtau/dq, dtau/dv, dtau/da = M, each (nv, nv).
 
@@ -187,14 +200,14 @@ class HydrodynamicArm:
         return to_arm @ dq, to_arm @ dv, to_arm @ da
 
     def inverse_dynamics_current_derivative(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
     ) -> FloatArray:
         """Derivative of `inverse_dynamics` by the current, (nv, 3) [N s]."""
         _, _, _, du = self._derivatives(current, q, v, a)
         return np.asarray(self._tree.g.T @ du)
 
     def forward_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Current = None
     ) -> Partials:
         """da/dq, da/dv, da/dtau = M^-1, each (nv, nv).
 
@@ -206,7 +219,7 @@ class HydrodynamicArm:
         return -inverse @ dq, -inverse @ dv, inverse
 
     def forward_dynamics_current_derivative(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Current = None
     ) -> FloatArray:
         """Derivative of `forward_dynamics` with respect to the current, (nv, 3)."""
         a = self.forward_dynamics(q, v, tau, current=current)
@@ -220,39 +233,39 @@ class HydrodynamicArm:
         v: ArrayLike,
         a: ArrayLike,
         fext: Any = None,
-        current: Flow = None,
+        current: Current = None,
     ) -> Any:
         """Wrench that the arm exerts on its mount, a pin.Force in base_link.
 
         See `Arm.base_wrench`.
         """
         state = self.still._clean_qva(q, v, a)
-        return pin.Force(-self._torque(state, fext, current)[:6])
+        return pin.Force(-self._tree_torque(state, fext, current)[:6])
 
     def base_wrench_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
     ) -> Partials:
         """dw/dq, dw/dv, dw/da, each (6, nv); see `Arm.base_wrench_derivatives`."""
         dq, dv, da, _ = self._derivatives(current, q, v, a)
         return -dq[:6], -dv[:6], -da[:6]
 
     def base_wrench_current_derivative(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
     ) -> FloatArray:
         """Derivative of `base_wrench` with respect to the current, (6, 3)."""
         _, _, _, du = self._derivatives(current, q, v, a)
         return -du[:6]
 
     def current_load(
-        self, q: ArrayLike, current: Flow = None
+        self, q: ArrayLike, current: Current = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Load of a steady current alone on an arm at rest.
+        """Forces of a steady water current on an arm at rest.
 
         Weight and buoyancy are left out.
 
         Args:
             q: (nq,).
-            current: (3,) [m/s], None for the arm's own.
+            current: Velocity of the water, (3,) [m/s]; None for the arm's `current`.
 
         Returns:
             Torque that holds the joints, (nv,) [N m], and the wrench on the mount, in
@@ -260,26 +273,29 @@ class HydrodynamicArm:
         """
         at_rest = np.zeros(self._model.nv)
         position = self.still._clean_q(q)
-        flow = self._flow(current)
-        (change,) = self._water_torques(position, at_rest, at_rest, flow)
-        return self._tree.g.T @ change, -change[:6]
+        velocity = self._checked(current)
+        (tree_torque,) = self._water_torques(position, at_rest, at_rest, velocity)
+        return self._tree.g.T @ tree_torque, -tree_torque[:6]
 
-    def kinetic_energy(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> float:
+    def kinetic_energy(
+        self, q: ArrayLike, v: ArrayLike, current: Current = None
+    ) -> float:
         """Kinetic energy of the arm and of the water that it moves [J].
 
-        The arm's share is ``v^T M v / 2`` in the world, the water's ``nu^T A nu / 2``
-        of the velocities relative to it.
+        The arm has ``v^T M v / 2`` in the world, and the water ``nu^T A nu / 2`` with
+        velocities nu relative to it.
         """
-        return self._tree.kinetic_energy(self._moving(q, v), self._flow(current))
+        state = self._tree_state(q, v)
+        return self._tree.kinetic_energy(state, self._checked(current))
 
     def dissipated_power(
-        self, q: ArrayLike, v: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, current: Current = None
     ) -> float:
         """Power that drag takes out of the motion relative to the water [W].
 
         It is never negative.
         """
-        nu, _ = self._tree.motion(self._moving(q, v), self._flow(current))
+        nu, _ = self._tree.motion(self._tree_state(q, v), self._checked(current))
         return float(self._tree.water.dissipated_power(nu)[0])
 
     def inverse_dynamics_batch(
@@ -288,7 +304,7 @@ class HydrodynamicArm:
         v: Rows,
         a: Rows,
         threads: int | None = None,
-        current: Flow = None,
+        current: Current = None,
     ) -> FloatArray:
         """`inverse_dynamics` of many states, (N, nv).
 
@@ -297,11 +313,10 @@ class HydrodynamicArm:
                 `Arm.inverse_dynamics_batch`.
             current: (3,), or (N, 3), one for each row.
         """
-        out = self._rows_of_kernel(
-            "inverse_dynamics_in_current", threads, current, q=q, v=v, a=a
-        )
-        if out is not None:
-            return out
+        if self._water_kernel_parameters is not None:
+            return self._rows_by_kernel(
+                "inverse_dynamics_in_current", threads, current, q=q, v=v, a=a
+            )
         water = self._water_torques(q, v, a, current) @ self._tree.g
         return np.asarray(self.still.inverse_dynamics_batch(q, v, a, threads) + water)
 
@@ -311,7 +326,7 @@ class HydrodynamicArm:
         v: Rows,
         a: Rows,
         threads: int | None = None,
-        current: Flow = None,
+        current: Current = None,
     ) -> FloatArray:
         """`base_wrench` of many states, (N, 6).
 
@@ -326,16 +341,16 @@ class HydrodynamicArm:
         v: Rows,
         tau: Rows,
         threads: int | None = None,
-        current: Flow = None,
+        current: Current = None,
     ) -> FloatArray:
         """`forward_dynamics` of many states, (N, nv).
 
         Arguments are as of `inverse_dynamics_batch`.
         """
-        kernel = "forward_dynamics_in_current"
-        out = self._rows_of_kernel(kernel, threads, current, q=q, v=v, tau=tau)
-        if out is not None:
-            return out
+        if self._water_kernel_parameters is not None:
+            return self._rows_by_kernel(
+                "forward_dynamics_in_current", threads, current, q=q, v=v, tau=tau
+            )
         return solved_rows(self, q, v, tau, threads, current=current)
 
     def with_payload(
@@ -355,7 +370,7 @@ class HydrodynamicArm:
             mass, com, inertia, volume, cob, frame: As in `Arm.with_payload`.
             added_mass: (6, 6) about and in ``frame``, in water of 1000 kg/m^3; None for
                 none.
-            strips: Where it drags, in ``frame``.
+            strips: Its drag strips, in ``frame``.
         """
         still = self.still.with_payload(mass, com, inertia, volume, cob, frame)
         matrix: Any = np.zeros((6, 6)) if added_mass is None else added_mass
@@ -374,91 +389,72 @@ class HydrodynamicArm:
     def __repr__(self) -> str:
         return f"HydrodynamicArm({self.still!r}, current {self.current.tolist()} m/s)"
 
-    def _flow(self, current: Flow) -> FloatArray:
+    def _checked(self, current: Current) -> FloatArray:
+        """A current (3,), checked; None for the arm's."""
         return self.current if current is None else array("current", current, 3)
 
-    def _moving(self, q: ArrayLike, v: ArrayLike) -> list[FloatArray]:
-        """State of the tree without acceleration."""
+    def _tree_state(self, q: ArrayLike, v: ArrayLike) -> list[FloatArray]:
+        """State of the tree, without acceleration."""
         position, velocity = self.still._clean_qv(q, v)
         return self._tree.expand(position, velocity, np.zeros_like(velocity))
 
-    def _torque(
-        self, state: Iterable[FloatArray], fext: Any, current: Flow
+    def _tree_torque(
+        self, state: Iterable[FloatArray], fext: Any, current: Current
     ) -> FloatArray:
         """Inverse dynamics of the tree, (tree nv,)."""
         outside = None
         if fext is not None:
-            # On a fixed base the tree has one joint more, and link_0 hangs on it.
+            # Entry 0 is the universe's. On a fixed base that is the force on link_0,
+            # which the tree's free-flyer carries.
             first = 1 if self.still.floating_base else 0
             given = forces(fext, self._model.njoints)[first:]
             outside = np.array([force.vector for force in given])
         state_of_tree = self._tree.expand(*state)
-        return self._tree.torque(state_of_tree, self._flow(current), outside)
+        return self._tree.torque(state_of_tree, self._checked(current), outside)
 
     def _water_torques(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current
     ) -> FloatArray:
-        """What moving water adds to the tree's torques, of each row, (N, tree nv)."""
-        flow = self.current if current is None else current
-        *states, flows = rows(self._model, q=q, v=v, a=a, current=flow)
-        return self._tree.water_torques(self._tree.expand(*states), flows)
-
-    def _rows_of_kernel(
-        self, name: str, threads: int | None, current: Flow, q: Rows, **rates: Rows
-    ) -> FloatArray | None:
-        """A kernel's output for each row, (N, 4); None if it does not know the arm."""
-        if self._numbers is None:
-            return None
+        """What moving water adds to the tree's torques, in each row, (N, tree nv)."""
         given = self.current if current is None else current
-        flow = float_array("current", given, (3,))
-        if flow.ndim == 1 and isinstance(q, np.ndarray) and q.ndim == 2:
-            # The kernels see that it is one row for all.
-            flow = np.broadcast_to(flow, (len(q), 3))
+        *states, currents = rows(self._model, q=q, v=v, a=a, current=given)
+        return self._tree.water_torques(self._tree.expand(*states), currents)
+
+    def _rows_by_kernel(
+        self, kernel: str, threads: int | None, current: Current, q: Rows, **rates: Rows
+    ) -> FloatArray:
+        """A kernel's output for each row, (N, 4)."""
+        given = self.current if current is None else current
+        currents = float_array("current", given, (3,))
+        if currents.ndim == 1 and isinstance(q, np.ndarray) and q.ndim == 2:
+            # The kernels read a broadcast row once.
+            currents = np.broadcast_to(currents, (len(q), 3))
+        parameters = self._water_kernel_parameters
         return kernel_rows(
-            self.still, name, 4, threads, self._numbers, q=q, **rates, current=flow
+            self.still, kernel, 4, threads, parameters, q=q, **rates, current=currents
         )
 
     @cached_property
-    def _numbers(self) -> FloatArray | None:
+    def _water_kernel_parameters(self) -> FloatArray | None:
         """Parameters of the kernels; None if they do not know the arm or its water."""
-        of_still_water = self.still._kernel_parameters
-        strips: dict[str, list[DragStrip]] = {
-            joint: [] for joint in list(self._model.names)[1:]
-        }
-        moving = [body for body in self.bodies if body.joint in strips]
-        if of_still_water is None or not all(body.plain for body in moving):
-            return None
-        for body in moving:
-            strips[body.joint] += body.data.strips
-
-        water = water_parameters(
-            self._tree.water.added_mass[1:],
-            [*strips.values()],
-            self.still.fluid_density,
-            self.still.parameters,
-        )
-        if water is None:
-            return None
-        added, of_moving_water = water
-        return np.concatenate([of_still_water + added, of_moving_water])
+        added_mass = self._tree.water.added_mass
+        return water_kernel_parameters(self.still, self.bodies, added_mass)
 
     @cached_property
-    def _kernels(self) -> list[Callable[..., Any]]:
-        """Inverse and forward dynamics of this arm by kernels.
+    def _kernels(self) -> WaterKernels:
+        """Inverse and forward dynamics of this arm by kernels."""
+        return water_kernels(self._water_kernel_parameters)
 
-        Without kernels, they are functions that answer None.
-        """
-        if self._numbers is None:
-            return [lambda *_: None, lambda *_: None]
-        bind = kernels.module().bind
-        return [
-            bind("inverse_dynamics_in_current", self._numbers),
-            bind("forward_dynamics_in_current", self._numbers),
-        ]
-
-    def _derivatives(self, current: Flow, *given: ArrayLike) -> tuple[FloatArray, ...]:
+    def _derivatives(
+        self, current: Current, *given: ArrayLike
+    ) -> tuple[FloatArray, ...]:
         state = self._tree.expand(*self.still._clean_qva(*given))
-        return self._tree.derivatives(state, self._flow(current))
+        return self._tree.derivatives(state, self._checked(current))
+
+
+def _is_shared(name: str) -> bool:
+    """Whether an attribute of the arm in still water is one in moving water, too."""
+    return not name.startswith("_") and name not in _NOT_SHARED
 
 
 class ArmOnVehicle(HydrodynamicArm):
@@ -499,20 +495,20 @@ class ArmOnVehicle(HydrodynamicArm):
         return np.concatenate([pin.SE3ToXYZQUAT(base), joints])
 
     def mount_load(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
     ) -> Any:
         """Wrench that the arm exerts on the vehicle, a pin.Force in base_link."""
-        return self.arm.base_wrench(q, v, a, current=self._flow(current))
+        return self.arm.base_wrench(q, v, a, current=self._checked(current))
 
     def reaction(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
     ) -> tuple[FloatArray, FloatArray]:
         """What a motion of the arm does to the vehicle with its thrusters off.
 
         Args:
             q: (nq,); v: (nv,).
             a: Acceleration of the joints, (nv - 6,).
-            current: (3,) [m/s], None for the arm's own.
+            current: Velocity of the water, (3,) [m/s]; None for the arm's `current`.
 
         Returns:
             Spatial acceleration of base_link in its axes, (6,), and the torque of the
@@ -559,7 +555,7 @@ def joint_water(
     Raises:
         UnknownNameError: No such frame.
     """
-    model = arm._arguments[0]
+    model = arm._joint_tree.model
     carrier = model.frames[arm._frame(frame)]
     return JointWater(
         body=frame,

@@ -1,12 +1,13 @@
 """The forces of moving water on the bodies of an arm: added mass and drag.
 
 They follow from the velocities relative to the water. Added mass acts in Kirchhoff's
-form, ``f = -(A dnu + nu x* A nu)`` [Fossen2011]_. Drag is a sum of resistances: each
-has two rows b of a twist, which give the slip ``s = B nu``, and resists with ``-B^T
-(linear + quadratic |s|) s``. A strip is one resistance across it at each of its Gauss
-points, and one along it.
+form, ``f = -(A dnu + nu x* A nu)`` [Fossen2011]_. Drag is a sum over elements. The
+matrix B (2, 6) of an element picks two components of a twist, the slip ``s = B nu``.
+The damping of this slip is ``d = linear + quadratic |s|``, and the element's wrench is
+``-B^T d s``. A drag strip has one element across it at each of its Gauss points, and
+one element along it.
 
-Twists are linear before angular, each in its joint's frame. Nothing is checked here.
+Twists are linear before angular, each in its joint's frame. Arguments are not checked.
 
 .. [Fossen2011] Fossen: Handbook of marine craft hydrodynamics and motion control, 2011,
    sections 6.3 and 6.4.
@@ -32,14 +33,15 @@ from alpha5_model.numbers.hydrodynamics import (
 
 @dataclass(frozen=True, eq=False)
 class JointWater:
-    """A body of moving water, carried by a joint.
+    """Added mass and drag of one body, which a joint carries.
 
     Attributes:
-        body: Name of the frame that it belongs to.
+        body: Name of the body's frame.
         joint: Name of the joint; ``universe`` for a fixed base.
-        action: Twist at the joint to twist in the body's frame, (6, 6).
-        data: What the water does, in that frame.
-        linear, quadratic: Further damping of each component of that twist, (6,).
+        action: Matrix from a twist at the joint to one in the body's frame, (6, 6).
+        data: Added mass and drag strips, in the body's frame.
+        linear, quadratic: Further damping of each component of the twist in the body's
+            frame, (6,).
     """
 
     body: str
@@ -51,17 +53,20 @@ class JointWater:
 
     @property
     def plain(self) -> bool:
-        """Whether it has no further damping and strips in the joint's frame only."""
+        """Whether there is no further damping, and all strips are in the joint's frame.
+
+        Only such bodies can be written as parameters of the generated kernels.
+        """
         if self.linear.any() or self.quadratic.any():
             return False
         return not self.data.strips or np.array_equal(self.action, np.eye(6))
 
 
-class Resistance(NamedTuple):
-    """A resistance to two components of a twist.
+class DragElement(NamedTuple):
+    """Drag against two components of a twist, the slip.
 
     Attributes:
-        one, other: Rows that give the two components of the slip, (6,) each.
+        one, other: Rows of B, which give the two components of the slip, (6,) each.
         linear: Force per speed.
         quadratic: Force per speed squared.
     """
@@ -73,9 +78,9 @@ class Resistance(NamedTuple):
 
 
 class MovingWater:
-    """Added mass and drag on the joints of a tree, in a fluid.
+    """Added mass and drag on the joints of a tree.
 
-    Twists and forces are (joints, 6, N).
+    Twists and forces of N states are (joints, 6, N).
 
     Attributes:
         added_mass: (joints, 6, 6), in the joints' frames.
@@ -84,51 +89,53 @@ class MovingWater:
     def __init__(
         self, joints: Iterable[str], bodies: Iterable[JointWater], density: float
     ) -> None:
-        """Collect the added mass and the resistances of each joint.
+        """Collect the added mass and the drag elements of each joint.
 
         Args:
-            joints: Names; the first one also carries what a fixed base carries.
-            bodies: That move water.
+            joints: Names of the tree's joints. The first one also carries the bodies
+                on joints that are not in the tree: those of a fixed base.
+            bodies: The bodies with added mass and drag.
             density: Of the fluid [kg/m^3].
         """
         names = list(joints)
-        share = density / WATER_DENSITY
+        # Added mass and drag are given for fresh water.
+        density_ratio = density / WATER_DENSITY
         self.added_mass = np.zeros((len(names), 6, 6))
-        found: list[list[Resistance]] = [[] for _ in names]
+        elements: list[list[DragElement]] = [[] for _ in names]
         for body in bodies:
-            at = names.index(body.joint) if body.joint in names else 0
+            joint = names.index(body.joint) if body.joint in names else 0
             to_body = body.action
-            self.added_mass[at] += share * to_body.T @ body.data.added_mass @ to_body
-            found[at] += [_carried(one, to_body) for one in _resistances(body)]
+            added_mass = density_ratio * to_body.T @ body.data.added_mass @ to_body
+            self.added_mass[joint] += added_mass
+            elements[joint] += [
+                _at_joint(element, to_body) for element in _drag_elements(body)
+            ]
 
-        self._set_resistances(found, share)
-        # nu x* A nu is quadratic in nu: 36 products of two components, times constants.
-        crossed = np.array([cross_force(axis) for axis in np.eye(6)])
-        whirl = np.einsum("bac,jcd->jabd", crossed, self.added_mass)
-        self._whirl = whirl.reshape(len(names), 6, 36)
+        self._set_drag(elements, density_ratio)
+        self._coriolis = _coriolis_coefficients(self.added_mass)
 
-    def _set_resistances(
-        self, found: Sequence[Sequence[Resistance]], share: float
+    def _set_drag(
+        self, elements: Sequence[Sequence[DragElement]], density_ratio: float
     ) -> None:
-        """Lay out the resistances of the joints as arrays, filled up with zeros."""
-        joints = len(found)
-        most = max(map(len, found))
-        pairs = np.zeros((joints, 2, most, 6))
+        """Set the arrays of the drag elements, padded with zeros to equal numbers."""
+        joints = len(elements)
+        most = max(map(len, elements))
+        rows = np.zeros((joints, 2, most, 6))
         self._linear = np.zeros((joints, most, 1))
         self._quadratic = np.zeros((joints, most, 1))
-        for joint, resistances in enumerate(found):
-            for k, resistance in enumerate(resistances):
-                pairs[joint, 0, k] = resistance.one
-                pairs[joint, 1, k] = resistance.other
-                self._linear[joint, k] = share * resistance.linear
-                self._quadratic[joint, k] = share * resistance.quadratic
+        for joint, of_joint in enumerate(elements):
+            for k, element in enumerate(of_joint):
+                rows[joint, 0, k] = element.one
+                rows[joint, 1, k] = element.other
+                self._linear[joint, k] = density_ratio * element.linear
+                self._quadratic[joint, k] = density_ratio * element.quadratic
 
-        # Twist to slip, and resisting force to wrench.
-        self._rows = pairs.reshape(joints, 2 * most, 6)
-        self._columns = np.ascontiguousarray(self._rows.swapaxes(1, 2))
+        # B of all elements of a joint, and its transpose.
+        self._to_slip = rows.reshape(joints, 2 * most, 6)
+        self._to_wrench = np.ascontiguousarray(self._to_slip.swapaxes(1, 2))
 
     def force(self, nu: FloatArray, dnu: FloatArray) -> FloatArray:
-        """Force of the water on each joint's bodies.
+        """Force of the water on each joint's bodies, a wrench.
 
         Args:
             nu: Velocity relative to the water.
@@ -136,32 +143,39 @@ class MovingWater:
         """
         joints, _, n = nu.shape
         products = (nu[:, :, None] * nu[:, None]).reshape(joints, 36, n)
-        slip, resistance, _ = self._slip(nu)
-        resisting = (slip * resistance[:, None]).reshape(joints, self._rows.shape[1], n)
-        drag = self._columns @ resisting
-        return np.asarray(-(self.added_mass @ dnu + self._whirl @ products + drag))
+        slip, damping, _ = self._slip(nu)
+        forces = (slip * damping[:, None]).reshape(joints, self._to_slip.shape[1], n)
+        drag = self._to_wrench @ forces
+        return np.asarray(-(self.added_mass @ dnu + self._coriolis @ products + drag))
 
     def force_by_velocity(self, nu: FloatArray) -> FloatArray:
         """Derivative of `force` with respect to nu, of one state, (joints, 6, 6)."""
+        # The product rule on nu x* h with the momentum h = A nu.
         momentum = (self.added_mass @ nu)[..., 0]
-        whirl = kirchhoff(momentum)
-        carried = cross_force(nu[..., 0]) @ self.added_mass
-        return np.asarray(-(carried + whirl + self._drag_by_velocity(nu)))
+        at_fixed_velocity = cross_force(nu[..., 0]) @ self.added_mass
+        at_fixed_momentum = coriolis_matrix(momentum)
+        drag = self._drag_by_velocity(nu)
+        return np.asarray(-(at_fixed_velocity + at_fixed_momentum + drag))
 
     def _drag_by_velocity(self, nu: FloatArray) -> FloatArray:
-        slip, resistance, speed = self._slip(nu)
+        """Derivative of ``B^T d s``, summed over the elements, (joints, 6, 6).
+
+        With slip ``s = (x, y)`` and growth ``g = quadratic / |s|``, the derivative of
+        ``d s`` with respect to s is ``[[d + g x x, g x y], [g x y, d + g y y]]``.
+        """
+        slip, damping, speed = self._slip(nu)
         growth = np.divide(
             self._quadratic, speed, out=np.zeros_like(speed), where=speed > 0
         )
         x = slip[:, 0]
         y = slip[:, 1]
-        one, other = np.split(self._rows, 2, axis=1)
-        to_one = one.swapaxes(1, 2)
-        to_other = other.swapaxes(1, 2)
+        one, other = np.split(self._to_slip, 2, axis=1)
+        one_transposed = one.swapaxes(1, 2)
+        other_transposed = other.swapaxes(1, 2)
 
-        mixed = to_one @ (growth * x * y * other)
-        of_one = to_one @ ((resistance + growth * x * x) * one) + mixed
-        of_other = to_other @ ((resistance + growth * y * y) * other)
+        mixed = one_transposed @ (growth * x * y * other)
+        of_one = one_transposed @ ((damping + growth * x * x) * one) + mixed
+        of_other = other_transposed @ ((damping + growth * y * y) * other)
         return of_one + (of_other + mixed.swapaxes(1, 2))
 
     def dissipated_power(self, nu: FloatArray) -> FloatArray:
@@ -169,39 +183,48 @@ class MovingWater:
 
         It is never negative.
         """
-        _, resistance, speed = self._slip(nu)
-        return np.asarray((resistance * speed**2).sum(axis=(0, 1)))
+        _, damping, speed = self._slip(nu)
+        return np.asarray((damping * speed**2).sum(axis=(0, 1)))
 
     def _slip(self, nu: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Slip of each of k resistances, its strength and its speed.
+        """Slip of each of k drag elements, its damping and its speed.
 
         Returns:
-            (joints, 2, k, N), (joints, k, N) and (joints, k, N).
+            s (joints, 2, k, N), d (joints, k, N) and |s| (joints, k, N).
         """
         joints, k, _ = self._linear.shape
-        slip = (self._rows @ nu).reshape(joints, 2, k, nu.shape[2])
+        slip = (self._to_slip @ nu).reshape(joints, 2, k, nu.shape[2])
         speed = np.sqrt(slip[:, 0] ** 2 + slip[:, 1] ** 2)
-        strength = self._linear + self._quadratic * speed
-        return slip, strength, speed
+        damping = self._linear + self._quadratic * speed
+        return slip, damping, speed
 
 
-def _carried(resistance: Resistance, action: FloatArray) -> Resistance:
-    """A resistance to twists of the joint that carries its body."""
-    return resistance._replace(
-        one=resistance.one @ action, other=resistance.other @ action
-    )
+def _coriolis_coefficients(added_mass: FloatArray) -> FloatArray:
+    """``nu x* A nu`` as constants times the 36 products of two components of nu.
+
+    Returns:
+        (joints, 6, 36).
+    """
+    crossed = np.array([cross_force(axis) for axis in np.eye(6)])
+    coefficients = np.einsum("bac,jcd->jabd", crossed, added_mass)
+    return np.asarray(coefficients.reshape(len(added_mass), 6, 36))
 
 
-def _resistances(body: JointWater) -> list[Resistance]:
-    """Those of a body's strips and of its further damping, to twists of the body."""
+def _at_joint(element: DragElement, to_body: FloatArray) -> DragElement:
+    """An element for twists at the joint, from one for twists in the body's frame."""
+    return element._replace(one=element.one @ to_body, other=element.other @ to_body)
+
+
+def _drag_elements(body: JointWater) -> list[DragElement]:
+    """Elements of a body's strips and further damping, for twists in its frame."""
     out = []
     for strip in body.data.strips:
-        out += _of_strip(strip)
+        out += _elements_of_strip(strip)
     damping = zip(np.eye(6), body.linear, body.quadratic, strict=True)
     for row, linear, quadratic in damping:
         if linear or quadratic:
             out.append(
-                Resistance(
+                DragElement(
                     one=row,
                     other=np.zeros(6),
                     linear=float(linear),
@@ -211,40 +234,43 @@ def _resistances(body: JointWater) -> list[Resistance]:
     return out
 
 
-def _of_strip(strip: DragStrip) -> list[Resistance]:
+def _elements_of_strip(strip: DragStrip) -> list[DragElement]:
     line = strip.end - strip.start
     # The last two right singular vectors of the line are across it.
     axes = np.linalg.svd(line[None])[2]
-    face = WATER_DENSITY / 2 * strip.diameter * float(np.linalg.norm(line))
+    # Half the density times the frontal area.
+    drag_per_coefficient = (
+        WATER_DENSITY / 2 * strip.diameter * float(np.linalg.norm(line))
+    )
 
     out = []
-    for point, share in gauss_points(strip):
+    for point, weight in gauss_points(strip):
         _, one, other = axes @ _velocity_at(point)
         out.append(
-            Resistance(
+            DragElement(
                 one=one,
                 other=other,
                 linear=0.0,
-                quadratic=strip.across * face * share,
+                quadratic=strip.across * drag_per_coefficient * weight,
             )
         )
     # The velocity along a line is the same at all its points.
-    along = Resistance(
+    along = DragElement(
         one=axes[0] @ _velocity_at(strip.start),
         other=np.zeros(6),
         linear=0.0,
-        quadratic=strip.along * face,
+        quadratic=strip.along * drag_per_coefficient,
     )
     return [*out, along]
 
 
 def _velocity_at(point: FloatArray) -> FloatArray:
-    """The velocity of a point of a body, linear in the body's twist, (3, 6)."""
+    """Matrix from a body's twist to the velocity of one of its points, (3, 6)."""
     return np.hstack([np.eye(3), -cross_matrix(point)])
 
 
 def cross_force(nu: FloatArray) -> FloatArray:
-    """The matrices of ``nu x* f`` on forces, (..., 6, 6)."""
+    """Matrix of the spatial cross product ``nu x* f`` with a force, (..., 6, 6)."""
     linear = cross_matrix(nu[..., :3])
     angular = cross_matrix(nu[..., 3:])
     out = np.zeros((*nu.shape, 6))
@@ -254,8 +280,8 @@ def cross_force(nu: FloatArray) -> FloatArray:
     return out
 
 
-def kirchhoff(momentum: FloatArray) -> FloatArray:
-    """Skew-symmetric C with ``C nu = nu x* h``, (..., 6, 6).
+def coriolis_matrix(momentum: FloatArray) -> FloatArray:
+    """Skew-symmetric Coriolis matrix C with ``C nu = nu x* h``, (..., 6, 6).
 
     Args:
         momentum: h = A nu, (..., 6).

@@ -1,16 +1,19 @@
-"""A tree of joints in moving water: every joint its own, the base on a free-flyer.
+"""The dynamics of an arm's tree of joints in moving water.
 
-The velocities of an arm are ``G v`` in it, so the arm's torques are ``G^T tau``. On a
-fixed base the first six of the tree's torques are the load on the mount. Nothing is
-checked here. All joints and N states are computed at once; twists are linear before
-angular, each in its joint's frame.
+Each joint of the tree has coordinates of its own, and its base is on a free-flyer
+(`alpha5_model.dynamics.joint_tree`). The tree moves at ``v_tree = G v``, so the arm's
+torques are ``G^T tau_tree``. On a fixed base, the first six of the tree's torques are
+the load on the mount.
+
+All joints of a state are computed at once. Twists are linear before angular, each in
+its joint's frame. Arguments are not checked.
 """
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Sequence
-from functools import cached_property, partial
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,11 +21,10 @@ import pinocchio as pin
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix
-from alpha5_model.dynamics.states import expanded
-from alpha5_model.water.forces import JointWater, MovingWater, kirchhoff
+from alpha5_model.water.forces import JointWater, MovingWater, coriolis_matrix
 from alpha5_model.water.tree_pass import TreePass
 
-#: States that are computed at once: what a processor's cache holds.
+#: States that are computed at once: as many as the processor's cache holds.
 _BLOCK = 384
 #: q, v, a of the tree; of batches, in rows.
 State = Sequence[FloatArray]
@@ -48,25 +50,25 @@ class _MotionDerivatives(NamedTuple):
 
 
 class HydrodynamicTree:
-    """The tree of an arm, and the water around it.
+    """The tree of an arm's joints, and the water around it.
 
     Attributes:
         g: G, (tree nv, nv).
-        expand: States (..., n) of the arm to those of the tree.
-        water: What moves.
+        expand: Function from states of the arm to states of the tree.
+        water: Added mass and drag.
     """
 
     def __init__(self, still: Any, bodies: Iterable[JointWater]) -> None:
-        self._tree, self._fluid, embedding = still._free
+        self._tree, self._fluid, embedding = still._floating_tree
         self._joints = range(1, self._tree.njoints)
-        self.g = embedding[0]
-        self.expand = partial(expanded, embedding)
+        self.g = embedding.g
+        self.expand: Callable[..., list[FloatArray]] = embedding.expand
         self.water = MovingWater([*self._tree.names][1:], bodies, still.fluid_density)
-        self._own = _Memory(self._tree, self._fluid)
+        self._scratch = _Scratch(self._tree, self._fluid)
 
     def jacobians(self, q: FloatArray) -> FloatArray:
-        """Twists of the tree's joints by the arm's velocities, (joints, 6, nv)."""
-        data = self._own.data
+        """Jacobians of the tree's joints for the arm's velocities, (joints, 6, nv)."""
+        data = self._scratch.data
         pin.computeJointJacobians(self._tree, data, q)
         of_tree = [
             pin.getJointJacobian(self._tree, data, joint, pin.LOCAL)
@@ -84,22 +86,22 @@ class HydrodynamicTree:
         """
         q, v, a = state
         if current.any():
-            # Seen from the water, the arm is one whose base drifts against the current.
+            # In the frame of the water, the base drifts against the current.
             stream = current @ pin.XYZQUATToSE3(q[:7]).rotation
             v = v.copy()
             a = a.copy()
             v[:3] -= stream
             a[:3] += cross_matrix(v[3:6]) @ stream
-        own = self._own
-        pin.forwardKinematics(self._tree, own.data, q, v, a)
-        velocities = np.array(own.velocities)
-        accelerations = np.array(own.accelerations)
+        scratch = self._scratch
+        pin.forwardKinematics(self._tree, scratch.data, q, v, a)
+        velocities = np.array(scratch.velocities)
+        accelerations = np.array(scratch.accelerations)
         return velocities[..., None], accelerations[..., None]
 
     def mass(self, q: FloatArray) -> FloatArray:
         """Mass matrix of the arm and of the water, (nv, nv)."""
         jacobians = self.jacobians(q)
-        mass = self.g.T @ pin.crba(self._tree, self._own.data, q) @ self.g
+        mass = self.g.T @ pin.crba(self._tree, self._scratch.data, q) @ self.g
         mass += np.einsum(
             "jai,jab,jbk->ik", jacobians, self.water.added_mass, jacobians
         )
@@ -108,7 +110,7 @@ class HydrodynamicTree:
     def coriolis(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Coriolis matrix of the arm in still water, (nv, nv)."""
         tree = self._tree
-        data = self._own.data
+        data = self._scratch.data
         added_mass = self.water.added_mass
         of_arm = self.g.T @ pin.computeCoriolisMatrix(tree, data, q, v) @ self.g
 
@@ -121,7 +123,7 @@ class HydrodynamicTree:
         rates = np.array(of_tree) @ self.g
         nu, _ = self.motion((q, v, np.zeros_like(v)), np.zeros(3))
         momentum = (added_mass @ nu)[..., 0]
-        of_joints = added_mass @ rates + kirchhoff(momentum) @ jacobians
+        of_joints = added_mass @ rates + coriolis_matrix(momentum) @ jacobians
         return np.asarray(of_arm + np.einsum("jai,jak->ik", jacobians, of_joints))
 
     def kinetic_energy(self, state: State, current: FloatArray) -> float:
@@ -129,7 +131,7 @@ class HydrodynamicTree:
         q, v, _ = state
         nu, _ = self.motion(state, current)
         of_water = float((self.water.added_mass @ nu * nu).sum()) / 2
-        of_arm = float(pin.computeKineticEnergy(self._tree, self._own.data, q, v))
+        of_arm = float(pin.computeKineticEnergy(self._tree, self._scratch.data, q, v))
         return of_arm + of_water
 
     def torque(
@@ -142,18 +144,22 @@ class HydrodynamicTree:
             current: In the world, (3,).
             outside: Further forces on the joints, (joints, 6).
         """
-        own = self._own
+        scratch = self._scratch
         nu, dnu = self.motion(state, current)
         force = self.water.force(nu, dnu)[..., 0]
         if outside is not None:
             force += outside
-        own.press(force)
-        tau: FloatArray = pin.rnea(self._tree, own.data, *state, own.forces)
-        tau -= pin.computeGeneralizedGravity(self._fluid, own.fluid_data, state[0])
+        scratch.set_forces(force)
+        tau: FloatArray = pin.rnea(self._tree, scratch.data, *state, scratch.forces)
+        tau -= pin.computeGeneralizedGravity(self._fluid, scratch.fluid_data, state[0])
         return tau
 
     def water_torques(self, states: State, currents: FloatArray) -> FloatArray:
-        """What moving water adds to `torque`, of each row, (N, tree nv).
+        """What moving water adds to `torque`, for each state, (N, tree nv).
+
+        Args:
+            states: q, v, a of the tree, (N, tree nq) and (N, tree nv).
+            currents: In the world, (N, 3).
 
         Raises:
             InputError: A joint that neither turns about one axis nor slides along one.
@@ -176,40 +182,42 @@ class HydrodynamicTree:
             (tree nv, nv) three times, and (tree nv, 3).
         """
         nu, dnu = self.motion(state, current)
-        rotations = np.array(self._own.rotations)
+        rotations = np.array(self._scratch.rotations)
         stream = current @ rotations
-        self._own.press(self.water.force(nu, dnu)[..., 0])
+        self._scratch.set_forces(self.water.force(nu, dnu)[..., 0])
         dq, dv, da = self._derivatives_at_fixed_forces(state)
 
-        moved = self._motion_derivatives(state, nu, stream)
+        motion = self._motion_derivatives(state, nu, stream)
         by_velocity = self.water.force_by_velocity(nu)
         added_mass = self.water.added_mass
 
-        def pressed(change: FloatArray) -> FloatArray:
-            """Torques that balance a change of the joints' forces."""
-            return np.asarray(np.einsum("jai,jak->ik", moved.v_v, change))
+        def joint_torques(forces: FloatArray) -> FloatArray:
+            """Generalized forces of forces on the joints, ``J^T f``."""
+            return np.asarray(np.einsum("jai,jak->ik", motion.v_v, forces))
 
-        dq -= pressed(by_velocity @ moved.v_q - added_mass @ moved.a_q)
-        dv -= pressed(by_velocity @ moved.v_v - added_mass @ moved.a_v)
-        da += pressed(added_mass @ moved.v_v)
+        dq -= joint_torques(by_velocity @ motion.v_q - added_mass @ motion.a_q)
+        dv -= joint_torques(by_velocity @ motion.v_v - added_mass @ motion.a_v)
+        da += joint_torques(added_mass @ motion.v_v)
 
         # How the stream in each joint's frame changes with the current.
         stream_u = rotations.swapaxes(1, 2)
         spin = cross_matrix(nu[:, 3:, 0])
         by_stream = -by_velocity[:, :, :3] @ stream_u
         by_stream_rate = added_mass[:, :, :3] @ (spin @ stream_u)
-        du = -pressed(by_stream - by_stream_rate)
+        du = -joint_torques(by_stream - by_stream_rate)
         return dq @ self.g, dv @ self.g, da @ self.g, du
 
     def _derivatives_at_fixed_forces(
         self, state: State
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Derivatives of RNEA under the forces on the joints, buoyancy included."""
-        own = self._own
-        found = pin.computeRNEADerivatives(self._tree, own.data, *state, own.forces)
-        dq, dv, da = (matrix.copy() for matrix in found)
+        """Derivatives of `torque` while the forces of the water stay as they are."""
+        scratch = self._scratch
+        views = pin.computeRNEADerivatives(
+            self._tree, scratch.data, *state, scratch.forces
+        )
+        dq, dv, da = (view.copy() for view in views)
         dq -= pin.computeGeneralizedGravityDerivatives(
-            self._fluid, own.fluid_data, state[0]
+            self._fluid, scratch.fluid_data, state[0]
         )
         return dq, dv, da
 
@@ -223,7 +231,7 @@ class HydrodynamicTree:
             nu: Velocities relative to the water, (joints, 6, 1).
             stream: The current in each joint's frame, (joints, 3).
         """
-        data = self._own.data
+        data = self._scratch.data
         pin.computeForwardKinematicsDerivatives(self._tree, data, *state)
         found = [
             pin.getJointAccelerationDerivatives(self._tree, data, joint, pin.LOCAL)
@@ -241,8 +249,15 @@ class HydrodynamicTree:
         return _MotionDerivatives(v_q=v_q, v_v=v_v, a_q=a_q, a_v=a_v)
 
 
-class _Memory(threading.local):
-    """What Pinocchio computes in, one set for each thread, and views of its results."""
+class _Scratch(threading.local):
+    """The memory that Pinocchio computes in, one set for each thread.
+
+    Attributes:
+        data, fluid_data: pin.Data of the tree and of the displaced fluid.
+        velocities, accelerations, rotations: Views of `data`, one for each joint; the
+            next computation changes them.
+        forces: External forces on the joints, pin.StdVec_Force.
+    """
 
     def __init__(self, tree: Any, fluid: Any) -> None:
         self.data = tree.createData()
@@ -254,7 +269,7 @@ class _Memory(threading.local):
         self.forces = pin.StdVec_Force([pin.Force.Zero()] * tree.njoints)
         self._views = [self.forces[i].vector for i in joints]
 
-    def press(self, forces: FloatArray) -> None:
+    def set_forces(self, forces: FloatArray) -> None:
         """Set the forces on the joints, (joints, 6)."""
         for view, force in zip(self._views, forces, strict=True):
             view[:] = force

@@ -139,13 +139,13 @@ def afloat(still: Any) -> Any:
         replace(volume, joint="root_joint") if volume.joint == "universe" else volume
         for volume in still.displacements
     ]
-    return still._afloat(on_free_flyer(still._arguments[0]), volumes)
+    return still._rebuilt_afloat(on_free_flyer(still._joint_tree.model), volumes)
 
 
 def carrying(still: Any, vehicle: Vehicle) -> Any:
     """The floating arm with the vehicle at its base, in a new frame ``vehicle``."""
     instance("vehicle", vehicle, Vehicle)
-    model = still._arguments[0].copy()
+    model = still._joint_tree.model.copy()
     base = model.getFrameId("base_link")
     carrier = model.frames[base]
     placement = carrier.placement * pin.SE3(np.array(vehicle.transform_vehicle_to_base))
@@ -158,7 +158,7 @@ def carrying(still: Any, vehicle: Vehicle) -> Any:
         vehicle.mass, vehicle.com, vehicle.inertia, vehicle.volume, vehicle.cob
     )
     loaded, displaced = with_body(model, "vehicle", body, "vehicle_body")
-    return still._made_of(loaded, (*still.displacements, displaced))
+    return still._rebuilt(loaded, (*still.displacements, displaced))
 
 
 def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:

@@ -150,4 +150,4 @@ def test_one_state_costs_no_thread():
         arm.inverse_dynamics_batch(q, v, a, threads=threads)
         times.append(time.perf_counter() - start)
     assert np.median(asked) < 3 * np.median(alone)
-    assert len(arm._own._pools) == 2  # arm and fluid, one set of memory each
+    assert len(arm._scratch._pools) == 2  # arm and fluid, one set of memory each

@@ -512,12 +512,15 @@ def test_margin_of_an_arm_with_jaws() -> None:
     for k in range(30):
         p = replace(drawn.parameters(k), dh=a5.parameters().dh)
         base = a5.load(gripper="jaws")
-        model = base._arguments[0].copy()
+        model = base._joint_tree.model.copy()
         for link in (*p.links[1:4], split_link_4(p).wrist):
             joint = model.frames[model.getFrameId(link.name)].parentJoint
             model.inertias[joint] = pin.Inertia(link.mass, link.com, link.inertia)
         other = type(base)(
-            model, displacements(model, p, "jaws"), 1025.0, *base._arguments[3:]
+            model,
+            displacements(model, p, "jaws"),
+            1025.0,
+            *base._constructor_arguments[3:],
         )
         tau = other.with_payload(**PAYLOAD).inverse_dynamics_batch(q, v, a)
         assert (low <= tau + 1e-12).all()

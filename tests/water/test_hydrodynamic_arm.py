@@ -231,8 +231,8 @@ def test_kernels_compute_what_pinocchios_tree_does(
     if payload:
         fast = fast.with_payload(0.2, volume=1e-4, **payload)
     slow = pickle.loads(pickle.dumps(fast))
-    monkeypatch.setattr(slow, "_numbers", None)
-    assert (fast._numbers is not None) == on_kernels
+    monkeypatch.setattr(slow, "_water_kernel_parameters", None)
+    assert (fast._water_kernel_parameters is not None) == on_kernels
     n = 40
     q = np.array([random_q(fast, rng) for _ in range(n)])
     v, a = (np.array([random_v(fast, rng) for _ in range(n)]) for _ in range(2))
@@ -564,6 +564,7 @@ def test_it_can_be_pickled_and_printed(wet, rng):
     )
     assert "current [0.4, -0.6, 0.8] m/s" in repr(wet)
     assert {"jacobian", "inverse_dynamics"} <= set(dir(wet))
+    assert [name for name in dir(wet) if not hasattr(wet, name)] == []
 
 
 INDEFINITE = np.diag([1.0, 1, 1, 1, 1, -1e-3])
