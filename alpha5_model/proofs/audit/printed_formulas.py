@@ -39,7 +39,7 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     solutions = published_inverse_kinematics(target)
     # The formulas do not mention the wrist.
     by_pose = {
-        pose: np.concatenate([solutions[:, k], q[:, 3:]], axis=-1)
+        pose: np.column_stack([solutions[:, k], q[:, 3]])
         for k, pose in enumerate(POSES)
     }
     return [
