@@ -17,8 +17,10 @@ from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import urdf
 from alpha5_model.numbers.parameters import parameters
+from alpha5_model.proofs.comparison.axis_findings import _misplaced
 from alpha5_model.proofs.comparison.body_findings import BodyCase, findings_of_body
 from alpha5_model.proofs.comparison.body_replacement import Replacement
+from alpha5_model.proofs.comparison.correction import JointCorrection
 from alpha5_model.proofs.comparison.hypotheses import hypotheses_of
 from alpha5_model.proofs.comparison.measure import compare_robots
 from alpha5_model.proofs.comparison.own_arm import own_arm_of
@@ -437,8 +439,22 @@ def test_a_body_that_the_other_model_lacks_is_said_to_be_missing():
     )
     (finding,) = findings_of_body(case)
     assert finding == Finding(
-        "link_2", "no link of the other model is this body", True, 2.38, ""
+        where="link_2",
+        text="no link of the other model is this body",
+        serious=True,
+        cost=2.0 + MASS_2,
+        instead="",
     )
+
+
+def test_a_joint_that_nothing_explains_is_off_by_millimetres():
+    joint = parse_urdf(OWN).joints["axis_b"]
+    origin = joint.transform.copy()
+    origin[:3, 3] += [0.003, 0.0, -0.004]
+    correction = JointCorrection(joint=joint, origin=origin, axis=joint.axis)
+    finding = _misplaced(correction)
+    assert finding.where == "tool"  # a joint that does not move
+    assert finding.text.startswith("its origin stands 5.00 mm from where ours would")
 
 
 def test_the_largest_differences_are_given_in_millimetres_and_newton_metres(

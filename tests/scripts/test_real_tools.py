@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import alpha5_model as a5
+
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 from conformance import gazebo_tools, real_tools, ros_tools
 from conformance.ros_tools import NotThereError, Result, Workspace
@@ -105,7 +107,10 @@ def test_the_world_for_dart_is_our_model_fixed_in_air(tmp_path):
     assert text.count('<joint name="mount" type="fixed">') == 1
     assert "<child>link_0</child>" in text
     assert "buoyancy" not in text
-    for name, value in (("mass", 0.38), ("max_step_size", 1e-4)):
+    for name, value in (
+        ("mass", a5.parameters().links[2].mass),
+        ("max_step_size", 1e-4),
+    ):
         assert value in np.array(
             re.findall(rf"<{name}>(.*?)</{name}>", text), dtype=float
         )

@@ -523,6 +523,23 @@ def test_keys_of_twenty_parts_are_read_by_toml(tmp_path: Path) -> None:
             a5.sweep(written(tmp_path, text), tmp_path / "out")
 
 
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("", "axes"),
+        ("axes = {}\n", "axes"),
+        ("axes = [1]\n", "axes"),
+        ("axes.axis_e_pos = 1.0\n", "outputs"),
+        ("axes.axis_e_pos = 1.0\noutputs = {}\n", "outputs"),
+        ("axes.axis_e_pos = 1.0\noutputs = ['torque']\n", "outputs"),
+    ],
+)
+def test_a_study_needs_axes_and_outputs(text: str, place: str, tmp_path: Path) -> None:
+    expected = f"{place}: expected a table with at least one key"
+    with pytest.raises(a5.errors.FileFormatError, match=expected):
+        a5.sweep(written(tmp_path, text), tmp_path / "out")
+
+
 def damaged(whole: bytes) -> bytes:
     """A part whose head is in order and whose data are not."""
     return whole[:4] + bytes(40) + whole[44:]

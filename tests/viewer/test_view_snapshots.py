@@ -76,7 +76,7 @@ def test_the_scene(scene: Scene) -> None:
 
 
 def test_the_scene_of_a_target() -> None:
-    target = build_scene(a5.load(), target=(0.25, 0.1, 0.1))
+    target = build_scene(arm_with_made_up_masses(), target=(0.25, 0.1, 0.1))
     shapes = [shape for shape in target.shapes if shape.group == "ghosts"]
     held("target", described("ghosts", (shapes, target.labels, target.camera)))
 
