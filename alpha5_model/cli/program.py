@@ -15,7 +15,9 @@ from alpha5_model.cli.syntax import one_syntax
 from alpha5_model.cli.values import hints
 from alpha5_model.errors import Alpha5Error, ImplausibleWarning
 
-#: Root of the errors that the parser raises: click's, which typer may carry inside.
+#: click's ClickException, the base class of all errors of the parser. It cannot be
+#: imported from click, because some versions of typer have a copy of click inside. But
+#: BadParameter derives from UsageError, and that from ClickException.
 _PARSER_ERROR: Any = typer.BadParameter.__mro__[2]
 
 

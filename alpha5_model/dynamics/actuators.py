@@ -229,7 +229,7 @@ class Actuator:
         Raises:
             MissingParameterError: An acceleration without a rotor inertia.
         """
-        tau, v, _ = _numbers(
+        tau, v, _ = _checked_arrays(
             torque=torque, velocity=velocity, acceleration=acceleration
         )
         shaft = self._gear_input(tau, v) + self.parameters.friction * np.sign(v)
@@ -246,7 +246,7 @@ class Actuator:
         Returns:
             [N m].
         """
-        i, v, _ = _numbers(
+        i, v, _ = _checked_arrays(
             current=current, velocity=velocity, acceleration=acceleration
         )
         shaft = self.torque_constant * i - self.parameters.friction * np.sign(v)
@@ -257,10 +257,10 @@ class Actuator:
     def holding_current(self, torque: ArrayLike) -> Interval:
         """Currents at which the joint stays still under a load, [A].
 
-        From the current just enough to keep the load from falling to the one that
-        starts to lift it; contains 0 if friction alone holds.
+        The lower end just keeps the load from falling, and the upper end starts to lift
+        it. The interval contains 0 if friction alone holds the load.
         """
-        (tau,) = _numbers(torque=torque)
+        (tau,) = _checked_arrays(torque=torque)
         eta = self.gear_efficiency
         friction = self.parameters.friction
         shaft = np.stack([tau * eta, tau / eta]) / self.ratio
@@ -275,7 +275,7 @@ class Actuator:
 
         This is the inverse of `holding_current`.
         """
-        (i,) = _numbers(current=current)
+        (i,) = _checked_arrays(current=current)
         shaft = self.torque_constant * i
         low = shaft - self.parameters.friction
         high = shaft + self.parameters.friction
@@ -304,7 +304,7 @@ class Actuator:
         Returns:
             [V].
         """
-        i, v, rate = _numbers(
+        i, v, rate = _checked_arrays(
             current=current, velocity=velocity, current_rate=current_rate
         )
         p = self.parameters
@@ -316,7 +316,7 @@ class Actuator:
 
     def speed(self, voltage: ArrayLike, current: ArrayLike = 0.0) -> FloatArray:
         """Steady joint velocity at a voltage and a current: inverse of `voltage`."""
-        u, i = _numbers(voltage=voltage, current=current)
+        u, i = _checked_arrays(voltage=voltage, current=current)
         return (u - self.parameters.resistance * i) / (
             self.back_emf_constant * self.ratio
         )
@@ -338,8 +338,8 @@ class Actuator:
         Returns:
             [N m]; NaN if no current within the limit can be kept at this velocity.
         """
-        supply, limit = _drive(supply_voltage, current_limit)
-        (v,) = _numbers(velocity=velocity)
+        supply, limit = _drive_limits(supply_voltage, current_limit)
+        (v,) = _checked_arrays(velocity=velocity)
         back_emf = self.back_emf_constant * self.ratio * v
         low = np.maximum((-supply - back_emf) / self.parameters.resistance, -limit)
         high = np.minimum((supply - back_emf) / self.parameters.resistance, limit)
@@ -365,8 +365,8 @@ class Actuator:
             ``lower <= 0 <= upper``; NaN on a side where the joint cannot move with that
             torque.
         """
-        supply, limit = _drive(supply_voltage, current_limit)
-        (tau,) = _numbers(torque=torque)
+        supply, limit = _drive_limits(supply_voltage, current_limit)
+        (tau,) = _checked_arrays(torque=torque)
 
         def speed_towards(sign: float) -> FloatArray:
             i = self.current(tau, sign)
@@ -389,7 +389,7 @@ class Actuator:
 
         ``di/dt`` is left out.
         """
-        tau, v, _ = _numbers(
+        tau, v, _ = _checked_arrays(
             torque=torque, velocity=velocity, acceleration=acceleration
         )
         i = self.current(tau, v, acceleration)
@@ -454,7 +454,7 @@ class Actuator:
         if self.rotor_inertia is None:
             needed_for = f"the acceleration of {self.joint}'s motor"
             raise MissingParameterError("rotor_inertia", needed_for)
-        (a,) = _numbers(acceleration=acceleration)
+        (a,) = _checked_arrays(acceleration=acceleration)
         return np.asarray(self.rotor_inertia * self.ratio * a)
 
 
@@ -493,15 +493,15 @@ def actuator(
     )
 
 
-def _drive(supply_voltage: float, current_limit: float) -> tuple[float, float]:
-    """Checked: both above zero [V], [A]."""
+def _drive_limits(supply_voltage: float, current_limit: float) -> tuple[float, float]:
+    """Check the limits of a drive: both are above zero [V], [A]."""
     supply = real("supply_voltage", supply_voltage, minimum=0.0, strict=True)
     limit = real("current_limit", current_limit, minimum=0.0, strict=True)
     return supply, limit
 
 
-def _numbers(**values: ArrayLike | None) -> list[FloatArray]:
-    """Checked arrays that broadcast with one another; None counts as zero."""
+def _checked_arrays(**values: ArrayLike | None) -> list[FloatArray]:
+    """Check arrays whose shapes broadcast with one another; None is zero."""
     given: dict[str, tuple[ArrayLike, tuple[int, ...]]] = {}
     for name, value in values.items():
         given[name] = (0.0 if value is None else value, ())

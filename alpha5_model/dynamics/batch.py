@@ -3,12 +3,11 @@
 The kernels know the arm on a fixed base with locked jaws
 (`alpha5_model.dynamics.kernel_numbers`). Pinocchio computes other arms.
 
-Pinocchio reads one state from each column. A C-ordered (N, n) array transposed is
-exactly that, so no state is copied.
+Pinocchio reads one state from each column. The transpose of a C-ordered (N, n) array
+has this layout, so no state is copied.
 
-A forked process computes in one thread: OpenMP's threads do not survive a fork, yet
-OpenMP waits for them. Its siblings use the other processors; processes that are spawned
-use all threads.
+A forked process computes in one thread, because OpenMP would wait for threads that do
+not survive a fork. Spawned processes use all threads.
 """
 
 from __future__ import annotations
@@ -28,57 +27,66 @@ from alpha5_model.dynamics.scratch import Scratch
 from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import KernelError
 
-#: States for which one more thread pays: 3 ms of work, the time that starting a thread
-#: takes on a busy machine.
+#: Number of states for which one more thread pays. They are 3 ms of work, as long as
+#: starting a thread takes on a busy machine.
 STATES_PER_THREAD = 5000
-#: States for a thread at a time: some 10 ms, after which a signal (Ctrl-C) is answered.
+#: States that a thread computes at a time: about 10 ms. Python answers signals (Ctrl-C)
+#: in between.
 _STATES_AT_ONCE = 10_000
 _PROCESS = os.getpid()
 
 
 def kernel_rows(
     arm: Any,
-    name: str,
+    kernel: str,
     columns: int,
     threads: int | None,
-    numbers: FloatArray | None = None,
+    parameters: FloatArray | None = None,
     **states: ArrayLike,
 ) -> FloatArray:
-    """A kernel's output for each row of q and its rates, (N, columns).
+    """The output of a kernel for each row of q and its rates, (N, columns).
 
-    If the kernels do not know the arm, Pinocchio computes it. Errors are those of
-    `rows` and `thread_count`.
+    Pinocchio computes it instead if the kernels do not know the arm.
 
     Args:
         arm: An `Arm`.
-        name: Of the kernel.
-        columns: Of its output.
-        threads: How many Pinocchio uses at most.
-        numbers: Parameters of the kernel; None for the arm's base parameters.
+        kernel: Name of the kernel.
+        columns: Number of columns of its output.
+        threads: How many threads Pinocchio uses at most. The kernels use one, but the
+            number is checked in any case.
+        parameters: Parameters of the kernel; None for the arm's base parameters.
         states: q and its rates, by name.
+
+    Raises:
+        InputError: States that `rows` refuses, or threads that `thread_count` refuses.
     """
-    own_numbers = arm._kernel_parameters if numbers is None else numbers
-    if own_numbers is None:
+    if parameters is None:
+        parameters = arm._kernel_parameters
+    if parameters is None:
         clean = rows(arm._model, **states)
-        return _BY_PINOCCHIO[name](arm, thread_count(threads, len(clean[0])), *clean)
+        n_threads = thread_count(threads, len(clean[0]))
+        return _BY_PINOCCHIO[kernel](arm, n_threads, *clean)
 
     out = None
     given: list[Any] = [*states.values()]
     if type(given[0]) is np.ndarray and given[0].ndim == 2:
-        # What is not plainly rows is converted, or refused, below.
+        # The kernel refuses what is not plainly rows. Then `rows` converts it, or says
+        # what is wrong.
         with suppress(KernelError):
-            out = _computed(name, own_numbers, columns, given)
+            out = _run_kernel(kernel, parameters, columns, given)
     if out is None:
-        out = _computed(name, own_numbers, columns, rows(arm._model, **states))
-    thread_count(threads, len(out))
+        clean = rows(arm._model, **states)
+        out = _run_kernel(kernel, parameters, columns, clean)
+    if threads is not None:
+        count("threads", threads)
     return out
 
 
-def _computed(
-    name: str, numbers: FloatArray, columns: int, states: list[FloatArray]
+def _run_kernel(
+    kernel: str, parameters: FloatArray, columns: int, states: list[FloatArray]
 ) -> FloatArray:
     out = np.empty((len(states[0]), columns))
-    kernels.compute(name, numbers, *states, out)
+    kernels.compute(kernel, parameters, *states, out)
     return out
 
 
@@ -109,14 +117,14 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
 
 
 def thread_count(threads: int | None, states: int) -> int:
-    """Threads for a number of states: at most ``threads``.
+    """How many threads to use for a number of states.
 
     Args:
-        threads: None for `available_threads`.
-        states: How many.
+        threads: The most to use; None for `available_threads`.
+        states: Number of states.
 
     Raises:
-        InputError: Not a whole number of at least 1.
+        InputError: ``threads`` is not a whole number of at least 1.
     """
     most = available_threads() if threads is None else count("threads", threads)
     if os.getpid() != _PROCESS:
@@ -141,9 +149,9 @@ def rnea(
     a: FloatArray | None = None,
 ) -> FloatArray:
     """Pinocchio's RNEA of each row of q, v, a on one model, (N, nv); None is 0."""
-    still = np.zeros((len(q), model.nv))
-    v = still if v is None else v
-    a = still if a is None else a
+    zeros = np.zeros((len(q), model.nv))
+    v = zeros if v is None else v
+    a = zeros if a is None else a
 
     tau = np.empty((len(q), model.nv))
     pool = scratch.pool(model, threads)
@@ -153,7 +161,7 @@ def rnea(
 
 
 def _blocks(states: int, threads: int) -> Iterator[slice]:
-    """Parts of many states. Between two of them Python answers signals."""
+    """Blocks of many states. Python answers signals between two of them."""
     size = threads * _STATES_AT_ONCE
     return (slice(start, start + size) for start in range(0, states, size))
 
@@ -186,7 +194,7 @@ def _forward_dynamics(
 ) -> FloatArray:
     """ABA of each row with the torque of the water added, (N, nv).
 
-    Pinocchio's ABA refuses an arm with jaws: its mass matrix is solved.
+    Pinocchio's ABA refuses mimic joints, so an arm with jaws uses its mass matrix.
     """
     if arm._joint_tree.model is not arm._model:
         return solved_rows(arm, q, v, tau, threads)
@@ -199,7 +207,7 @@ def _forward_dynamics(
     return a
 
 
-#: Kernel -> the same by Pinocchio.
+#: Kernel -> function that computes the same by Pinocchio.
 _BY_PINOCCHIO: dict[str, Callable[..., FloatArray]] = {
     "inverse_dynamics": _inverse_dynamics,
     "base_wrench": _base_wrench,
@@ -215,10 +223,17 @@ def solved_rows(
     threads: int | None,
     **current: Any,
 ) -> FloatArray:
-    """Forward dynamics of each row, (N, nv), from mass matrix and inverse dynamics."""
+    """Forward dynamics of each row, (N, nv), from mass matrix and inverse dynamics.
+
+    Args:
+        arm: An `Arm` or `HydrodynamicArm`.
+        q, v, tau: As of `Arm.forward_dynamics_batch`.
+        threads: How many threads Pinocchio uses at most.
+        current: Velocity of the water, for a `HydrodynamicArm` only.
+    """
     q, v, tau = rows(arm._model, q=q, v=v, tau=tau)
-    still = np.zeros_like(v)
-    bias = arm.inverse_dynamics_batch(q, v, still, threads, **current)
+    no_acceleration = np.zeros_like(v)
+    bias = arm.inverse_dynamics_batch(q, v, no_acceleration, threads, **current)
     excess = tau - bias
 
     a = np.empty(excess.shape)

@@ -27,8 +27,8 @@ def obj(name: str, surface: Surface) -> bytes:
         f"mtllib {MTL_NAME}",
         f"o {name}",
     ]
-    lines += [f"v {_numbers(v, DECIMALS)}" for v in surface.vertices.tolist()]
-    lines += [f"vn {_numbers(v, 4)}" for v in surface.normals.tolist()]
+    lines += [f"v {_decimal_text(v, DECIMALS)}" for v in surface.vertices.tolist()]
+    lines += [f"vn {_decimal_text(v, 4)}" for v in surface.normals.tolist()]
     lines.append(f"usemtl {material_of(name).name}")
     for face in corners.tolist():
         indices = [f"{vertex}//{normal}" for vertex, normal in face]
@@ -46,16 +46,16 @@ def _material(material: Material) -> str:
     shine = 0.2 + 0.6 * material.metallic * smooth
     lines = [
         f"newmtl {material.name}",
-        f"Kd {_numbers(material.rgba[:3], 3)}",
-        f"Ks {_numbers([shine, shine, shine], 3)}",
+        f"Kd {_decimal_text(material.rgba[:3], 3)}",
+        f"Ks {_decimal_text([shine, shine, shine], 3)}",
         f"Ns {10 ** (2.5 * smooth):.1f}",
-        f"d {_numbers(material.rgba[3:], 3)}",
+        f"d {_decimal_text(material.rgba[3:], 3)}",
         "illum 2",
     ]
     return "\n".join(lines) + "\n"
 
 
-def _numbers(values: Iterable[float], decimals: int) -> str:
+def _decimal_text(values: Iterable[float], decimals: int) -> str:
     return " ".join(_number(value, decimals) for value in values)
 
 

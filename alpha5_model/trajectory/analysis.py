@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,10 +13,8 @@ from alpha5_model._support.checks import FloatArray, choice, frozen, real
 from alpha5_model.dynamics.actuators import Actuator, Interval
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory import smoothing
 from alpha5_model.trajectory.file_table import Progress
-from alpha5_model.trajectory.loads import loads_of
 from alpha5_model.trajectory.motions import Motion
 from alpha5_model.trajectory.motors import Drive, drive_limits, motor_columns
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth_for
@@ -32,21 +30,20 @@ _SLOW_BANDWIDTH = 0.5
 _SLOW_SHARE = 0.1
 #: A joint whose speed is below this share of its rated speed is too slow to judge.
 _JUDGED_SHARE = 0.02
-#: Velocities that are less or more than this times the slope of positions are odd.
+#: Velocities outside these multiples of the slope of positions are implausible.
 _LEAST_GAIN = 0.8
 _MOST_GAIN = 1.25
 
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """A motion's forces, currents and powers; rows are samples, columns joints base to
-    tip.
+    """Torques, motor currents, powers and mount load of a motion.
 
-    Torques are those at the joint: N m, for the jaw rod N. The sum of ``inertia``,
-    ``coriolis``, ``weight``, ``buoyancy`` and, with a current, of moving water is
-    ``torque``; ``torque + friction`` is what the motor gives, ``K_t i`` times the gear
-    ratio. Columns of a motor that cannot be computed (jaw rod without screw lead) are
-    NaN.
+    Rows are samples, columns joints from base to tip. Torques are those at the joint:
+    N m, for the jaw rod N. ``torque`` is the sum of ``inertia``, ``coriolis``,
+    ``weight``, ``buoyancy`` and, with a water current, of moving water.
+    ``torque + friction`` is what the motor gives, ``K_t i`` times the gear ratio.
+    Columns of a motor that cannot be computed (jaw rod without screw lead) are NaN.
 
     Attributes:
         motion: The samples as given.
@@ -55,26 +52,27 @@ class Analysis:
         arm: The model.
         inertia, coriolis, weight, buoyancy: Torques by cause, (N, n).
         torque: Joint torque, (N, n).
-        friction: Motor friction and gear loss at the joint, (N, n). At rest friction
-            holds the load and the motor gives the least torque that keeps it there, in
-            most cases none.
+        friction: Motor friction and gear loss at the joint, (N, n). At rest, friction
+            holds the load, and the motor adds the least torque that keeps it there:
+            mostly none.
         current: Motor currents, (N, n) [A].
         current_lower, current_upper: Over the printed tolerance of friction,
             (N, n) [A].
         voltage: Winding voltages, (N, n) [V]; di/dt is left out (L/R is below 0.1 ms).
-        electrical_power, mechanical_power: (N, n) [W]; negative where the joint feeds
-            back.
+        electrical_power, mechanical_power: (N, n) [W]; negative while the joint feeds
+            power back.
         base_wrench: Force and moment on the mount at base_link, in its axes,
             (N, 6) [N, N m].
         tcp: TCP in base_link, (N, 3) [m].
         torque_limits: Lower and upper (N, n) limits from supply voltage and current
             limit; None without them.
-        supply_voltage, current_limit: As given [V], [A]; None if not.
-        warnings: What was found odd in the motion, velocities that contradict positions
-            included.
-        moving_water: What a current adds, (N, 3, n) with all numbers low, nominal and
-            high; the nominal ones are in ``torque``, ``base_wrench`` and all that
-            follows from them. None if no current was given.
+        supply_voltage, current_limit: Limits of the motors' drives, as given [V], [A];
+            None if not.
+        warnings: Warnings about the motion, including velocities that contradict the
+            positions.
+        moving_water: What a water current adds, (N, 3, n) with all numbers low, nominal
+            and high. ``torque``, ``base_wrench`` and all that follows from them include
+            the nominal values. None if no water current was given.
     """
 
     motion: Motion
@@ -139,16 +137,18 @@ def analyse(
             jaws variant in sea water if the motion has ``axis_a``, and the one with
             locked jaws otherwise.
         method, bandwidth, use_velocity: See `alpha5_model.trajectory.smoothing.smooth`.
-        constants: Which of the contradicting motor constants to believe
+        constants: Which of the contradicting motor constants to use
             (`alpha5_model.dynamics.actuators`).
-        actuators: Motors by joint name, in place of the arm's own: say, with a rotor
-            inertia.
-        supply_voltage: [V], with ``current_limit`` [A]: adds the speed-torque limits;
-            not published.
+        actuators: Motors by joint name, in place of the arm's own, for example with a
+            rotor inertia.
+        supply_voltage: Of the motors [V]; with ``current_limit`` it adds the
+            speed-torque limits. Not published.
+        current_limit: Electric current limit of the motors' drives [A]; not published.
         threads: Of Pinocchio; None for all that this process may use.
         progress: Called with a stage's name and the part done, 0 to 1.
-        current: Velocity of the water in base_link, (3,) [m/s]: adds drag and added
-            mass, which are estimated, not published. None for water that only bears.
+        current: Water current, not a motor's: velocity of the water in base_link, (3,)
+            [m/s]. It adds drag and added mass, which are estimated, not published. None
+            for still water, with buoyancy only.
         efficiency: Whose efficiency Table 4's eta_max is
             (`alpha5_model.dynamics.actuators`).
 
@@ -157,15 +157,18 @@ def analyse(
             without the other.
         UnknownNameError: No such method, constants, efficiency or joint.
     """
+    # Only this module of the package needs Pinocchio, whose import takes long.
+    from alpha5_model.trajectory import arm_loads
+
     if arm is None:
-        arm = _default_arm(motion)
-    motion = _for_arm(motion, arm)
+        arm = arm_loads.default_arm(motion)
+    motion = arm_loads.motion_for_arm(motion, arm)
     drive = _drive(supply_voltage, current_limit)
     motors = _motors(arm.parameters, motion.joints, constants, efficiency)
     motors = _replaced(motors, actuators or {})
 
     smooth = smooth_for(arm.parameters, motion, method, bandwidth, use_velocity)
-    loads = loads_of(arm, smooth, current, threads, progress)
+    loads = arm_loads.loads_of(arm, smooth, current, threads, progress)
     torque = loads.inertia + loads.coriolis + loads.weight + loads.buoyancy
     base_wrench = loads.base_wrench
     if loads.moving_water is not None:
@@ -202,50 +205,6 @@ def analyse(
         warnings=(*motion.warnings, *_velocity_warnings(motion, arm.parameters)),
         moving_water=loads.moving_water,
     )
-
-
-def _default_arm(motion: Motion) -> Arm:
-    """The arm in sea water, with jaws if the motion has the jaw rod."""
-    from alpha5_model.dynamics.load import load
-
-    return load(gripper="jaws" if "axis_a" in motion.joints else "locked")
-
-
-def _for_arm(motion: Motion, arm: Arm) -> Motion:
-    """The motion of the joints that the arm has: a locked gripper has no jaw rod."""
-    from alpha5_model.dynamics.arm import Arm as StillArm  # loads Pinocchio
-
-    if not isinstance(arm, StillArm):
-        expected = "an Arm in still water (moving water: the argument current)"
-        raise InputError("arm", type(arm).__name__, expected)
-    if arm.floating_base or arm.model.nv not in (4, 5):
-        found = f"a model with nv = {arm.model.nv}"
-        raise InputError("arm", found, "an arm on a fixed base")
-
-    wanted = JOINT_NAMES[: arm.model.nv]
-    if len(wanted) > len(motion.joints):
-        expected = "a motion of axis_a too, since the arm's gripper has jaws"
-        raise InputError("motion", motion.joints, expected)
-    if len(wanted) == len(motion.joints):
-        return motion
-
-    velocity = motion.velocity
-    effort = motion.effort
-    return replace(
-        motion,
-        joints=wanted,
-        position=motion.position[:, :4],
-        velocity=None if velocity is None else velocity[:, :4],
-        warnings=tuple(w for w in motion.warnings if not _is_of_the_rod(w)),
-        ignored=(*motion.ignored, "axis_a"),
-        effort=None if effort is None else effort[:, :4],
-    )
-
-
-def _is_of_the_rod(warning: MotionWarning) -> bool:
-    """Whether a warning names the jaw rod and no other joint."""
-    named = [name for name in JOINT_NAMES if name in warning.text]
-    return named == ["axis_a"]
 
 
 def _drive(supply_voltage: float | None, current_limit: float | None) -> Drive | None:

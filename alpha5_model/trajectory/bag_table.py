@@ -50,7 +50,7 @@ class BagTable(FileTable):
         self.ignored = _other_names(stream, samples.joints)
         self.warnings = _warnings(chosen.topic, stream, complete, recorded, samples)
         self._topic = chosen.topic
-        self._numbers = samples.number
+        self._message_numbers = samples.number
 
         quantities = {"": samples.position, "_vel": samples.velocity}
         if samples.without_velocity().size:
@@ -67,7 +67,7 @@ class BagTable(FileTable):
 
     def place(self, row: int, column: int) -> str:
         """Where a number is in the bag, for messages."""
-        message = f"message {self._numbers[row]} of {self._topic}"
+        message = f"message {self._message_numbers[row]} of {self._topic}"
         return f"{message} ({self.header[column]})" if column else message
 
 

@@ -49,7 +49,7 @@ class ParquetTable(FileTable):
 
             self._check_expansion(names)
             table = self._file.read(names)
-            columns = [_numbers(table[name]) for name in names]
+            columns = [_float_column(table[name]) for name in names]
             numbers = np.stack(columns, axis=1)
 
         self._check_finite(numbers, needed)
@@ -95,7 +95,7 @@ def _expanded_size(metadata: Any, names: list[str]) -> int:
     return int(max(stated, as_numbers))
 
 
-def _numbers(column: Any) -> FloatArray:
+def _float_column(column: Any) -> FloatArray:
     """A column as numbers; times and durations in seconds."""
     unit = getattr(column.type, "unit", None)
     if unit is None:

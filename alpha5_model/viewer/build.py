@@ -23,7 +23,7 @@ from alpha5_model.viewer.scene import DEFAULT_SHOW, GROUPS, Label, Load, Scene, 
 from alpha5_model.viewer.statics import loads_of, statics_of, streams_of
 from alpha5_model.viewer.tracks import motion_track
 
-#: Velocity of the water that a page shows if none is given [m/s].
+#: Velocity of the water in the scene if none is given [m/s].
 _CURRENT = (1.0, 0.0, 0.0)
 #: How far beyond a limit rounding may put a joint [rad or m].
 _ROUNDING = 1e-9
@@ -70,7 +70,9 @@ def build_scene(
     goal = None if target is None else shaped("target", target, (3,))
     given = with_base(arm, _start(arm, kinematics, goal)) if q is None else q
     position = shaped("q", given, (arm.model.nq,))
-    flow = array("current", _CURRENT if current is None else current, 3)
+    # The scene always has a current, which the page can switch on. The motion has one
+    # only if it is given.
+    shown_current = array("current", _CURRENT if current is None else current, 3)
     loads = tuple(loads_of(arm, tree))
     if show is None:
         show = _default_show(target=target is not None, current=current is not None)
@@ -84,7 +86,7 @@ def build_scene(
         *drawing.centers(np.array(arm.model.gravity.linear), loads),
         *drawing.collision_bodies(urdf, str(source.parent)),
         *workspace_shapes(kinematics.plane),
-        *drawing.current_arrow(flow),
+        *drawing.current_arrow(shown_current),
     ]
     if goal is not None:
         things += drawing.ghosts(arm, kinematics, tree, bodies, position, goal)
@@ -104,7 +106,7 @@ def build_scene(
         show=shown,
         named_poses=named_poses(arm),
         motion=track,
-        current=flow,
+        current=shown_current,
         streams=tuple(streams_of(arm)),
         target=goal,
     )

@@ -233,10 +233,10 @@ def _spans(low: ArrayLike, high: ArrayLike, limit: int) -> tuple[IntArray, IntAr
     # A centre on a shared edge belongs to both sides, however it is rounded.
     first = np.ceil(np.subtract(low, 0.5 + _EDGE))
     last = np.floor(np.add(high, 0.5 + _EDGE))
-    return _pixel_numbers(first, limit), _pixel_numbers(last, limit)
+    return _pixel_indices(first, limit), _pixel_indices(last, limit)
 
 
-def _pixel_numbers(values: FloatArray, limit: int) -> IntArray:
+def _pixel_indices(values: FloatArray, limit: int) -> IntArray:
     return np.clip(values, 0, limit).astype(np.int64)
 
 

@@ -26,14 +26,19 @@ class Shown(Protocol):
         """Joint positions at which the arm is shown, (nq,)."""
 
     def place(self, q: FloatArray, mover: Any = None) -> None:
-        """Show the arm at q (nq,); the mover is the page that sent it, if one did."""
+        """Show the arm at q (nq,).
+
+        Args:
+            q: Joint positions.
+            mover: The page that sent them, or None.
+        """
 
 
 class Page(Protocol):
     """The connection of an open page.
 
     Attributes:
-        asked: Numbers of the pictures that the page was asked for and has not sent yet.
+        asked: Numbers of the pictures that the page was asked for and has yet to send.
     """
 
     asked: deque[int]
@@ -60,37 +65,46 @@ class LiveScene:
         self.viewer = viewer
         self.tree: Any = SceneTree()
         self.pages: set[Page] = set()
-        #: The last command of each type that a new page gets after the scene.
-        self._told: dict[str, bytes] = {}
+        #: Type -> last command of that type, which a new page gets after the scene.
+        self._last_broadcasts: dict[str, bytes] = {}
 
     def enter(self, page: Page) -> None:
         """Show the scene to a new page."""
         self.pages.add(page)
-        for message in (*self.messages(), *self._told.values()):
+        for message in (*self.messages(), *self._last_broadcasts.values()):
             page.send(message)
 
-    def tell(self, command: Command, mover: Any = None) -> None:
-        """Send a command to all pages but one, and to pages that open later."""
+    def broadcast(self, command: Command, mover: Any = None) -> None:
+        """Send a command to all pages, also to those that open later.
+
+        Args:
+            command: The command; it replaces the last one of its type.
+            mover: The page that caused it, which does not get it.
+        """
         packed = command.packed()
-        self._told[command["type"]] = packed
+        self._last_broadcasts[command["type"]] = packed
         for page in self.pages - {mover}:
             page.send(packed)
 
-    def move(self, command: Command) -> None:
-        """Move a node for pages that open later; open pages move it themselves."""
+    def store_transform(self, command: Command) -> None:
+        """Store the transform of a node for pages that open later.
+
+        Open pages compute it themselves, from the pose that `broadcast` sends.
+        """
         node = find_node(self.tree, path_parts(command["path"]))
         node.transform = command.packed()
 
-    def obey(self, kind: str, path: list[str], data: bytes) -> None:
+    def carry_out(self, kind: str, path: list[str], data: bytes) -> None:
         """Carry out a command of meshcat's protocol, here and in all pages.
 
         Args:
-            kind: Its name, such as ``set_transform``.
-            path: The parts of the path of a node.
+            kind: Name of the command, such as ``set_transform``.
+            path: Parts of the path of the node.
             data: The packed command.
         """
-        known = kind == "set_object" and find_node(self.tree, path).object == data
-        if not known:
+        # Pages need not load again an object that they show already.
+        is_shown = kind == "set_object" and find_node(self.tree, path).object == data
+        if not is_shown:
             for page in self.pages:
                 page.send(data)
 

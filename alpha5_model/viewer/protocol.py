@@ -47,7 +47,7 @@ class Requests:
     def __init__(self, live: LiveScene, web_url: str) -> None:
         self._live = live
         self._web_url = web_url
-        self._numbers = itertools.count()
+        self._request_numbers = itertools.count()
         #: Who waits until a page is open, by number.
         self._visits: dict[int, Answer] = {}
         #: Who waits for a picture, with the packed request to the pages, by number.
@@ -97,7 +97,7 @@ class Requests:
                 self._capture(answer, data)
             case [kind, path, data] if kind in _COMMANDS:
                 parts = read_command(kind, path, data)
-                self._live.obey(kind.decode(), parts, data)
+                self._live.carry_out(kind.decode(), parts, data)
                 answer(b"ok")
             case _:
                 raise _unknown(request)
@@ -126,7 +126,7 @@ class Requests:
         if self._live.pages:
             answer(b"ok")
             return
-        number = next(self._numbers)
+        number = next(self._request_numbers)
         self._visits[number] = answer
 
         def give_up() -> None:
@@ -137,7 +137,7 @@ class Requests:
         asyncio.get_running_loop().call_later(PAGE_PATIENCE, give_up)
 
     def _capture(self, answer: Answer, data: bytes) -> None:
-        number = next(self._numbers)
+        number = next(self._request_numbers)
         self._pictures[number] = (answer, data)
         for page in self._live.pages:
             self._request_picture(number, page)

@@ -79,7 +79,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         self.arm = arm
         self.scene = scene
         self._listeners: list[Callable[[FloatArray], object]] = []
-        #: Positions that pages have moved the arm to; None at the end.
+        #: Positions to which pages have moved the arm; None ends the thread.
         self._news: queue.SimpleQueue[FloatArray | None] = queue.SimpleQueue()
         self._video: _Video | None = None
         super().__init__(window=Window(port, self))
@@ -104,13 +104,14 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
         Args:
             q: Joint positions.
-            mover: The page that moved the arm there, which needs not be told.
+            mover: The page that moved the arm there and so does not get the pose, or
+                None.
         """
         self.scene = posed(self.scene, self.arm, q)
         live = self.window.server.live
         for command in pose_commands(self.scene):
-            live.move(command)
-        live.tell(pose_message(self.scene), mover)
+            live.store_transform(command)
+        live.broadcast(pose_message(self.scene), mover)
         if mover and self._listeners:
             self._news.put(q)
 
@@ -119,9 +120,9 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     ) -> Callable[[FloatArray], object]:
         """Call a function with q (nq,) when a page has moved the arm; also a decorator.
 
-        The joints are within their limits: other positions from a page are refused. The
-            function runs in a thread of its own and may call `display`. While it is
-            busy, newer positions replace older ones.
+        Positions from a page are within the joints' limits; others are refused. The
+        function runs in a thread of its own and may call `display`. While it is busy,
+        newer positions replace older ones.
         """
         if not self._listeners:
             listening = threading.Thread(
@@ -227,7 +228,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         command = Command(
             type="camera", eye=camera.eye.tolist(), target=camera.target.tolist()
         )
-        self.window.server.call(lambda: self.window.server.live.tell(command))
+        self.window.server.call(lambda: self.window.server.live.broadcast(command))
 
     def _alter(self, **changes: Any) -> None:
         """Change fields of the scene, in the server's thread."""
@@ -240,8 +241,8 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     def captureImage(self, w: int = 1600, h: int = 1000) -> Pixels:
         """The arm and its groups, drawn without a browser, (h, w, 3).
 
-        What else was put into the pages is not in it: `get_image` asks a page for its
-            picture.
+        It does not show what else was put into the pages. `get_image` asks a page for
+        its picture.
         """
         return picture(self.scene, (w, h))
 

@@ -37,7 +37,7 @@ class Window(ViewerWindow):  # type: ignore[misc]
         kind = lowered["type"]
         path = path_parts(lowered["path"])
         packed = umsgpack.packb(lowered)
-        self.server.call(lambda: self.server.live.obey(kind, path, packed))
+        self.server.call(lambda: self.server.live.carry_out(kind, path, packed))
 
     def request_web_url(self) -> str:
         """Address of the page."""

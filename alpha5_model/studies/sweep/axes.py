@@ -128,7 +128,7 @@ def _axis(name: str, given: Any) -> Sequence[Any]:
     unit = units[name]
     table = given if isinstance(given, dict) else {"values": given}
     scale = _scale(place, table, unit)
-    numbers = _numbers(place, table, may_be_random=name in STATE_AXES)
+    numbers = _given_numbers(place, table, may_be_random=name in STATE_AXES)
     if numbers is None:
         expected = "values; from, to and count; or of a state, random"
         raise InputError(place, given, expected)
@@ -155,7 +155,7 @@ def _scale(place: str, table: dict[str, Any], unit: str) -> float:
     return sizes[own_unit]
 
 
-def _numbers(
+def _given_numbers(
     place: str, table: dict[str, Any], may_be_random: bool
 ) -> FloatArray | None:
     """Numbers as they are given: values, a grid, or a range to draw from.

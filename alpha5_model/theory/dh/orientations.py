@@ -35,8 +35,8 @@ from alpha5_model._support.checks import count as whole_number
 from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.theory.dh.chain import DHChain
 from alpha5_model.theory.dh.sampling import (
+    jacobian_scale,
     matrix_rank,
-    row_scale,
     sample_configurations,
 )
 from alpha5_model.theory.dh.tasks import task_capability
@@ -82,7 +82,7 @@ def orientation_freedom(chain: DHChain, q: ArrayLike) -> NDArray[np.int64]:
     Returns:
         0 to 3, (...).
     """
-    jacobian = instance("chain", chain, DHChain).jacobian(q) / row_scale(chain)
+    jacobian = instance("chain", chain, DHChain).jacobian(q) / jacobian_scale(chain)
     # rank [J_v; J_w] = rank J_v + rank of J_w on the null space of J_v.
     return np.asarray(matrix_rank(jacobian) - matrix_rank(jacobian[..., :3, :]))
 
@@ -172,7 +172,7 @@ def _solve(
     Returns:
         Which poses are reached in the end, (M,) bool.
     """
-    scale = row_scale(chain)[:, 0]
+    scale = jacobian_scale(chain)[:, 0]
     done = np.zeros(len(q), dtype=bool)
     active = np.arange(len(q))
     for _ in range(steps):

@@ -1,6 +1,4 @@
-"""Joint positions to try on an arm of any size, and ranks that do not depend on its
-size.
-"""
+"""Samples of joint positions, and ranks of Jacobians, for an arm of any size."""
 
 from __future__ import annotations
 
@@ -43,9 +41,10 @@ def chain_size(chain: DHChain) -> float:
     return total or 1.0
 
 
-def row_scale(chain: DHChain) -> FloatArray:
-    """Divisors of the rows of a Jacobian, (6, 1): the arm's size for the linear ones,
-    else 1.
+def jacobian_scale(chain: DHChain) -> FloatArray:
+    """Scale of each row of a Jacobian, (6, 1), by which to divide.
+
+    It is the arm's size for the linear rows, and 1 for the angular rows.
     """
     return np.array([chain_size(chain)] * 3 + [1.0] * 3)[:, None]
 

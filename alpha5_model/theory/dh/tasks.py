@@ -18,8 +18,8 @@ from alpha5_model._support.checks import count as whole_number
 from alpha5_model.theory.dh.chain import DHChain
 from alpha5_model.theory.dh.frame_assignment import unit_vectors
 from alpha5_model.theory.dh.sampling import (
+    jacobian_scale,
     matrix_rank,
-    row_scale,
     sample_configurations,
 )
 from alpha5_model.theory.planar import Conditions
@@ -95,7 +95,7 @@ def task_capability(
     rng = generator(seed)
     q = sample_configurations(chain, whole_number("samples", samples), rng)
 
-    jacobian = chain.jacobian(q) / row_scale(chain)
+    jacobian = chain.jacobian(q) / jacobian_scale(chain)
     dimension = int(matrix_rank(jacobian).max())
     insertion = _insertion_dimension(chain, axis, up, q, rng)
     return TaskCapability(
@@ -152,7 +152,7 @@ def _insertion_dimension(
     good &= ((q >= chain.lower) & (q <= chain.upper)).all(axis=1)
     best = 0
     for start in q[good][:_STARTS]:
-        jacobian = chain.jacobian(start) / row_scale(chain)
+        jacobian = chain.jacobian(start) / jacobian_scale(chain)
         _, s, vt = np.linalg.svd(across @ jacobian[3:])
         tangents = vt[int((s > _MOVES).sum()) :]
         rank = int(matrix_rank(jacobian @ tangents.T)) if len(tangents) else 0

@@ -252,11 +252,11 @@ def _add_joint(
     ET.SubElement(inertial, "mass", value="0")
     ET.SubElement(inertial, "inertia", _NO_INERTIA)
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
-    ET.SubElement(joint, "origin", xyz=_numbers(xyz), rpy=_numbers(rpy))
+    ET.SubElement(joint, "origin", xyz=_xml_numbers(xyz), rpy=_xml_numbers(rpy))
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=child)
     return joint
 
 
-def _numbers(values: Iterable[float]) -> str:
+def _xml_numbers(values: Iterable[float]) -> str:
     return " ".join(repr(float(value)) for value in values)

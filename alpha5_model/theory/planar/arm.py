@@ -392,7 +392,7 @@ class Workspace:
             # As an angle on the circle of the point.
             slack /= np.maximum(radius, tolerance)
         found = np.zeros(len(p), np.bool_)
-        for q, _ in bring(arm, p, inner.curves, tolerance):
+        for q, _ in joint_positions_onto(arm, p, inner.curves, tolerance):
             found |= within_limits(arm, 0, q, slack[:, None]).any(axis=1)
 
         # A path that never meets the boundary lies inside of it or outside: one of its
@@ -406,7 +406,7 @@ class Workspace:
         return found
 
 
-def bring(
+def joint_positions_onto(
     arm: PlanarArm, points: FloatArray, curves: Iterable[Curve], tolerance: float
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Positions of the first joint that bring a curve to points, whatever its limits.

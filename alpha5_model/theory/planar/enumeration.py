@@ -16,7 +16,12 @@ from alpha5_model._support.checks import (
     instance,
 )
 from alpha5_model.errors import InputError
-from alpha5_model.theory.planar.arm import PlanarArm, bring, within_limits, workspace
+from alpha5_model.theory.planar.arm import (
+    PlanarArm,
+    joint_positions_onto,
+    within_limits,
+    workspace,
+)
 from alpha5_model.theory.planar.curves import TURN, Arc, Curve, Segment, turned
 
 #: Distance that counts as zero, as a share of the reach; angle that does [rad].
@@ -146,7 +151,9 @@ def _three_joint_reach(arm: PlanarArm, wrist: FloatArray, phi: FloatArray) -> Bo
     """
     tolerance = _TOLERANCE * arm.reach
     path = _path_of_second_joint(arm)
-    ((first, there),) = bring(arm, wrist.reshape(-1, 2), [path], tolerance)
+    ((first, there),) = joint_positions_onto(
+        arm, wrist.reshape(-1, 2), [path], tolerance
+    )
     second = _second_position(arm, there)
     third = np.broadcast_to(phi, wrist.shape[:-1]).reshape(-1, 1) - math.fsum(
         arm.angles
