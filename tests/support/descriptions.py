@@ -101,4 +101,14 @@ def _texts(name: str, texts: Any) -> Iterator[str]:
     for text in texts:
         look = text.get_color(), text.get_fontsize()
         place = array(np.array(text.get_position(), float))
-        yield f"{name}: text {text.get_text()!r} {look} {place}"
+        yield f"{name}: text {text.get_text()!r} {look} {place}{_paper(text)}"
+
+
+def _paper(text: Any) -> str:
+    """The look of what lies behind a text, if anything does."""
+    paper = text.get_bbox_patch()
+    if paper is None:
+        return ""
+    pad = paper.get_boxstyle().pad
+    color = array(np.array(paper.get_facecolor()))
+    return f" on {color} pad {number(pad)} line {number(paper.get_linewidth())}"
