@@ -1,4 +1,4 @@
-"""The kinematics as an object of one record: the catalogue's answers, and refusal of other arms."""
+"""The kinematics of one record give the catalogue's answers or refuse another arm."""
 
 from __future__ import annotations
 

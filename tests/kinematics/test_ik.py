@@ -1,4 +1,4 @@
-"""Inverse kinematics: complete, exact, the same in every route, and as printed where it is printed."""
+"""Inverse kinematics is complete, exact, the same in every route, and as printed."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_every_configuration_is_found_again() -> None:
     nearest = off.argmin(axis=-1)
     found = np.take_along_axis(s.q, nearest[:, None, None], axis=1)[:, 0]
     assert np.isfinite(off.min(axis=-1)).all(), "a configuration is in no branch"
-    # Tolerance on the residual: near the stretched arm the angles are known to 1e-8 only.
+    # The residual has the tolerance: near the stretched arm, angles are good to 1e-8.
     assert np.linalg.norm(tip(found) - position, axis=-1).max() < 1e-12
     assert np.quantile(off.min(axis=-1), 0.999) < 1e-12
     assert off.min(axis=-1).max() < 1e-7
@@ -70,16 +70,17 @@ def test_limit_flags_by_brute_force() -> None:
 
 
 def test_no_solution_is_missed_or_invented_by_brute_force() -> None:
-    """Count the sign changes of the two-link closure along a dense circle of elbow positions."""
+    """Solutions are the sign changes of the closure along the elbow's circle."""
     rng = np.random.default_rng(5)
     position = rng.uniform(-0.4, 0.4, (300, 3))
     s = a5.inverse_kinematics(position)
     l_1, l_2 = math.hypot(0.040, 0.1453), math.hypot(0.020, 0.180)
     phi = np.linspace(0.0, TAU, 20_001)
+    elbow_r = 0.020 + l_1 * np.cos(phi)
+    elbow_z = 0.0462 + l_1 * np.sin(phi)
     for target, exists in zip(position, s.exists, strict=True):
         radius = math.hypot(target[0], target[1])
         for pair, r in enumerate((radius, -radius)):
-            elbow_r, elbow_z = 0.020 + l_1 * np.cos(phi), 0.0462 + l_1 * np.sin(phi)
             gap = np.hypot(r - elbow_r, target[2] - elbow_z) - l_2
             crossings = np.count_nonzero(np.diff(np.sign(gap)) != 0)
             assert crossings == 2 * exists[pair] == 2 * exists[pair + 2]
@@ -95,12 +96,11 @@ def test_published_branches() -> None:
         assert np.array_equal(exists, ~np.isnan(printed[:, pair]).any(axis=-1))
         off = s.q[exists, pair, :3] - printed[exists, pair]
         off -= TAU * np.rint(off / TAU)
-        # Printed with arccos, which loses digits at the edge of reach: compare away from it.
+        # The printed formula has an arccos, which loses digits at the edge of reach.
         clear = np.abs(s.q[exists, pair, 2] - STRETCHED) > 0.01
         assert np.abs(off[clear]).max() < 1e-12
-        q = np.concatenate(
-            [printed[exists, pair], np.zeros((exists.sum(), 1))], axis=-1
-        )
+        wrist = np.zeros((exists.sum(), 1))
+        q = np.concatenate([printed[exists, pair], wrist], axis=-1)
         assert np.linalg.norm(tip(q) - position[exists], axis=-1)[clear].max() < 1e-12
 
 

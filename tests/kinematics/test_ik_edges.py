@@ -1,4 +1,4 @@
-"""Inverse kinematics where it is hard: at the limits, stretched, on the yaw axis, and close to all."""
+"""Inverse kinematics at and near the limits, the stretched arm and the yaw axis."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CLOSE = (0.0, 1e-15, 1e-12, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 
 
 def check(q: np.ndarray) -> None:
-    """The targets of in-limit configurations are solved within the limits, everywhere."""
+    """The targets of configurations within the limits are solved within the limits."""
     position = tip(q)
     s = a5.inverse_kinematics(position, q[:, 3])
     lost = ~s.within_limits.any(axis=-1)
@@ -31,10 +31,9 @@ def check(q: np.ndarray) -> None:
     assert ((inside >= LOWER) & (inside <= UPPER)).all(), (
         "in limits means in limits, to the bit"
     )
-    # The originating configuration itself, up to the slide that rounding cannot tell.
-    off = np.where(
-        s.within_limits, np.abs(s.q - q[:, None])[..., 1:].max(axis=-1), np.inf
-    )
+    # The original configuration itself is found, as far as rounding can tell.
+    distance = np.abs(s.q - q[:, None])[..., 1:].max(axis=-1)
+    off = np.where(s.within_limits, distance, np.inf)
     assert off.min(axis=-1).max() < 3e-7
     for i in range(0, len(q), max(1, len(q) // 50)):
         one = a5.inverse_kinematics(position[i], float(q[i, 3]))
@@ -114,7 +113,7 @@ def test_a_point_beyond_the_edge_is_not_reached(excess: float) -> None:
     q[:, 2] = STRETCHED
     position = tip(q) + excess * outwards(q)
     s = a5.inverse_kinematics(position)
-    # Where the stretched arm is not the outer edge of the set, the other pose reaches farther.
+    # If the stretched arm is not the outer edge of the set, the other pose reaches it.
     elsewhere = s.exists & (np.abs(s.q[..., 2] - STRETCHED) > 0.01)
     assert not (s.exists & ~elsewhere).any()
 
@@ -175,12 +174,11 @@ def test_at_the_cut_of_the_azimuth(azimuth: float, off: float) -> None:
 
 
 def test_the_closed_wedges() -> None:
-    """theta_0 turns from 1 to 352 degrees: at azimuth 0 only the underarm pose can turn there."""
+    """theta_0 ends at 1 and 352 degrees, so one pose only can turn to azimuth 0."""
     z = 0.3
     for azimuth, open_pair, shut_pair in ((0.0, 0, 1), (math.pi, 1, 0)):
-        s = a5.inverse_kinematics(
-            [0.05 * math.cos(azimuth), 0.05 * math.sin(azimuth), z]
-        )
+        target = [0.05 * math.cos(azimuth), 0.05 * math.sin(azimuth), z]
+        s = a5.inverse_kinematics(target)
         assert s.exists.all()
         assert s.within_limits[[open_pair, open_pair + 2]].any()
         assert not s.within_limits[[shut_pair, shut_pair + 2]].any()

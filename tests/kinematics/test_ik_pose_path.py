@@ -1,4 +1,4 @@
-"""Poses and paths: the least rotation error, the least joint travel, and what cannot be followed."""
+"""Poses have the least rotation error, paths the least travel, or they are refused."""
 
 from __future__ import annotations
 
@@ -195,8 +195,7 @@ def test_path_has_the_least_travel_by_brute_force() -> None:
 
 
 def test_path_changes_the_elbow_where_the_elbows_meet() -> None:
-    """Out to the stretched arm and back: a start on the flipped elbow ends on the flipped elbow or not,
-    but never jumps."""
+    """A path to the stretched arm and back follows the joints and never jumps."""
     q = np.zeros((101, 4))
     q[:] = [3.0, 1.6, 0.0, 1.0]
     q[:, 2] = np.linspace(STRETCHED - 0.5, STRETCHED + 0.5, 101)
@@ -233,7 +232,7 @@ def test_a_full_circle_stops_at_the_wedge() -> None:
     assert caught.value.step > 3.0
     part = a5.inverse_kinematics_path(target[:k])
     assert np.abs(np.diff(part, axis=0)).max() < 0.1
-    # Farther out the overarm pose does not reach, and the wedge is out of reach altogether.
+    # Farther out, the overarm pose does not reach, so no pose reaches the wedge.
     turn, target = circle(0.3, 0.1)
     with pytest.raises(a5.UnreachableError, match=rf"row {k}\b"):
         a5.inverse_kinematics_path(target)
@@ -280,52 +279,65 @@ def travel_of(path: np.ndarray) -> float:
 def least_travel(
     target: np.ndarray, max_step: float, start: np.ndarray | None = None
 ) -> float:
-    """By brute force: every choice of branches, theta_0 on the axis by constrained minimisation."""
-    from scipy.optimize import LinearConstraint, minimize
-
-    free = np.hypot(target[:, 0], target[:, 1]) < 1e-9
-    s = a5.inverse_kinematics(target)
-    options = [s.q[k][s.within_limits[k]] for k in range(len(target))]
-    options = [
-        o[np.unique(np.round(o[:, 1:], 9), axis=0, return_index=True)[1]] if f else o
-        for o, f in zip(options, free, strict=True)
-    ]
+    """The least travel along targets, of every choice of branches by brute force."""
+    on_axis = np.hypot(target[:, 0], target[:, 1]) < 1e-9
+    free = on_axis if start is None else np.append(False, on_axis)
     best = math.inf
-    for choice in itertools.product(*options):
+    for choice in itertools.product(*branches_of(target, on_axis)):
         q = np.array(choice) if start is None else np.vstack([start, *choice])
-        loose = free if start is None else np.append(False, free)
         others = np.diff(q[:, 1:], axis=0)
         if np.abs(others).max() > max_step or math.sqrt((others**2).sum()) > best:
             continue
+        best = min(best, least_travel_of_yaw(q, free, max_step))
+    return best
 
-        def cost(
-            yaw: np.ndarray, q: np.ndarray = q, loose: np.ndarray = loose
-        ) -> float:
-            q = q.copy()
-            q[loose, 0] = yaw
-            return travel_of(q)
 
-        # Differences of theta_0 within max_step: linear in the free values.
-        difference = np.diff(np.eye(len(q)), axis=0)
-        fixed = difference[:, ~loose] @ q[~loose, 0]
-        limit = LinearConstraint(
-            difference[:, loose], -max_step - fixed, max_step - fixed
+def branches_of(target: np.ndarray, on_axis: np.ndarray) -> list[np.ndarray]:
+    """The branches within the limits of each target, (k, 4).
+
+    On the yaw axis, branches that differ in theta_0 only are one.
+    """
+    s = a5.inverse_kinematics(target)
+    branches = []
+    for q, within, free in zip(s.q, s.within_limits, on_axis, strict=True):
+        reached = q[within]
+        if free:
+            others = np.round(reached[:, 1:], 9)
+            _, first = np.unique(others, axis=0, return_index=True)
+            reached = reached[first]
+        branches.append(reached)
+    return branches
+
+
+def least_travel_of_yaw(q: np.ndarray, free: np.ndarray, max_step: float) -> float:
+    """The least travel if theta_0 may change in the free rows, or infinity."""
+    from scipy.optimize import LinearConstraint, minimize
+
+    def cost(yaw: np.ndarray) -> float:
+        path = q.copy()
+        path[free, 0] = yaw
+        return travel_of(path)
+
+    # The differences of theta_0, at most max_step, are linear in the free values.
+    difference = np.diff(np.eye(len(q)), axis=0)
+    fixed = difference[:, ~free] @ q[~free, 0]
+    limit = LinearConstraint(difference[:, free], -max_step - fixed, max_step - fixed)
+    index = np.arange(len(q))
+    guess = np.interp(index[free], index[~free], q[~free, 0])
+    best = math.inf
+    # If the other joints do not move, the cost has a kink that can hold one start.
+    for shift in (0.0, 0.05):
+        found = minimize(
+            cost,
+            guess + shift,
+            method="SLSQP",
+            bounds=[(LOWER[0], UPPER[0])] * int(free.sum()),
+            constraints=limit,
+            options={"ftol": 1e-14, "maxiter": 500},
         )
-        index = np.arange(len(q))
-        guess = np.interp(index[loose], index[~loose], q[~loose, 0])
-        # Where the other joints stand still the cost has a kink, on which one start may stay.
-        for shift in (0.0, 0.05):
-            found = minimize(
-                cost,
-                guess + shift,
-                method="SLSQP",
-                bounds=[(LOWER[0], UPPER[0])] * int(loose.sum()),
-                constraints=limit,
-                options={"ftol": 1e-14, "maxiter": 500},
-            )
-            off = np.abs(difference[:, loose] @ found.x + fixed).max()
-            if found.success and off < max_step + 1e-7:
-                best = min(best, found.fun)
+        step = np.abs(difference[:, free] @ found.x + fixed).max()
+        if found.success and step < max_step + 1e-7:
+            best = min(best, found.fun)
     return best
 
 
@@ -359,7 +371,7 @@ def test_theta_0_on_the_axis_has_the_least_travel(
         np.testing.assert_allclose(tip(path), target, rtol=0, atol=1e-12)
         assert np.abs(np.diff(path, axis=0)).max() <= 0.5 + 1e-12
         assert ((path >= LOWER) & (path <= UPPER)).all()
-        # The path is one of the candidates, so it cannot be shorter than the least; it is not longer.
+        # The path is one of the candidates, so it cannot be shorter than the least.
         least = least_travel(target, 0.5)
         assert least - 1e-3 < travel_of(path) <= least + 1e-9
 
@@ -456,7 +468,7 @@ def test_a_jump_on_the_axis_and_what_lies_behind_it() -> None:
 
 @pytest.mark.parametrize("noise", [1e-15, 1e-12, 4e-10])
 def test_the_axis_is_the_same_for_everyone(noise: float) -> None:
-    """One tolerance: within a nanometre a target is on the axis, for flags, poses and paths alike."""
+    """Flags, poses and paths agree that a target within a nanometre is on the axis."""
     from alpha5_model.kinematics.pose import approach_directions
 
     target = along_axis(0.5, 1.1, [0.30, 0.31, 0.32, 0.33])
@@ -479,47 +491,64 @@ def test_beyond_the_tolerance_a_target_is_off_the_axis() -> None:
     assert approach_directions(target).any_azimuth.tolist() == [False, True]
 
 
-def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None:
+def poses_on_the_axis(count: int) -> list[np.ndarray]:
+    """Random poses on the yaw axis; every other one needs angles next to their limits.
+
+    There the range of theta_0 or of the wrist has its gap.
+    """
     rng = np.random.default_rng(86)
-    rotation = Rotation.random(26, random_state=86).as_matrix()
-    # A quarter of them ask for the wrist where its range has a gap and theta_0 has none, and so on.
-    yaw = np.linspace(LOWER[0], UPPER[0], 121)
-    fine = np.linspace(LOWER[0], UPPER[0], 4001)
-    wrist = np.linspace(LOWER[3], UPPER[3], 121)
-    at_limit = 0
-    for k in range(26):
+    rotation = Rotation.random(count, random_state=86).as_matrix()
+    poses = []
+    for k in range(count):
         pose = np.eye(4)
         pose[:3, 3] = [0, 0, rng.uniform(0.2, 0.36)]
         pose[:3, :3] = rotation[k]
         if k % 2:
             q = a5.inverse_kinematics(pose[:3, 3]).best([1, 1, 1, 1])
-            q[0], q[3] = rng.choice([-0.1, 0.0, -0.05]), rng.choice([-0.04, 6.24])
+            q[0] = rng.choice([-0.1, 0.0, -0.05])
+            q[3] = rng.choice([-0.04, 6.24])
             small = Rotation.from_rotvec(rng.uniform(-0.05, 0.05, 3)).as_matrix()
             pose[:3, :3] = small @ fk(q)[:3, :3]
+        poses.append(pose)
+    return poses
+
+
+def scanned_error(
+    q: np.ndarray, rotation: np.ndarray, yaw: np.ndarray, wrist: np.ndarray
+) -> float:
+    """The least angle to a rotation over a grid of theta_0 and theta_3."""
+    grid = np.tile(q, (len(wrist), len(yaw), 1))
+    grid[..., 0] = yaw
+    grid[..., 3] = wrist[:, None]
+    turned = np.einsum("abij,kj->abik", fk(grid)[..., :3, :3], rotation)
+    cosine = (np.trace(turned, axis1=-2, axis2=-1) - 1) / 2
+    return math.acos(min(1.0, cosine.max()))
+
+
+def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None:
+    yaw = np.linspace(LOWER[0], UPPER[0], 121)
+    fine_yaw = np.linspace(LOWER[0], UPPER[0], 4001)
+    wrist = np.linspace(LOWER[3], UPPER[3], 121)
+    ends_of_wrist = np.array([LOWER[3], UPPER[3]])
+    at_limit = 0
+    for pose in poses_on_the_axis(26):
+        rotation = pose[:3, :3]
         s = a5.inverse_kinematics_pose(pose)
         for branch in np.flatnonzero(s.exists):
             q = s.q[branch]
+            error = s.rotation_error[branch]
             reached = fk(q)
             np.testing.assert_allclose(reached[:3, 3], pose[:3, 3], rtol=0, atol=1e-12)
-            error = s.rotation_error[branch]
-            assert angle_between(reached[:3, :3], pose[:3, :3]) == pytest.approx(
-                error, abs=1e-7
-            )
+            angle = angle_between(reached[:3, :3], rotation)
+            assert angle == pytest.approx(error, abs=1e-7)
             assert LOWER[0] <= q[0] <= UPPER[0]
             assert LOWER[3] <= q[3] <= UPPER[3]
-            grid = np.tile(q, (121, 121, 1))
-            grid[..., 0], grid[..., 3] = yaw[:, None], wrist
-            turned = np.einsum("abij,kj->abik", fk(grid)[..., :3, :3], pose[:3, :3])
-            cosine = (np.trace(turned, axis1=-2, axis2=-1) - 1) / 2
-            # At a limit of the wrist theta_0 is one number, which a finer scan finds.
-            grid = np.tile(q, (2, 4001, 1))
-            grid[..., 0], grid[..., 3] = fine, [[LOWER[3]], [UPPER[3]]]
-            turned = np.einsum("abij,kj->abik", fk(grid)[..., :3, :3], pose[:3, :3])
-            at_ends = (np.trace(turned, axis1=-2, axis2=-1) - 1) / 2
-            assert error <= math.acos(min(1.0, at_ends.max())) + 1e-7
-            scanned = math.acos(min(1.0, cosine.max()))
-            assert error <= scanned + 1e-9
-            assert error >= scanned - 0.06  # as far as a step of the grid
+
+            # At a limit of the wrist only theta_0 is free: a finer scan is possible.
+            assert error <= scanned_error(q, rotation, fine_yaw, ends_of_wrist) + 1e-7
+            scanned = scanned_error(q, rotation, yaw, wrist)
+            step_of_grid = 0.06
+            assert scanned - step_of_grid <= error <= scanned + 1e-9
             at_limit += q[0] in (LOWER[0], UPPER[0]) or q[3] in (LOWER[3], UPPER[3])
     assert at_limit > 20
 

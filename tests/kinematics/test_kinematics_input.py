@@ -1,4 +1,4 @@
-"""Whatever is handed to kinematics, dh, planar and workspace: an answer or an error of the package."""
+"""Kinematics, dh, planar and workspace answer any input or raise a package error."""
 
 from __future__ import annotations
 
@@ -277,7 +277,7 @@ def test_half_planes_take_shapes_that_broadcast() -> None:
 
 
 def test_a_reference_far_away_still_picks_a_solution_within_the_limits() -> None:
-    """The square of the distance overflows, and the first branch is not within the limits."""
+    """The best branch is within the limits even if the squared distance overflows."""
     p = np.random.default_rng(0).uniform(-0.3, 0.3, (500, 3))
     s = a5.inverse_kinematics(p)
     only_later = s.within_limits.any(axis=-1) & ~s.within_limits[:, 0]

@@ -1,4 +1,4 @@
-"""The workspace: boundary, distance, area and volume against sampling and numerical minimisation."""
+"""The workspace's boundary, distances and sizes agree with sampling and search."""
 
 from __future__ import annotations
 
@@ -19,17 +19,14 @@ BOX = np.array([[-0.36, 0.36], [-0.36, 0.36], [-0.30, 0.39]])
 
 
 def starts() -> tuple[np.ndarray, list[np.ndarray]]:
-    """A grid of configurations to start minimisations from, and its rows by pose and elbow."""
+    """A grid of configurations to start from, and its rows by pose and elbow."""
     axes = [
         np.linspace(a, b, n)
         for a, b, n in zip(LOWER, UPPER, (37, 41, 41, 1), strict=False)
     ]
     q = np.stack([a.ravel() for a in np.meshgrid(*axes, indexing="ij")], axis=-1)
-    facing = tip(q) @ [1.0, 0.0, 0.0] * np.cos(q[:, 0]) + tip(q) @ [
-        0.0,
-        1.0,
-        0.0,
-    ] * np.sin(q[:, 0])
+    x, y, _ = tip(q).T
+    facing = x * np.cos(q[:, 0]) + y * np.sin(q[:, 0])
     kinds = [
         np.flatnonzero(((facing < 0) == front) & ((q[:, 2] < STRETCHED) == bent))
         for front in (True, False)
@@ -44,28 +41,29 @@ L_1, L_2 = math.hypot(0.040, 0.1453), math.hypot(0.020, 0.180)
 
 
 def squared(q: np.ndarray, target: list[float]) -> tuple[float, np.ndarray]:
-    """Squared distance of the tcp to a target and its gradient, in plain floats for speed."""
+    """Squared distance of the tcp to a target and its gradient; floats are fast."""
     t_0, t_1, t_2 = q.tolist()
     phi = t_1 + math.atan2(0.040, 0.1453) - math.pi / 2
     psi = phi + STRETCHED - t_2
-    c_0, s_0 = -math.cos(t_0), -math.sin(t_0)
+    c_0 = -math.cos(t_0)
+    s_0 = -math.sin(t_0)
     r = 0.020 + L_1 * math.cos(phi) + L_2 * math.cos(psi)
-    dx, dy = r * c_0 - target[0], r * s_0 - target[1]
+    dx = r * c_0 - target[0]
+    dy = r * s_0 - target[1]
     dz = 0.0462 + L_1 * math.sin(phi) + L_2 * math.sin(psi) - target[2]
-    along, across = dx * c_0 + dy * s_0, dy * c_0 - dx * s_0
+    along = dx * c_0 + dy * s_0
+    across = dy * c_0 - dx * s_0
     second = L_2 * (dz * math.cos(psi) - along * math.sin(psi))
     first = L_1 * (dz * math.cos(phi) - along * math.sin(phi)) + second
     return dx * dx + dy * dy + dz * dz, 2 * np.array([r * across, first, -second])
 
 
 def numerical_distance(target: np.ndarray) -> float:
-    """Least distance over the box of joint ranges, by bounded minimisation from many starts."""
+    """The least distance within the joint limits, by minimisation from many starts."""
     gap = ((GRID_P - target) ** 2).sum(axis=-1)
-    bounds, goal, best = (
-        list(zip(LOWER[:3], UPPER[:3], strict=True)),
-        target.tolist(),
-        math.inf,
-    )
+    bounds = list(zip(LOWER[:3], UPPER[:3], strict=True))
+    goal = target.tolist()
+    best = math.inf
 
     def scaled(q: np.ndarray) -> tuple[float, np.ndarray]:
         value, slope = squared(q, goal)
@@ -129,11 +127,9 @@ def test_distance_in_the_closed_wedges_and_near_the_axis() -> None:
 
 
 def test_a_wedge_is_not_the_solid_of_revolution() -> None:
-    """Points that can be reached at other azimuths and not there: the distance is to the wedge's face."""
-    for R, z in (
-        (0.165, 0.045),
-        (0.155, 0.04),
-    ):  # near the shoulder, where only one pose gets
+    """A point in the wedge that other azimuths reach is some distance from its face."""
+    near_the_shoulder = ((0.165, 0.045), (0.155, 0.04))  # Only one pose gets there.
+    for R, z in near_the_shoulder:
         turned = [R * math.cos(1.0), R * math.sin(1.0), z]
         closed = [R * math.cos(-0.06), R * math.sin(-0.06), z]
         assert a5.reachable(turned)
@@ -144,9 +140,8 @@ def test_a_wedge_is_not_the_solid_of_revolution() -> None:
     over = [0.05 * math.cos(-0.06), 0.05 * math.sin(-0.06), 0.0]
     assert not a5.reachable(over)
     assert a5.reachable([0.05 * math.cos(1.0), 0.05 * math.sin(1.0), 0.0])
-    assert numerical_distance(np.array(over)) == pytest.approx(
-        float(a5.distance_to_reach(over)), abs=1e-7
-    )
+    gap = float(a5.distance_to_reach(over))
+    assert numerical_distance(np.array(over)) == pytest.approx(gap, abs=1e-7)
 
 
 def test_nearest_point_is_reachable_and_at_the_distance() -> None:
@@ -168,7 +163,10 @@ def test_nearest_point_is_reachable_and_at_the_distance() -> None:
 
 @pytest.mark.parametrize("side", ["underarm", "overarm", "both"])
 def test_both_sides_of_every_arc(side: str) -> None:
-    """1e-6 m inside is reached and 1e-6 m outside is not; mid-arc by a minimiser that knows joint limits only."""
+    """A point 1e-6 m inside an arc is reached, and one 1e-6 m outside is not.
+
+    In the middle of each arc, a minimiser that knows the joint limits only agrees.
+    """
     azimuth = 1.0
     pairs = []
     for arc in space.boundary(side):
@@ -250,7 +248,7 @@ def test_area_and_volume_by_monte_carlo(limits: bool) -> None:
 
 @pytest.mark.parametrize("side", ["underarm", "overarm"])
 def test_a_pose_reaches_what_a_planar_arm_with_limits_reaches(side: str) -> None:
-    """The table's arm in its plane; the area less what lies behind the yaw axis, by the same theorem."""
+    """The half-plane is what the planar arm reaches in front of the yaw axis."""
     lift = math.atan2(0.040, 0.1453) - math.pi / 2
     first = (LOWER[1] + lift, UPPER[1] + lift)
     second = (STRETCHED - UPPER[2], STRETCHED - LOWER[2])
@@ -261,9 +259,10 @@ def test_a_pose_reaches_what_a_planar_arm_with_limits_reaches(side: str) -> None
         return region.contains(np.stack([sign * R - 0.020, z - 0.0462], axis=-1))
 
     rng = np.random.default_rng(66)
-    R, z = rng.uniform(0.0, 0.36, 20_000), rng.uniform(-0.30, 0.39, 20_000)
+    R = rng.uniform(0.0, 0.36, 20_000)
+    z = rng.uniform(-0.30, 0.39, 20_000)
     assert np.array_equal(held(R, z), space.in_half_plane(R, z, side))
-    # Columns of the half-plane behind the axis, thin enough for a share of the whole area.
+    # The area behind the axis is counted in squares that are small enough for 2e-5.
     x = np.linspace(0.0, 0.36, 1441)[1:] - 0.36 / 2880
     z = np.linspace(-0.30, 0.39, 1381)[1:] - 0.69 / 2760
     behind = held(*np.meshgrid(-x, z)).mean() * 0.36 * 0.69
@@ -273,22 +272,21 @@ def test_a_pose_reaches_what_a_planar_arm_with_limits_reaches(side: str) -> None
 
 
 def test_volume_without_limits_by_pappus() -> None:
-    """Outside the spindle, a torus: what the two mirrored discs sweep, integrated numerically."""
-    l_1, l_2 = math.hypot(0.04, 0.1453), math.hypot(0.02, 0.18)
-    outer, inner = l_1 + l_2, abs(l_1 - l_2)
+    """The volume is that of the spindle torus which two mirrored rings sweep."""
+    l_1 = math.hypot(0.04, 0.1453)
+    l_2 = math.hypot(0.02, 0.18)
+    outer = l_1 + l_2
+    inner = abs(l_1 - l_2)
     z = outer * np.sin(np.linspace(-math.pi / 2, math.pi / 2, 200_001))
     half = np.sqrt(np.maximum(outer**2 - z**2, 0.0))
-    far, dimple = (
-        0.02 + half,
-        np.maximum(0.02 - half, 0.0),
-    )  # above and below, around the axis
-    hole = (
-        np.sqrt(np.maximum(inner**2 - z**2, 0.0)) - 0.02
-    )  # where both discs' holes meet
-    area = math.pi * (far**2 - np.maximum(hole, 0.0) ** 2 - dimple**2)
-    assert space.volume(limits=False) == pytest.approx(
-        ((area[1:] + area[:-1]) / 2 * np.diff(z)).sum(), rel=1e-6
-    )
+    far = 0.02 + half
+    # Above and below, the torus has a dimple around the axis.
+    dimple = np.maximum(0.02 - half, 0.0)
+    # The holes of both discs meet in the hole of the body.
+    hole = np.maximum(np.sqrt(np.maximum(inner**2 - z**2, 0.0)) - 0.02, 0.0)
+    area = math.pi * (far**2 - hole**2 - dimple**2)
+    volume = ((area[1:] + area[:-1]) / 2 * np.diff(z)).sum()
+    assert space.volume(limits=False) == pytest.approx(volume, rel=1e-6)
 
 
 def test_volume_lost_to_the_wedges() -> None:
@@ -434,7 +432,7 @@ def test_retyped_kinematics_is_rigid() -> None:
 def test_the_outer_torus_is_measured_within_the_limits_of_theta_2(
     limits: tuple[float, float],
 ) -> None:
-    """The audit's longest distance from shoulder to tcp, by the law of cosines at the nearest theta_2."""
+    """The audit's longest distance from shoulder to tcp obeys the law of cosines."""
     from dataclasses import replace
 
     from alpha5_model.proofs.audit import tori as rows
@@ -442,11 +440,10 @@ def test_the_outer_torus_is_measured_within_the_limits_of_theta_2(
     p = a5.parameters()
     joints = list(p.joints)
     joints[2] = replace(joints[2], lower=limits[0], upper=limits[1])
-    found = {
-        r.claim: r for r in rows.audit(a5.published(), replace(p, joints=tuple(joints)))
-    }
-    bend = math.pi - abs(min(max(STRETCHED, limits[0]), limits[1]) - STRETCHED)
+    limited = replace(p, joints=tuple(joints))
+    found = {row.claim: row for row in rows.audit(a5.published(), limited)}
+    nearest = min(max(STRETCHED, limits[0]), limits[1])
+    bend = math.pi - abs(nearest - STRETCHED)
     longest = math.sqrt(L_1**2 + L_2**2 - 2 * L_1 * L_2 * math.cos(bend))
-    assert found["workspace.outer_torus"].measured == pytest.approx(
-        1e3 * longest, abs=1e-6
-    )
+    measured = found["workspace.outer_torus"].measured
+    assert measured == pytest.approx(1e3 * longest, abs=1e-6)

@@ -1,4 +1,4 @@
-"""Moving water: laws that the dynamics must obey, closed forms of a single cylinder, MuJoCo, wrong input."""
+"""An arm in moving water obeys the laws of dynamics, closed forms and MuJoCo."""
 
 from __future__ import annotations
 
@@ -64,19 +64,18 @@ def test_forward_and_inverse_dynamics_undo_each_other(wet, rng):
 
 
 def test_terms_add_up_in_still_water(wet, rng):
-    """Nonlinear effects are Coriolis, weight less buoyancy, and what drag dissipates at these velocities."""
+    """Nonlinear effects are Coriolis, weight less buoyancy, and drag."""
+    still = np.zeros(3)
     for _ in range(5):
-        q, v, a = random_q(wet, rng), random_v(wet, rng), random_v(wet, rng)
-        effects = wet.nonlinear_effects(q, v, current=np.zeros(3))
-        close(
-            wet.inverse_dynamics(q, v, a) - wet.nonlinear_effects(q, v),
-            wet.mass_matrix(q) @ a,
-            1e-11,
-        )
+        q = random_q(wet, rng)
+        v = random_v(wet, rng)
+        a = random_v(wet, rng)
+        inertia = wet.inverse_dynamics(q, v, a) - wet.nonlinear_effects(q, v)
+        close(inertia, wet.mass_matrix(q) @ a, 1e-11)
+        effects = wet.nonlinear_effects(q, v, current=still)
         drag = effects - wet.coriolis_matrix(q, v) @ v - wet.hydrostatic_torque(q)
-        assert drag @ v == pytest.approx(
-            wet.dissipated_power(q, v, current=np.zeros(3)), rel=1e-9, abs=1e-12
-        )
+        dissipated = wet.dissipated_power(q, v, current=still)
+        assert drag @ v == pytest.approx(dissipated, rel=1e-9, abs=1e-12)
 
 
 def test_rate_of_the_mass_matrix_less_twice_coriolis_is_skew(wet, rng):
@@ -90,17 +89,19 @@ def test_rate_of_the_mass_matrix_less_twice_coriolis_is_skew(wet, rng):
 
 
 def rate_of(function, arm, q, v):
-    """Rate of a function of q along v, of order 6: 1e-9 asks for more than two points give."""
+    """The rate of a function of q along v, by differences of order 6."""
     h = 4e-3
     f = {k: function(moved(arm, q, k * h * v)) for k in (-3, -2, -1, 1, 2, 3)}
     return (45 * (f[1] - f[-1]) - 9 * (f[2] - f[-2]) + (f[3] - f[-3])) / (60 * h)
 
 
 def test_power_balance(wet, rng):
-    """Power of the joints is the rate of the energies and what drag dissipates, in still water."""
+    """In still water, the joints' power is the energies' rate and what drag takes."""
     none = np.zeros(3)
     for _ in range(5):
-        q, v, a = random_q(wet, rng), random_v(wet, rng, 0.5), random_v(wet, rng, 0.5)
+        q = random_q(wet, rng)
+        v = random_v(wet, rng, 0.5)
+        a = random_v(wet, rng, 0.5)
         rate = rate_of(wet.potential_energy, wet, q, v)
         rate += rate_of(lambda x, v=v: wet.kinetic_energy(x, v, none), wet, q, v)
         rate += v @ wet.mass_matrix(q) @ a
@@ -298,38 +299,32 @@ def test_without_moving_water_it_is_the_arm(arm, rng):
 
 
 def test_what_is_asked_of_the_arm_in_still_water():
-    """Moving water changes none of these; whatever else an arm can do has to be done anew."""
-    passed_on = {n for n in dir(Arm) if not n.startswith("_")} - set(
-        vars(HydrodynamicArm)
-    )
+    """Moving water changes none of these; the arm in water has the rest of its own."""
+    public = {name for name in dir(Arm) if not name.startswith("_")}
+    passed_on = public - set(vars(HydrodynamicArm))
     assert passed_on == {
-        *(
-            "approach_directions",
-            "buoyancy_torque",
-            "buoyancy_wrenches",
-            "center_of_buoyancy",
-        ),
-        *(
-            "center_of_mass",
-            "collision_distance",
-            "data",
-            "forward_kinematics",
-            "gravity_torque",
-        ),
-        *(
-            "hydrostatic_torque",
-            "hydrostatic_torque_derivative",
-            "in_collision",
-            "jacobian",
-        ),
-        *(
-            "joint_names",
-            "limits",
-            "potential_energy",
-            "regressor",
-            "with_hydrodynamics",
-        ),
+        "approach_directions",
+        "buoyancy_torque",
+        "buoyancy_wrenches",
+        "center_of_buoyancy",
+        "center_of_mass",
+        "collision_distance",
+        "data",
+        "forward_kinematics",
+        "gravity_torque",
+        "hydrostatic_torque",
+        "hydrostatic_torque_derivative",
+        "in_collision",
+        "jacobian",
+        "joint_names",
+        "limits",
+        "potential_energy",
+        "regressor",
+        "with_hydrodynamics",
     }
+
+
+def test_an_arm_in_moving_water_has_no_methods_of_still_water_only():
     wet = a5.load().with_hydrodynamics()
     assert wet.fluid_density == RHO
     for name in ("with_hydrodynamics", "regressor", "_clean_q", "nothing_like_this"):
@@ -382,11 +377,13 @@ def test_current_load_is_what_the_current_adds_at_rest(wet, rng):
 
 
 def test_energy_of_an_undamped_run_is_kept():
-    """Added mass without drag, by Runge-Kutta: the drift falls with the fourth power of the step."""
+    """With added mass and without drag, a free motion keeps its energy."""
     arm = a5.load()
     bodies = {k: BodyHydrodynamics(b.added_mass) for k, b in hydrodynamics().items()}
     wet = HydrodynamicArm(arm, [joint_water(arm, k, b) for k, b in bodies.items()])
-    x, tau, h = np.array([3.0, 1.0, 2.0, 0.5, 0.3, -0.4, 0.6, 0.8]), np.zeros(4), 5e-4
+    x = np.array([3.0, 1.0, 2.0, 0.5, 0.3, -0.4, 0.6, 0.8])
+    tau = np.zeros(4)
+    h = 5e-4
 
     def energy(x):
         return wet.kinetic_energy(x[:4], x[4:]) + wet.potential_energy(x[:4])
@@ -451,7 +448,7 @@ def test_pendulum_in_water_has_its_closed_period():
 
 
 def test_drag_of_a_turning_cylinder():
-    """integral of rho/2 Cd D (w x)^2 x dx = rho/8 Cd D w^2 L^4; the strips' points are exact here."""
+    """The torque is the integral of rho/2 Cd D (w x)^2 x dx = rho/8 Cd D w^2 L^4."""
     rod = cylinder(pin.JointModelRZ(), gravity=(0, 0, 0))
     for speed in (1.7, -0.6):
         torque = rod.inverse_dynamics([0.3], [speed], [0.0])[0]
@@ -463,7 +460,7 @@ def test_drag_of_a_turning_cylinder():
 
 
 def test_cross_flow_at_an_angle():
-    """Drag counts the velocity across, U^2 sin^2; the added mass turns the cylinder by Munk's moment."""
+    """Drag counts the velocity across, U^2 sin^2, and added mass adds Munk's moment."""
     speed, angle = 0.9, 0.7
     rod = cylinder(pin.JointModelRZ(), gravity=(0, 0, 0), current=(speed, 0, 0))
     torque, wrench = rod.current_load([angle])
@@ -492,24 +489,41 @@ def test_a_batch_of_one_joint_is_its_single_calls(joint, rng):
 
 
 def test_munk_moment():
-    """A body drifting at an angle is turned broadside: (m_across - m_along) U^2 sin cos about its middle."""
+    """A body drifting at an angle is turned broadside by Munk's moment.
+
+    It is (m_across - m_along) U^2 sin cos about the body's middle.
+    """
     rod = cylinder(pin.JointModelFreeFlyer(), cd=0.0, gravity=(0, 0, 0))
     q = np.concatenate([np.zeros(6), [1.0]])
     v = np.array([0.8, 0.5, 0, 0, 0, 0])
     tau = rod.inverse_dynamics(q, v, np.zeros(6))
     assert tau[:3] == pytest.approx(np.zeros(3), abs=1e-15)
-    # The motion's velocity, not the water's: held against the moment it needs the opposite sign.
+    # The velocity is the body's, not the water's, and the joint holds against the
+    # moment: both turn the sign.
     assert tau[5] == pytest.approx(SIDE * L * v[0] * v[1], rel=1e-12)
 
 
+ELLIPSOID = """
+<mujoco>
+  <option density="1000" gravity="0 0 0"/>
+  <worldbody>
+    <body>
+      <freejoint/>
+      <geom type="ellipsoid" size="0.1 0.05 0.03" mass="1"
+            fluidshape="ellipsoid" fluidcoef="0 0 0 0 0"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
 def test_mujoco_turns_an_ellipsoid_by_the_same_moment():
-    """MuJoCo's ellipsoid has Kirchhoff's velocity terms (no added mass in M); lift and drag are off."""
+    """MuJoCo's ellipsoid without lift and drag has Kirchhoff's velocity terms.
+
+    Its mass matrix has no added mass.
+    """
     mujoco = pytest.importorskip("mujoco")
-    half = np.array([0.1, 0.05, 0.03])
-    xml = f"""<mujoco><option density="1000" gravity="0 0 0"/><worldbody><body><freejoint/>
-    <geom type="ellipsoid" size="{half[0]} {half[1]} {half[2]}" mass="1" fluidshape="ellipsoid" fluidcoef="0 0 0 0 0"/>
-    </body></worldbody></mujoco>"""
-    model = mujoco.MjModel.from_xml_string(xml)
+    model = mujoco.MjModel.from_xml_string(ELLIPSOID)
     data = mujoco.MjData(model)
     # Its virtual masses and inertias, for each unit of density.
     added = 1000.0 * np.diag(model.geom_fluid[0][6:12])
@@ -527,14 +541,14 @@ def test_mujoco_turns_an_ellipsoid_by_the_same_moment():
     for _ in range(20):
         q = np.concatenate([np.zeros(3), rng.normal(size=4)])
         q[3:] /= np.linalg.norm(q[3:])
-        rotation, nu = pin.XYZQUATToSE3(q).rotation, rng.normal(size=6)
+        rotation = pin.XYZQUATToSE3(q).rotation
+        nu = rng.normal(size=6)
         data.qpos[:] = [0, 0, 0, q[6], *q[3:6]]
         data.qvel[:] = [*(rotation @ nu[:3]), *nu[3:]]
         mujoco.mj_forward(model, data)
-        # linear part in the world there, here all in the body's axes
-        theirs = np.concatenate(
-            [rotation.T @ data.qfrc_passive[:3], data.qfrc_passive[3:]]
-        )
+        # MuJoCo gives the force in the world's axes and the moment in the body's.
+        force, moment = np.split(data.qfrc_passive, 2)
+        theirs = np.concatenate([rotation.T @ force, moment])
         still = arm.inverse_dynamics(q, nu, np.zeros(6))
         close(still - wet.inverse_dynamics(q, nu, np.zeros(6)), theirs, 1e-7)
 

@@ -1,4 +1,7 @@
-"""A current on the command line: torques and mount load by an own strip sum, a cause of its own in tables and plots."""
+"""A current on the command line loads the arm as a sum over strips says.
+
+It is a cause of its own in tables and plots.
+"""
 
 from __future__ import annotations
 
@@ -63,11 +66,10 @@ def test_a_steady_current_by_an_own_strip_sum(capsys, fluid, density):
 
 
 def test_still_water_resists_a_motion(capsys):
-    """In a current of nothing what is added is drag and added mass, and it costs power."""
+    """A current of zero adds drag and added mass, which cost power."""
     arguments = ["--q", "3.1", "1.2", "1.8", "0.4", "--v", "0.3", "0.3", "-0.3", "0"]
-    joints = json.loads(torque(capsys, *arguments, "--current", "0 0 0", "--json"))[
-        "joints"
-    ]
+    out = torque(capsys, *arguments, "--current", "0 0 0", "--json")
+    joints = json.loads(out)["joints"]
     power = sum(joint["moving_water"] * joint["velocity"] for joint in joints)
     assert power > 0
     wet = a5.load().with_hydrodynamics()
@@ -322,33 +324,41 @@ def test_a_polar_picture_needs_a_current(tmp_path, capsys, current):
 
 
 def readme_table() -> list[str]:
-    """Rows of the documentation's table of loads: 20 000 poses and directions at random; loads go with the speed squared."""
+    """Rows of the documentation's table of loads, of 20 000 poses and directions.
+
+    The loads are proportional to the speed squared.
+    """
     rng = np.random.default_rng(0)
-    q, direction = rng.uniform(LOWER, UPPER, (20_000, 4)), rng.normal(size=(20_000, 3))
+    q = rng.uniform(LOWER, UPPER, (20_000, 4))
+    direction = rng.normal(size=(20_000, 3))
     direction /= np.linalg.norm(direction, axis=1)[:, None]
-    arm, still, found = a5.load(), np.zeros_like(q), []
-    before = (
-        arm.inverse_dynamics_batch(q, still, still),
-        arm.base_wrench_batch(q, still, still),
-    )
-    for level in LEVELS:
-        wet = arm.with_hydrodynamics(level=level)
-        tau = wet.inverse_dynamics_batch(q, still, still, current=direction) - before[0]
-        wrench = wet.base_wrench_batch(q, still, still, current=direction) - before[1]
-        sizes = np.linalg.norm(wrench.reshape(-1, 2, 3), axis=2)
-        found.append(np.column_stack([sizes, np.abs(tau[:, :3])]))
+    found = [loads_of_unit_current(level, q, direction) for level in LEVELS]
     low, nominal, high = np.median(found, axis=1)
     most = np.max(found[1], axis=0)
     rows = []
     for speed in (0.25, 0.5, 0.75, 1.0, 1.25, 1.5):
-        cells = (
-            "{:.2g} ({:.2g}–{:.2g}), at most {:.2g}".format(
-                *(speed**2 * x for x in figures)
-            )
-            for figures in zip(nominal, low, high, most, strict=True)
-        )
+        figures = speed**2 * np.column_stack([nominal, low, high, most])
+        cells = [
+            f"{middle:.2g} ({least:.2g}–{largest:.2g}), at most {peak:.2g}"
+            for middle, least, largest, peak in figures
+        ]
         rows.append(f"| {speed:g} m/s | {' | '.join(cells)} |")
     return rows
+
+
+def loads_of_unit_current(
+    level: str, q: np.ndarray, direction: np.ndarray
+) -> np.ndarray:
+    """Force and moment on the mount and three joint torques by 1 m/s, (n, 5)."""
+    arm = a5.load()
+    wet = arm.with_hydrodynamics(level=level)
+    still = np.zeros_like(q)
+    tau = wet.inverse_dynamics_batch(q, still, still, current=direction)
+    tau -= arm.inverse_dynamics_batch(q, still, still)
+    wrench = wet.base_wrench_batch(q, still, still, current=direction)
+    wrench -= arm.base_wrench_batch(q, still, still)
+    sizes = np.linalg.norm(wrench.reshape(-1, 2, 3), axis=2)
+    return np.column_stack([sizes, np.abs(tau[:, :3])])
 
 
 def test_the_documented_table_of_loads_is_the_strips():

@@ -1,4 +1,4 @@
-"""The arm on its vehicle: equal to a floating arm, momentum, reaction, trim, wrong input."""
+"""The arm on its vehicle is a floating arm; its momentum, reaction, trim and input."""
 
 from __future__ import annotations
 
@@ -82,34 +82,29 @@ def test_nothing_as_a_vehicle_leaves_the_floating_arm(gripper, rng):
 
 
 def test_the_mount_of_a_fixed_arm_becomes_the_vehicle(rng):
-    """On a vehicle at rest in still water, mount load and joint torques are those of the fixed arm."""
+    """On a vehicle at rest, mount load and joint torques are those of the fixed arm."""
     fixed = a5.load().with_hydrodynamics()
     system = fixed.on_vehicle(vehicle())
-    v, a = random_v(fixed, rng), random_v(fixed, rng)
+    v = random_v(fixed, rng)
+    a = random_v(fixed, rng)
     pose_of_vehicle = vehicle().transform_vehicle_to_base
     q = system.configuration(pose_of_vehicle, Q)
     assert q == pytest.approx([0, 0, 0, 0, 0, 0, 1, *Q], abs=1e-15)
     still = np.zeros(6)
-    v_all, a_all = np.concatenate([still, v]), np.concatenate([still, a])
-    close(
-        system.mount_load(q, v_all, a_all).vector,
-        fixed.base_wrench(Q, v, a).vector,
-        1e-12,
-    )
-    close(
-        system.inverse_dynamics(q, v_all, a_all)[6:],
-        fixed.inverse_dynamics(Q, v, a),
-        1e-12,
-    )
-    # What the thrusters have to do is the mount's load and the vehicle's own weight.
+    v_all = np.concatenate([still, v])
+    a_all = np.concatenate([still, a])
     load = system.mount_load(q, v_all, a_all).vector
+    close(load, fixed.base_wrench(Q, v, a).vector, 1e-12)
+    of_thrusters, of_joints = np.split(system.inverse_dynamics(q, v_all, a_all), [6])
+    close(of_joints, fixed.inverse_dynamics(Q, v, a), 1e-12)
+    # The thrusters carry the mount's load and the vehicle's own weight.
     own = fixed.on_vehicle(vehicle()).still.model.gravity.linear
     to_base = pin.SE3(np.array(pose_of_vehicle))
     weight = pin.Force.Zero()
     for amount, at in ((13.5, [0, 0, -0.01]), (-1025.0 * 0.0134, [0, 0, 0.02])):
         point = to_base.act(np.array(at, dtype=float))
         weight += pin.Force(amount * own, np.cross(point, amount * own))
-    close(system.inverse_dynamics(q, v_all, a_all)[:6], -load - weight.vector, 1e-11)
+    close(of_thrusters, -load - weight.vector, 1e-11)
 
 
 def momentum(system, q, v):
@@ -118,8 +113,37 @@ def momentum(system, q, v):
     return pin.XYZQUATToSE3(q[:7]).act(pin.Force(own)).vector
 
 
+def exponential_rate(u, w):
+    """The rate of exponential coordinates u at the velocity w, to order 4."""
+    rate = w.copy()
+    twist = pin.Motion(u[:6])
+    velocity = pin.Motion(w[:6])
+    bracket = twist.cross(velocity)
+    rate[:6] = (velocity + 0.5 * bracket + (1 / 12) * twist.cross(bracket)).vector
+    return rate
+
+
+def munthe_kaas_step(model, rate, q, v, h):
+    """Position and velocity after a step of the Runge-Kutta-Munthe-Kaas method.
+
+    It has order 4; the increments of a step are exponential coordinates.
+    """
+    positions = []  # rates of the exponential coordinates
+    velocities = []
+    u = np.zeros_like(v)
+    w = v
+    for share in (0.5, 0.5, 1.0, None):
+        positions.append(exponential_rate(u, w))
+        velocities.append(rate(pin.integrate(model, q, u), w))
+        if share is not None:
+            u = share * h * positions[-1]
+            w = v + share * h * velocities[-1]
+    weights = h / 6 * np.array([1, 2, 2, 1])
+    return pin.integrate(model, q, weights @ positions), v + weights @ velocities
+
+
 def test_momentum_of_the_free_system_is_kept():
-    """No drag, no gravity: whatever the joints do, Runge-Kutta keeps six momenta of body and water."""
+    """Without drag and gravity, joint torques keep the momentum of body and water."""
     bare = a5.load(gravity=(0, 0, 0)).with_hydrodynamics()
     bodies = [
         b.__class__(b.body, b.joint, b.action, type(b.data)(b.data.added_mass))
@@ -131,36 +155,15 @@ def test_momentum_of_the_free_system_is_kept():
     )
     q = system.configuration(pose([0.3, 0.1, -2.0], [0.2, -0.1, 0.5]), Q)
     v = np.array([0.2, -0.1, 0.3, 0.4, -0.2, 0.3, 0.5, -0.4, 0.3, 0.6])
-    start, h, model = momentum(system, q, v), 1e-3, system.model
+    start = momentum(system, q, v)
     tau = np.concatenate([np.zeros(6), [0.1, -0.2, 0.15, 0.02]])
 
     def rate(q, v):
         return system.forward_dynamics(q, v, tau)
 
-    # Munthe-Kaas of order 4: increments of one step in its own exponential coordinates.
-    def step(q, v):
-        def slope(u, w):
-            inner = w.copy()
-            twist = pin.Motion(u[:6])
-            one = pin.Motion(w[:6])
-            bracket = twist.cross(one)
-            inner[:6] = (one + 0.5 * bracket + (1 / 12) * twist.cross(bracket)).vector
-            return inner
-
-        zero = np.zeros_like(v)
-        k_1, l_1 = slope(zero, v), rate(q, v)
-        x, y = h / 2 * k_1, v + h / 2 * l_1
-        k_2, l_2 = slope(x, y), rate(pin.integrate(model, q, x), y)
-        x, y = h / 2 * k_2, v + h / 2 * l_2
-        k_3, l_3 = slope(x, y), rate(pin.integrate(model, q, x), y)
-        x, y = h * k_3, v + h * l_3
-        k_4, l_4 = slope(x, y), rate(pin.integrate(model, q, x), y)
-        u = h / 6 * (k_1 + 2 * k_2 + 2 * k_3 + k_4)
-        return pin.integrate(model, q, u), v + h / 6 * (l_1 + 2 * l_2 + 2 * l_3 + l_4)
-
     before = q
     for _ in range(60):
-        q, v = step(q, v)
+        q, v = munthe_kaas_step(system.model, rate, q, v, h=1e-3)
     assert np.abs(q - before).max() > 0.02
     close(momentum(system, q, v), start, 1e-9)
     assert np.abs(start).max() > 1.0
@@ -181,7 +184,7 @@ def test_reaction_leaves_the_thrusters_without_force(rng):
 
 
 def test_a_drifting_vehicle_comes_to_rest_with_the_water(rng):
-    """Damping is of the velocity relative to the water, at the vehicle's origin, in its axes."""
+    """Damping depends on the velocity relative to the water, in the vehicle's axes."""
     system = a5.load().on_vehicle(vehicle())
     q = system.configuration(np.eye(4), Q)
     to_base = pin.SE3(np.array(vehicle().transform_vehicle_to_base))
@@ -193,9 +196,8 @@ def test_a_drifting_vehicle_comes_to_rest_with_the_water(rng):
     rotation = pin.XYZQUATToSE3(q[:7]).rotation
     v = np.zeros(10)
     v[:3] = rotation.T @ CURRENT
-    assert system.dissipated_power(q, v, current=CURRENT) == pytest.approx(
-        0.0, abs=1e-20
-    )
+    power = system.dissipated_power(q, v, current=CURRENT)
+    assert power == pytest.approx(0.0, abs=1e-20)
 
 
 def test_derivatives_with_the_vehicle(rng):
@@ -253,7 +255,7 @@ def test_trim_is_an_equilibrium_and_stable(rng):
 
 
 def test_trim_follows_the_arm():
-    """An arm that weighs and reaches forward pitches the vehicle nose down, to the left rolls it left."""
+    """Reaching forward pitches the vehicle nose down, reaching left rolls it left."""
     mounted = vehicle(
         com=[0, 0, -0.02], transform_vehicle_to_base=pose([0, 0, 0.1], [0, 0, 0])
     )
@@ -287,10 +289,11 @@ def test_it_carries_payloads_and_is_copied(rng):
 @needs_recordings
 @pytest.mark.parametrize("name", ["traj019-2", "traj024-1", "traj_alt_009-0"])
 def test_trim_follows_the_recorded_tilt(name):
-    """A BlueROV2 in a pool: sign and course of roll and pitch, quasi-static, 0.4 s behind the arm.
+    """Roll and pitch of a BlueROV2 in a pool follow the arm, 0.4 s behind it.
 
-    Where the arm sits is of that repository's URDF; its ballast is not known: it is taken to trim the mean pose, and
-    the height of the centre of buoyancy to give what stiffness recordings show.
+    The mount's place is from the URDF of the recordings' repository. The ballast is
+    unknown: here it trims the mean pose. The height of the centre of buoyancy gives the
+    stiffness that the recordings show.
     """
     spec = importlib.util.spec_from_file_location("validate_recordings", SCRIPT)
     script = importlib.util.module_from_spec(spec)
@@ -298,9 +301,9 @@ def test_trim_follows_the_recorded_tilt(name):
     spec.loader.exec_module(script)
     (found,) = (r for r in script.read(RECORDINGS)[0] if r.name == name)
     at = found.grid[::20]
-    joints = np.stack(
-        [np.interp(at - 0.4, found.motion.time, x) for x in found.motion.position.T], 1
-    )
+    motion = found.motion
+    columns = [np.interp(at - 0.4, motion.time, x) for x in motion.position.T]
+    joints = np.stack(columns, 1)
     recorded = script._average(at, found.time, found.tilt)
     mount = np.linalg.inv(pose([0.25, -0.10965, 0.005], [0.0, 0.0, 0.0]))
 
@@ -310,12 +313,10 @@ def test_trim_follows_the_recorded_tilt(name):
 
     mean = system(np.zeros(3)).trim(joints.mean(axis=0)[:4])
     up = mean.rotation_vehicle_to_world[2]
-    ballasted = system(
-        mean.righting_moment / (9.81 * 13.5) * np.array([up[0], up[1], 0.0])
-    )
-    ours = np.array(
-        [[t.roll, t.pitch] for t in (ballasted.trim(q[:4]) for q in joints)]
-    )
+    lever = mean.righting_moment / (9.81 * 13.5)
+    ballasted = system(lever * np.array([up[0], up[1], 0.0]))
+    trims = [ballasted.trim(q[:4]) for q in joints]
+    ours = np.array([[trim.roll, trim.pitch] for trim in trims])
     for k in (0, 1):
         assert np.corrcoef(ours[:, k], recorded[:, k])[0, 1] > 0.9
         assert 0.5 < ours[:, k].std() / recorded[:, k].std() < 1.5
