@@ -1,7 +1,7 @@
-"""The drawn bodies: closed, the printed volumes and centroids, joints that fit, files that load.
+"""The drawn bodies are closed, have the printed volumes, fit together, and load.
 
-The committed OBJ files are read by a parser of this file and measured by the divergence theorem; Table 3 is
-typed again from the document.
+A parser of this file reads the committed OBJ files, and the divergence theorem measures
+them. Table 3 is typed again from the document.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ BODIES = (*LINKS, "finger_1", "finger_2")
 #: Table 3: volume [L], centre of buoyancy [mm].
 TABLE_3 = dict(zip(LINKS, zip(VOLUME, COB, strict=True), strict=True))
 FINGER_VOLUME = {"finger_1": 0.0061, "finger_2": 0.0077}
-#: Measured outer bounds [mm]; None where none is known. Fingers: length 85, from the pivot.
+#: Measured outer bounds [mm], or None if unknown. Fingers: length 85, from the pivot.
 BOUNDS = {
     "link_0": ((-126.65, 20), (-24, 20), (-20, 20)),
     "link_1": ((-20, 40), (-20, 20), (14, 67)),
@@ -46,7 +46,7 @@ PIVOT_X, PIVOT_Z = 0.0155, -(0.13275 + 0.0069)
 
 
 class Mesh:
-    """An OBJ file: vertices (n, 3) [m], faces (m, 3), one normal for each corner (m, 3, 3)."""
+    """An OBJ file: vertices (n, 3) [m], faces (m, 3), normals of corners (m, 3, 3)."""
 
     def __init__(self, text: str) -> None:
         rows = [line.split() for line in text.splitlines() if line and line[0] in "vf"]
@@ -61,7 +61,7 @@ class Mesh:
         return self.v[self.f]
 
     def volume_and_centroid(self) -> tuple[float, np.ndarray]:
-        """Sum over the tetrahedra from the origin to each triangle, in mm and litres."""
+        """Litres and mm: sums over the tetrahedra from the origin to each triangle."""
         c = self.corners * 1e3
         six = np.einsum("fi,fi->f", c[:, 0], np.cross(c[:, 1], c[:, 2]))
         return six.sum() / 6e6, np.einsum("f,fi->i", six, c.sum(1)) / (4 * six.sum())
@@ -140,7 +140,7 @@ def test_normals_are_smooth_and_outward(meshes, name):
     assert np.linalg.norm(mesh.normals, axis=2) == pytest.approx(1.0, abs=2e-4)
     along = np.einsum("fx,fcx->fc", flat, mesh.normals)
     assert along.min() > math.cos(math.radians(60))
-    # Smooth where the body is round: neighbours share normals that are neither one's own.
+    # Where a body is round, neighbours share normals that are neither one's own.
     assert (along < 0.9999).mean() > 0.15
 
 
@@ -231,7 +231,7 @@ def test_measured_dimensions_agree_with_the_recorded_bounds():
 
 
 def test_link_2_tube_is_slanted_as_its_product_of_inertia_says(meshes):
-    """Between axes on its frame's x axis, only a slanted tube gives Table 2's -74.836 kg mm^2."""
+    """Only a slanted tube between the axes gives Table 2's product, -74.836 kg mm^2."""
     mesh = meshes["link_2"]
     volume, centroid = mesh.volume_and_centroid()
     c = mesh.corners * 1e3 - centroid
@@ -249,7 +249,7 @@ def test_all_files_together_are_small():
     assert sum(path.stat().st_size for path in MESHES.iterdir()) < 3e6
 
 
-# How the bodies sit together. Solids of manifold3d are the second route: exact intersections.
+# How the bodies fit together. The second route is exact intersections by manifold3d.
 
 
 @pytest.fixture(scope="module")
@@ -332,49 +332,48 @@ def test_committed_files_are_a_fresh_generation_and_the_same_every_time():
     program = (
         "import hashlib, json\n"
         "from alpha5_model.description.committed import mesh_files\n"
-        "print(json.dumps({n: hashlib.sha256(c).hexdigest() for n, c in mesh_files().items()}))"
+        "files = mesh_files().items()\n"
+        "print(json.dumps({n: hashlib.sha256(c).hexdigest() for n, c in files}))"
     )
-    runs = [
-        json.loads(
-            subprocess.run(
-                [sys.executable, "-c", program],
-                check=True,
-                capture_output=True,
-                text=True,
-                env={
-                    **os.environ,
-                    "PYTHONHASHSEED": seed,
-                    "PYTHONPATH": os.pathsep.join(sys.path),
-                },
-            ).stdout
+
+    def digests(seed):
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            check=True,
+            capture_output=True,
+            text=True,
+            env={
+                **os.environ,
+                "PYTHONHASHSEED": seed,
+                "PYTHONPATH": os.pathsep.join(sys.path),
+            },
         )
-        for seed in ("1", "2")
-    ]
-    assert runs[0] == runs[1]
+        return json.loads(done.stdout)
+
     committed = {
-        p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in MESHES.iterdir()
+        path.name: hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in MESHES.iterdir()
     }
-    assert runs[0] == committed
+    assert digests("1") == committed
+    assert digests("2") == committed
 
 
 def test_materials(meshes):
     mtl = (MESHES / "alpha5.mtl").read_text("ascii")
-    assert {
-        line.split()[1] for line in mtl.splitlines() if line.startswith("newmtl")
-    } == {
-        "anodised",
-        "bare_metal",
-    }
+    lines = mtl.splitlines()
+    materials = {line.split()[1] for line in lines if line.startswith("newmtl")}
+    assert materials == {"anodised", "bare_metal"}
     for name in BODIES:
         wanted = "bare_metal" if name.startswith("finger") else "anodised"
         text = (MESHES / f"{name}.obj").read_text("ascii")
-        assert [line for line in text.splitlines() if line.startswith("usemtl")] == [
-            f"usemtl {wanted}"
-        ]
+        used = [line for line in text.splitlines() if line.startswith("usemtl")]
+        assert used == [f"usemtl {wanted}"]
         assert "mtllib alpha5.mtl" in text
 
 
-def test_glb_shows_the_home_pose_with_y_up(meshes):
+@pytest.fixture(scope="module")
+def glb():
+    """The scene of alpha5.glb, and the bytes that it refers to."""
     data = (MESHES / "alpha5.glb").read_bytes()
     magic, version, length = struct.unpack_from("<4sII", data)
     assert (magic, version, length) == (b"glTF", 2, len(data))
@@ -383,38 +382,56 @@ def test_glb_shows_the_home_pose_with_y_up(meshes):
     scene = json.loads(data[20 : 20 + size])
     binary = data[20 + size + 8 :]
     assert scene["buffers"][0]["byteLength"] <= len(binary)
+    return scene, binary
 
+
+def world_pose(scene, node):
+    """The product of the matrices from the root to the node with this number."""
+    pose = _node_matrix(scene["nodes"][node])
+    for number, other in enumerate(scene["nodes"]):
+        if node in other.get("children", []):
+            return world_pose(scene, number) @ pose
+    return pose
+
+
+def test_glb_has_all_bodies(glb):
+    scene, _ = glb
+    names = [node["name"] for node in scene["nodes"] if "mesh" in node]
+    assert set(names) == set(BODIES)
+
+
+def test_glb_shows_the_home_pose_with_y_up(meshes, glb):
+    scene, binary = glb
     poses = link_poses(np.array(NAMED_POSES["home"]))
     for name in ("finger_1", "finger_2"):
         poses[name] = poses["link_4"] @ finger_pose(name)
-    parent = {
-        c: i for i, node in enumerate(scene["nodes"]) for c in node.get("children", [])
-    }
-    seen = set()
-    for i, node in enumerate(scene["nodes"]):
+    for number, node in enumerate(scene["nodes"]):
         if "mesh" not in node:
             continue
-        pose, at = np.eye(4), i
-        while True:
-            pose = _node_matrix(scene["nodes"][at]) @ pose
-            if at not in parent:
-                break
-            at = parent[at]
-        primitive = scene["meshes"][node["mesh"]]["primitives"][0]
-        points = _accessor(scene, binary, primitive["attributes"]["POSITION"])
+        attributes = scene["meshes"][node["mesh"]]["primitives"][0]["attributes"]
+        points = _accessor(scene, binary, attributes["POSITION"])
+        pose = world_pose(scene, number)
         world = points @ pose[:3, :3].T + pose[:3, 3]
         z_up = np.column_stack([world[:, 0], -world[:, 2], world[:, 1]])
-        back = (z_up - poses[node["name"]][:3, 3]) @ poses[node["name"]][:3, :3]
+        expected_pose = poses[node["name"]]
+        in_body = (z_up - expected_pose[:3, 3]) @ expected_pose[:3, :3]
         wanted = meshes[node["name"]].v
-        assert back.min(0) == pytest.approx(wanted.min(0), abs=1e-6)
-        assert back.max(0) == pytest.approx(wanted.max(0), abs=1e-6)
-        assert back[::7] == pytest.approx(_nearest(wanted, back[::7]), abs=1e-6)
+        assert in_body.min(0) == pytest.approx(wanted.min(0), abs=1e-6)
+        assert in_body.max(0) == pytest.approx(wanted.max(0), abs=1e-6)
+        some = in_body[::7]
+        assert some == pytest.approx(_nearest(wanted, some), abs=1e-6)
+
+
+def test_glb_has_the_triangles_of_the_bodies_and_unit_normals(meshes, glb):
+    scene, binary = glb
+    for node in scene["nodes"]:
+        if "mesh" not in node:
+            continue
+        primitive = scene["meshes"][node["mesh"]]["primitives"][0]
         triangles = _accessor(scene, binary, primitive["indices"]).reshape(-1, 3)
         assert len(triangles) == len(meshes[node["name"]].f)
         normals = _accessor(scene, binary, primitive["attributes"]["NORMAL"])
         assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-5)
-        seen.add(node["name"])
-    assert seen == set(BODIES)
 
 
 @pytest.mark.parametrize(("count", "kind"), [(65534, 5123), (65535, 5125)])

@@ -1,4 +1,4 @@
-"""The collections' own loaders load the arm, from modules and folders of their shape."""
+"""The loaders of robot collections load the arm from modules and folders of theirs."""
 
 from __future__ import annotations
 
@@ -182,44 +182,52 @@ def test_example_robot_data_loads_the_folder(tmp_path):
     for path, content in robot_files().items():
         atomic_write(robots / path, content)
     loader = loader_class()
-    # The base class looks for the folder in its own installation, and at its end once more.
+    # The base class looks for the folder in its own installation, twice.
     loader.model_path = str(robots)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("example_robot_data.utils.getModelPath", lambda *_: str(robots))
         robot = loader().robot
     same_arm(robot.model)
-    np.testing.assert_array_equal(
-        robot.q0, alpha5_description.REFERENCE_POSTURES["home"]
-    )
+    home = alpha5_description.REFERENCE_POSTURES["home"]
+    np.testing.assert_array_equal(robot.q0, home)
     assert robot.visual_model.ngeoms == 7
+    stop_at_first_collision = False
     assert not pin.computeCollisions(
         robot.model,
         robot.data,
         robot.collision_model,
         robot.collision_data,
         robot.q0,
-        False,
+        stop_at_first_collision,
     )
 
 
-def test_example_robot_data_takes_the_patch(tmp_path, monkeypatch, capsys):
-    """A checkout of its shape, its own Python files in it; its tests' way of loading, in another process."""
+@pytest.fixture
+def checkout(tmp_path):
+    """A folder like a checkout of example-robot-data, with its own Python files."""
     utils = pytest.importorskip(
         "example_robot_data.utils", reason="its loaders are not installed"
     )
-    checkout = tmp_path / "example-robot-data"
-    package = checkout / "python" / "example_robot_data"
+    folder = tmp_path / "example-robot-data"
     shutil.copytree(
         Path(utils.__file__).parent,
-        package,
+        folder / "python" / "example_robot_data",
         ignore=shutil.ignore_patterns("path.py*", "__pycache__"),
     )
-    tests = checkout / "unittest" / "test_load.py"
+    tests = folder / "unittest" / "test_load.py"
     tests.parent.mkdir()
     tests.write_text(LOADING)
+    return folder
+
+
+def test_example_robot_data_takes_the_patch(checkout, monkeypatch, capsys):
+    """The patched checkout passes the tests of its own kind, in another process."""
+    package = checkout / "python" / "example_robot_data"
+    tests = checkout / "unittest" / "test_load.py"
     script = runpy.run_path(str(SCRIPT))
     monkeypatch.setattr(sys, "argv", ["add", str(checkout)])
-    for _ in range(2):  # the second time finds its lines there
+    # The second time, the lines are there already.
+    for _ in range(2):
         script["main"]()
         assert f"wrote {package / 'alpha5.py'}\n" in capsys.readouterr().out
     assert tests.read_text().count("alpha5_jaws") == 2
@@ -232,6 +240,13 @@ def test_example_robot_data_takes_the_patch(tmp_path, monkeypatch, capsys):
     assert done.returncode == 0, done.stderr
     assert "Ran 3 tests" in done.stderr
     assert "skipped=1" in done.stderr
+
+
+def test_a_folder_that_is_no_checkout_is_not_patched(checkout):
+    package = checkout / "python" / "example_robot_data"
+    tests = checkout / "unittest" / "test_load.py"
+    script = runpy.run_path(str(SCRIPT))
+    script["patch"](checkout)
     for broken in (package / "robots_loader.py", tests):
         broken.write_text("")
         with pytest.raises(SystemExit, match=rf"{broken.name}: no '"):

@@ -1,4 +1,4 @@
-"""Inertia conversions against sums over point masses, Pinocchio, and impossible bodies."""
+"""Inertia conversions agree with sums over points; impossible bodies are found."""
 
 from __future__ import annotations
 
@@ -20,14 +20,13 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 class Cloud:
-    """Point masses: every inertial quantity is a plain sum over them, from its definition."""
+    """Point masses: by definition, every inertial quantity is a plain sum over them."""
 
     def __init__(self, seed: int, count: int = 12) -> None:
         rng = np.random.default_rng(seed)
         self.m = rng.uniform(0.01, 1.0, count)
-        self.p = rng.normal(size=(count, 3)) * rng.uniform(0.01, 0.3, 3) + rng.normal(
-            size=3
-        )
+        spread = rng.normal(size=(count, 3)) * rng.uniform(0.01, 0.3, 3)
+        self.p = spread + rng.normal(size=3)
 
     mass = property(lambda self: float(self.m.sum()))
     com = property(lambda self: (self.m @ self.p) / self.m.sum())
@@ -52,7 +51,7 @@ def rotation(seed: int) -> np.ndarray:
     return q * np.linalg.det(q)
 
 
-# --- conversions ------------------------------------------------------------------------------
+# --- conversions ----------------------------------------------------------------------
 
 
 @given(seeds)
@@ -214,14 +213,13 @@ def test_wrong_shapes_and_numbers_are_errors_of_the_package(name: str) -> None:
         others = {k: np.array([v, v]) for k, v in given.items() if k != argument}
         for bad in [*wrong, np.full(shape, np.nan), *(np.ones(s) for s in shapes)]:
             for call in (given | {argument: bad}, others | {argument: bad}):
-                # Leading axes that fit one another are no error; a raw NumPy error fails the test.
+                # Leading axes that fit are no error. A raw NumPy error fails the test.
                 with contextlib.suppress(Alpha5Error):
                     function(**call)
                     assert isinstance(bad, np.ndarray) or argument == "bounds"
                     assert bad is None or np.isfinite(bad).all()
-        if (
-            argument != "tolerance" and name != "flip_products"
-        ):  # which multiply nothing
+        multiplied = argument != "tolerance" and name != "flip_products"
+        if multiplied:
             with pytest.raises(InputError):
                 function(**(given | {argument: np.full(shape, 1e200)}))
 
@@ -262,7 +260,7 @@ def test_a_body_without_mass_has_no_radius_of_gyration() -> None:
             mod.radii_of_gyration(mass, tensor)
 
 
-# --- physical consistency ---------------------------------------------------------------------
+# --- physical consistency -------------------------------------------------------------
 
 
 @settings(max_examples=200)
@@ -334,8 +332,8 @@ def test_the_arm_is_consistent(i: int) -> None:
     if i != 1:
         assert found == ()
         return
-    # Table 2's link 1 is longer than the part that the eye sees: some of its mass turns inside
-    # link 0's hub. Measured here from the printed digits alone: sqrt((Ixx + Iyy - Izz) / 2m).
+    # Table 2's link 1 is longer than its visible part: some of its mass turns inside
+    # link 0's hub. From the printed digits, the spread is sqrt((Ixx + Iyy - Izz) / 2m).
     spread = np.sqrt((109.469 + 122.362 - 43.987) / 2 / 0.161)
     assert spread > np.sqrt((67 - 25.038) * (25.038 - 14))
     assert len(found) == 1
@@ -343,23 +341,19 @@ def test_the_arm_is_consistent(i: int) -> None:
 
 
 def test_size_finds_what_the_triangle_inequality_cannot() -> None:
-    """I_Link in place of I_COM and a COM in another frame: consistent tensors, impossible bodies."""
+    """I_Link instead of I_COM, or a COM in another frame, has a consistent tensor."""
     link = a5.parameters().links[4]
     at_origin = mod.tensor_at_origin(link.mass, link.com, link.inertia)
     assert mod.inconsistencies(link.mass, link.com, at_origin) == ()
-    assert any(
-        "spreads" in s
-        for s in mod.inconsistencies(link.mass, link.com, at_origin, link.bounds)
-    )
+    found = mod.inconsistencies(link.mass, link.com, at_origin, link.bounds)
+    assert any("spreads" in text for text in found)
     wrong = link.com + np.array([0, 0, 0.0982])
     assert mod.inconsistencies(link.mass, wrong, link.inertia) == ()
-    assert any(
-        "outside" in s
-        for s in mod.inconsistencies(link.mass, wrong, link.inertia, link.bounds)
-    )
+    found = mod.inconsistencies(link.mass, wrong, link.inertia, link.bounds)
+    assert any("outside" in text for text in found)
 
 
-# --- other people's robots --------------------------------------------------------------------
+# --- other people's robots ------------------------------------------------------------
 
 
 def script() -> Any:
@@ -372,18 +366,15 @@ def script() -> Any:
 
 
 def test_public_robots() -> None:
-    """Findings on example-robot-data, stable facts of its files: some links cannot exist."""
+    """Links of example-robot-data are found impossible if their eigenvalues are."""
     pytest.importorskip("example_robot_data")
     check = script()
     for name in ("panda", "ur5", "anymal_c", "hyq"):
         bodies = check.bodies(name)
         assert len(bodies) >= 6, name
-        for (
-            body
-        ) in bodies:  # our verdict against Pinocchio-free arithmetic on the eigenvalues
-            a, b, c = np.sort(
-                np.linalg.eigvals((body.inertia + body.inertia.T) / 2).real
-            )
+        for body in bodies:
+            symmetric = (body.inertia + body.inertia.T) / 2
+            a, b, c = np.sort(np.linalg.eigvals(symmetric).real)
             possible = body.mass > 0 and a > 1e-12 * c and c <= (a + b) * (1 + 1e-9)
             assert (body.problems == ()) == bool(possible), (name, body)
 

@@ -1,4 +1,4 @@
-"""The SI record against numbers written out here from the document, and its corrections."""
+"""The SI record and its corrections agree with numbers typed from the document."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import alpha5_model as a5
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.numbers.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
 
-#: Tables 2 and 3 once more, in SI and URDF sign, typed from the document and not from the data file.
+#: Tables 2 and 3 in SI and URDF sign, typed from the document, not from the data file.
 MASSES = [0.234, 0.161, 0.38, 0.142, 0.355]
 COMS = [
     [-0.052425, -0.00712, -0.000037],
@@ -124,24 +124,35 @@ def test_base_frame_turns_link_0_and_nothing_else() -> None:
 
 
 def test_link3_cob_is_link_1s_frame_carried_to_link_3() -> None:
-    """Second way: link 1's part laid onto link 3's, axis for axis, with the printed lengths."""
+    """The correction lays link 1's part onto link 3's, axis for axis."""
     printed = np.array([2.0, -4.0, 29.0])
-    # In {1}: own axis z through the origin, other axis along -y through (a_0, ., d_0) = (20, ., 46.2).
-    # In {3}: that other axis is z through the origin, own axis lies along y through x = a_2 = 20.
-    along_own, along_other, across = printed[2] - 46.2, printed[1], 20 - printed[0]
+    # In {1}, the part's own axis is z through the origin. The other axis is along -y
+    # through (a_0, ., d_0) = (20, ., 46.2).
+    # In {3}, that other axis is z through the origin. The own axis is along y through
+    # x = a_2 = 20.
+    along_own = printed[2] - 46.2
+    along_other = printed[1]
+    across = 20 - printed[0]
     corrected = a5.parameters(("link3_cob",)).links[3].cob
-    np.testing.assert_allclose(
-        corrected * 1e3, [across, along_own, along_other], atol=1e-12
-    )
+    expected = [across, along_own, along_other]
+    np.testing.assert_allclose(corrected * 1e3, expected, atol=1e-12)
     bounds = a5.parameters().links[3].bounds
     assert (bounds[:, 0] <= corrected).all()
     assert (corrected <= bounds[:, 1]).all()
+
+
+def test_link3_cob_is_outside_its_link_as_printed() -> None:
+    """That is why there is a correction."""
+    bounds = a5.parameters().links[3].bounds
     as_printed = a5.parameters(()).links[3].cob
-    assert not (as_printed <= bounds[:, 1]).all()  # why there is a correction
+    assert not (as_printed <= bounds[:, 1]).all()
+
+
+def test_the_correction_of_link3_cob_changes_no_other_link() -> None:
+    corrected = a5.parameters(("link3_cob",)).links
+    default = a5.parameters().links
     for i in (0, 1, 2, 4):
-        np.testing.assert_array_equal(
-            a5.parameters(("link3_cob",)).links[i].cob, a5.parameters().links[i].cob
-        )
+        np.testing.assert_array_equal(corrected[i].cob, default[i].cob)
 
 
 def test_corrections_are_recorded_with_evidence_and_effect() -> None:

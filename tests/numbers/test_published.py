@@ -1,4 +1,4 @@
-"""Every printed digit arrived, every value has a source, and malformed data is refused by place."""
+"""Every printed digit arrives, every value has a source, malformed data is refused."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ needs_seed = pytest.mark.skipif(
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 
 
-# --- every digit, read from the document's own text -------------------------------------------
+# --- every digit, read from the document's own text -----------------------------------
 
 
 def printed_rows(header: str) -> list[list[str]]:
-    """Cells of the table whose head starts with ``header``, straight from the document's text."""
+    """Cells of the document's table whose head starts with ``header``."""
     lines = SEED.read_text(encoding="utf-8").splitlines()
     start = next(i for i, line in enumerate(lines) if line.startswith(header))
     rows = []
@@ -118,15 +118,18 @@ def test_table_4_arrived() -> None:
 
 
 def test_table_4_says_where_each_column_comes_from() -> None:
-    """Section 2.2.1: friction from the current-velocity profile, all other properties from data sheets."""
-    origins = dict(a5.published().table_4.origins)
-    columns = {f.name for f in dataclasses.fields(a5.published().table_4.rows[0])} - {
-        "actuator"
-    }
+    """Section 2.2.1: friction is from the current-velocity profile, the rest is not."""
+    table = a5.published().table_4
+    origins = dict(table.origins)
+    columns = {field.name for field in dataclasses.fields(table.rows[0])}
+    columns.remove("actuator")
     assert set(origins) == columns
     friction = {origins.pop("friction"), origins.pop("friction_tolerance")}
     assert friction == {"approximated from the current-velocity profile"}
     assert set(origins.values()) == {"motor/gearbox data sheet"}
+
+
+def test_the_origins_of_table_4_must_be_those_of_its_columns() -> None:
     for old, new in (
         ('friction = "approximated from the current-velocity profile"\n', ""),
         ("[table_4.origins]", '[table_4.origins]\ncolour = "guess"'),
@@ -160,17 +163,16 @@ def test_head_arrived() -> None:
 
 @needs_seed
 def test_a_lost_digit_is_seen() -> None:
-    """The comparison above is able to fail: one digit dropped from the data is found."""
+    """The comparison above can fail: it finds a digit that is dropped from the data."""
     rows = printed_rows("Link\tMass (kg)")
     mutilated = parse(DOCUMENT.replace('"-7.120"', '"-7.12"'), SUPPLEMENTARY)
-    com = [c.text for c in mutilated.table_2.rows[0].com]
-    assert com != rows[0][2].strip("() ").split()
-    assert (
-        mutilated.table_2.rows[0].com[1].si == a5.published().table_2.rows[0].com[1].si
-    )
+    com = mutilated.table_2.rows[0].com
+    assert [number.text for number in com] != rows[0][2].strip("() ").split()
+    complete = a5.published().table_2.rows[0].com
+    assert com[1].si == complete[1].si
 
 
-# --- every value has a source -----------------------------------------------------------------
+# --- every value has a source ---------------------------------------------------------
 
 
 def walk(record: object) -> Iterator[object]:
@@ -220,7 +222,7 @@ def test_records_are_frozen_and_read_once() -> None:
         printed.table_2.rows[0].mass.text = "1"  # type: ignore[misc]
 
 
-# --- malformed data ---------------------------------------------------------------------------
+# --- malformed data -------------------------------------------------------------------
 
 TABLE_2 = "reach_alpha_mk2_v7.toml: table_2"
 MALFORMED = {

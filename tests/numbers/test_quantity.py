@@ -1,4 +1,4 @@
-"""Printed digits to SI: the nearest double, and the half unit that rounding may hide."""
+"""Printed digits become the nearest double in SI, and half a unit as their interval."""
 
 from __future__ import annotations
 
