@@ -1,9 +1,10 @@
-"""Compiles ``alpha5_model/codegen/kernels/_compiled``: when a wheel is built, or in place.
+"""Compiles ``alpha5_model/codegen/kernels/_compiled`` for a wheel, or in place.
 
-    python hatch_build.py        # in place, for a checkout that is run without being installed
+    python hatch_build.py        # in place, for a checkout that is not installed
 
-Needs NumPy, setuptools and a C compiler. A wheel is built without the kernels, and computes in
-NumPy, where there is no compiler; with ``ALPHA5_REQUIRE_KERNELS=1`` that is an error.
+This needs NumPy, setuptools and a C compiler. Without a compiler, a wheel is built
+without the kernels and computes in NumPy; with ``ALPHA5_REQUIRE_KERNELS=1`` that is an
+error.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ MSVC_FLAGS = ["/O2", "/fp:precise", "/std:c11"]
 
 
 def digest() -> str:
-    """Of the sources that the module is compiled of, and says that it was."""
+    """SHA-256 of the C sources, which the compiled module names as its own."""
     files = sorted((ROOT / FOLDER).rglob("*.[ch]"))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
@@ -49,14 +50,11 @@ def compiled(output: Path) -> Path:
         py_limited_api=True,
     )
     with tempfile.TemporaryDirectory() as objects:
-        command = Distribution({"ext_modules": [extension]}).get_command_obj(
-            "build_ext"
-        )
-        command.build_lib, command.build_temp, command.force = (
-            str(output),
-            objects,
-            True,
-        )
+        distribution = Distribution({"ext_modules": [extension]})
+        command = distribution.get_command_obj("build_ext")
+        command.build_lib = str(output)
+        command.build_temp = objects
+        command.force = True
         command.ensure_finalized()
         command.run()
     return Path(command.get_outputs()[0])
@@ -72,19 +70,26 @@ class KernelHook(BuildHookInterface):
         try:
             module = compiled(self.folder or ROOT / FOLDER)
         except (Exception, SystemExit) as error:
-            if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
-                raise RuntimeError(
-                    f"the kernels cannot be compiled here: {error}"
-                ) from None
-            self.app.display_warning(
-                f"kernels not compiled, NumPy will compute: {error}"
-            )
+            self._without_kernels(error)
             return
+
         platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["pure_python"] = False
         build_data["tag"] = f"cp311-abi3-{platform}"
         if not editable:
             build_data["force_include"][str(module)] = str(FOLDER / module.name)
+
+    def _without_kernels(self, error: BaseException) -> None:
+        """Say that the kernels are not compiled, or fail if they must be.
+
+        Raises:
+            RuntimeError: ``ALPHA5_REQUIRE_KERNELS=1``.
+        """
+        if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
+            raise RuntimeError(
+                f"the kernels cannot be compiled here: {error}"
+            ) from None
+        self.app.display_warning(f"kernels not compiled, NumPy will compute: {error}")
 
     def finalize(
         self, version: str, build_data: dict[str, Any], artifact_path: str

@@ -17,10 +17,10 @@ from types import SimpleNamespace
 from typing import Any
 
 from alpha5_model._support.checks import FloatArray, flag, instance
+from alpha5_model.codegen.arm_functions import SUMMARIES, casadi, products
 from alpha5_model.codegen.casadi_functions import folded
-from alpha5_model.codegen.functions import SUMMARIES, casadi, products
+from alpha5_model.codegen.instructions import program
 from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.codegen.program import program
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm

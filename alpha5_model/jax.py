@@ -73,7 +73,7 @@ class JaxArm:
     of `alpha5_model.Arm`; q, v, a and tau are (4,), and `jax.vmap` adds axes.
 
     Attributes:
-        parameters: Base parameters, (41,), see `alpha5_model.codegen.base_parameters`.
+        parameters: Base parameters, (41,), see `alpha5_model.codegen.regrouping`.
             A NumPy array is folded into what is compiled; a JAX array is an input like
             any other.
         fluid_density: Around a payload [kg/m^3].

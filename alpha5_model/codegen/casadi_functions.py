@@ -32,7 +32,10 @@ def _symbols(expression: casadi.SX) -> set[str]:
 
 
 def folded(function: casadi.Function, **values: Any) -> casadi.Function:
-    """The same Function with numbers in place of some inputs, which saves operations."""
+    """The same Function with numbers in place of some inputs.
+
+    This saves operations.
+    """
     free = {}
     given: list[Any] = []
     for name in function.name_in():

@@ -59,7 +59,7 @@ class Turn(NamedTuple):
 
 
 def turns(q: SX, parameters: Alpha5Parameters) -> list[Turn]:
-    """The steps from base to link 1, ..., from link 3 to link 4, and from link 4 to tcp.
+    """The five steps from base to link 1, from each link to the next, and to the tcp.
 
     Args:
         q: (4, 1).

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from alpha5_model._support.checks import LARGEST
-from alpha5_model.codegen.base_parameters import BASE_PARAMETERS
+from alpha5_model.codegen.instructions import Program, Slot, Step
 from alpha5_model.codegen.languages import statements
-from alpha5_model.codegen.program import Program, Slot, Step
+from alpha5_model.codegen.regrouping import BASE_PARAMETERS
 
 #: Name of the input that a compiled kernel makes constants of.
 PARAMETERS = "parameters"
@@ -78,7 +78,7 @@ class SplitProgram(NamedTuple):
 def kernels(
     programs: Sequence[Program], upright: Sequence[Program] = ()
 ) -> dict[str, str]:
-    """C of the compiled kernels: one body for all widths of vectors, and a table of them.
+    """C of the compiled kernels: their bodies, for all vector widths, and a table.
 
     Args:
         programs: The kernels.

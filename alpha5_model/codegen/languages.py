@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from alpha5_model.codegen.program import TRUTHS, Program, Slot, Step
+from alpha5_model.codegen.instructions import TRUTHS, Program, Slot, Step
 from alpha5_model.codegen.words import LANGUAGES
 
 
@@ -36,8 +36,8 @@ def statements(
     """A program's statements, and what stands for the elements of each output.
 
     All inputs are read first, so that outputs may take their place. A language with a
-    statement ``store`` reads and writes each element next to its computation instead, so
-    that fewer registers are held at a time.
+    statement ``store`` reads and writes each element next to its computation instead,
+    so that fewer registers are held at a time.
 
     Args:
         program: What to compute.

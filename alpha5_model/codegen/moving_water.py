@@ -1,8 +1,8 @@
 """The arm in moving water as CasADi Functions: added mass, drag and a current.
 
-The equations are those of `alpha5_model.codegen.newton_euler`. The part of the added mass
-that a rigid body can have is in the base parameters; the numbers of the rest, and of the
-drag, are those of `alpha5_model.codegen.water_parameters`.
+The equations are those of `alpha5_model.codegen.equations_of_motion`. The part of the
+added mass that a rigid body can have is in the base parameters. The numbers of the
+rest, and of the drag, are those of `alpha5_model.codegen.added_mass_and_drag`.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import casadi
 import numpy as np
 from casadi import SX, cross, fabs, horzcat, sqrt, vertcat, vertsplit
 
-from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, SECOND
+from alpha5_model.codegen.added_mass_and_drag import STRIPS, WATER_PARAMETERS, StripKind
 from alpha5_model.codegen.casadi_functions import named
-from alpha5_model.codegen.newton_euler import (
+from alpha5_model.codegen.equations_of_motion import (
     JOINTS,
     STILL,
     Motion,
@@ -25,16 +25,16 @@ from alpha5_model.codegen.newton_euler import (
     turning_moment,
     weightless,
 )
-from alpha5_model.codegen.water_parameters import STRIPS, WATER_PARAMETERS, StripKind
+from alpha5_model.codegen.regrouping import BASE_PARAMETERS, SECOND
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
 def in_moving_water(parameters: Alpha5Parameters) -> tuple[casadi.Function, ...]:
     """Inverse and forward dynamics.
 
-    Their inputs are those of `alpha5_model.codegen.dynamics.dynamics`, and the current.
-    The input ``parameters`` holds the base parameters with what the water adds to them,
-    then `WATER_PARAMETERS`.
+    Their inputs are those of `alpha5_model.codegen.still_water.dynamics`, and the
+    current. The input ``parameters`` holds the base parameters with what the water adds
+    to them, then `WATER_PARAMETERS`.
     """
     q = SX.sym("q", JOINTS)
     v = SX.sym("v", JOINTS)
@@ -100,9 +100,9 @@ def _load(
 def _inertial_load(b: SX, c: SX, first_moments: SX, motion: Motion) -> tuple[SX, SX]:
     """Force and moment of an added mass with the blocks B and C, and of first moments.
 
-    The momentum is ``B v + C omega, C v``. With ``D = 2 C - tr(C)``, the terms ``omega x
-    C v + v x C omega`` are ``omega x D v + C (omega x v)``, and ``C alpha + omega x C
-    omega`` turns as second moments ``-D / 2`` do.
+    The momentum is ``B v + C omega, C v``. With ``D = 2 C - tr(C)``, the terms
+    ``omega x C v + v x C omega`` are ``omega x D v + C (omega x v)``, and
+    ``C alpha + omega x C omega`` turns as second moments ``-D / 2`` do.
     """
     velocity = motion.velocity
     omega = motion.omega

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from functools import cache
 
+from alpha5_model.codegen.arm_functions import functions, products
 from alpha5_model.codegen.compiled_code import kernels
-from alpha5_model.codegen.dynamics import upright
-from alpha5_model.codegen.functions import functions, products
+from alpha5_model.codegen.instructions import program
 from alpha5_model.codegen.javascript_code import javascript
-from alpha5_model.codegen.program import program
 from alpha5_model.codegen.python_code import python_source
+from alpha5_model.codegen.still_water import upright
 from alpha5_model.numbers.parameters import parameters
 
 #: Kernels that have a second, shorter body for an arm that stands upright: those that

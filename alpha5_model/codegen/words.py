@@ -1,4 +1,4 @@
-"""The two tables of words: what the functions are called, and how languages write them."""
+"""The tables of words: names of the functions, and how languages write them."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
-from alpha5_model.codegen.base_parameters import moments, regrouped
+from alpha5_model.codegen.regrouping import moments, regrouped
 from alpha5_model.description.frames import joint_placements, tcp_placement
 from alpha5_model.dynamics.dimensions import check_dimensions, made_for
 from alpha5_model.errors import InputError

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.base_parameters import BASE_PARAMETERS
 from alpha5_model.codegen.kernels import choice as kernels
+from alpha5_model.codegen.regrouping import BASE_PARAMETERS
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.states import is_one_state, rows
 
@@ -22,7 +22,7 @@ NAMES = tuple(BASE_PARAMETERS)[:-3]
 class Regressor:
     """``tau = matrix @ parameters`` [Khalil2002].
 
-    See `alpha5_model.codegen.base_parameters`.
+    See `alpha5_model.codegen.regrouping`.
 
     Attributes:
         matrix: (nv, 38), or (N, nv, 38) of many states; columns are derivatives with

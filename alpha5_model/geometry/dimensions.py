@@ -19,7 +19,7 @@ _Table = dict[str, dict[str, Any]]
 
 
 class Dimension(float):
-    """A length in mm with the kind of its source: one of `SOURCES`, or a jaw's status."""
+    """A length in mm with the kind of its source: of `SOURCES`, or a jaw's status."""
 
     source: str
 

@@ -113,7 +113,7 @@ def _placed(body: DrawnBody, frame: FloatArray) -> DrawnBody:
 
 
 def frames_in_links(dimensions: Dimensions) -> dict[str, FloatArray]:
-    """Pose in its link of each part that is drawn in a frame of its own, (3, 4) [mm]."""
+    """Poses in their links of the parts that have frames of their own, (3, 4) [mm]."""
     shell = dimensions.shell
     across = [[-1, 0, 0], [0, 0, -1], [0, -1, 0]]
     upper_arm = dimensions.upper_arm

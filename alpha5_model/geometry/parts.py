@@ -1,7 +1,7 @@
 """The drawn parts of the arm. Lengths in mm.
 
-Each part has one free dimension, which is solved for so that the part has the volume that
-Table 3 prints (`alpha5_model.geometry.drawing`).
+Each part has one free dimension. It is solved for so that the part has the volume
+that Table 3 prints (`alpha5_model.geometry.drawing`).
 """
 
 from __future__ import annotations
@@ -139,13 +139,14 @@ def _foot(d: SimpleNamespace) -> Solid:
     return foot - union(hole.translate([x, 0, z]) for x, z in places)
 
 
-# --- links 1 and 3: collar, mitred half-shell and cheek, drawn once in the shell's own frame
+# --- links 1 and 3: collar, mitred half-shell and cheek, drawn once in their own frame
 
 
 def shell(dimensions: Dimensions) -> Part:
-    """The shell in its own frame; free: radius of the half-shell's bore above its floor.
+    """The shell in its own frame.
 
-    The bore is parallel to the collar's axis.
+    Its free dimension is the radius of the half-shell's bore above its floor. The bore
+    is parallel to the collar's axis.
     """
     d = dimensions.shell
     cheek = cylinder(
@@ -170,7 +171,7 @@ def shell(dimensions: Dimensions) -> Part:
 
 
 def _half_shell(dimensions: Dimensions) -> Solid:
-    """The collar and the half-shell that it goes on as, hollowed out for the neighbour."""
+    """The collar and the half-shell next to it, hollowed out for the neighbour."""
     d = dimensions.shell
     far = (-40, -40, -40)
     shell = _collar(dimensions).translate([d.axes_apart, 0, 0])
@@ -256,7 +257,7 @@ def _barrel(dimensions: Dimensions) -> Solid:
 
 
 def _barrel_neck(dimensions: Dimensions) -> Solid:
-    """The tube's lower part, which goes on past its cut end until it meets the barrel."""
+    """The tube's lower part, continued past its cut end until it meets the barrel."""
     d = dimensions.upper_arm
     stub = cylinder(dimensions.radius - 0.2, low=2.0, high=24.0, axis="x")
     stub = stub.translate([0, d.drop / 2, 0])

@@ -16,7 +16,8 @@ from alpha5_model.errors import needing
 Solid = Any
 #: Corners of a full circle of 20 mm radius; the chord stays within 0.04 mm of the arc.
 SEGMENTS = 56
-#: Smaller edges are broken by one chamfer, larger ones rounded in three steps or more [mm].
+#: Smaller edges are broken by one chamfer; larger ones are rounded in at least three
+#: steps [mm].
 _ROUND = 1.0
 #: Roll, pitch, yaw [deg] that turn z to an axis.
 AXES = {"x": (0.0, 90.0, 0.0), "y": (-90.0, 0.0, 0.0), "z": (0.0, 0.0, 0.0)}

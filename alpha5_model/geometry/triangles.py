@@ -12,7 +12,7 @@ from alpha5_model.errors import Alpha5Error
 from alpha5_model.geometry.solid import Solid
 
 Indices = NDArray[np.int64]
-#: Details below this size [mm] are merged away, so that rounding cannot fold a triangle.
+#: Details below this size [mm] are merged, so that rounding cannot fold a triangle.
 _SIMPLIFY = 0.01
 #: Coordinates are written in metres with this many decimals: 0.1 micrometre.
 DECIMALS = 7

@@ -13,7 +13,7 @@ plane faces the target and -1 if it faces away, e = +1 and -1 for the flipped el
     phi = atan2(z - d_0, r) - e alpha
     alpha = pi/2 - atan(t) + atan(k / t),  k = (l_2 - l_1) / (l_2 + l_1)
 
-The kernels, made from `alpha5_model.codegen.inverse_kinematics`, compute the same with
+The kernels, made from `alpha5_model.codegen.closed_form_ik`, compute the same with
 fewer arctangents, and also at every edge: of the yaw axis, of reach, of a joint's
 range.
 

@@ -1,6 +1,6 @@
 """The kernels of the inverse kinematics: one target, or blocks of many.
 
-The kernels are generated from `alpha5_model.codegen.inverse_kinematics`. They hold the
+The kernels are generated from `alpha5_model.codegen.closed_form_ik`. They hold the
 lengths and limits of the catalogue's arm, so they solve no other.
 """
 

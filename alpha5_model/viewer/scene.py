@@ -202,8 +202,8 @@ class Statics:
     """What the page computes the torque from that holds the arm still.
 
     Attributes:
-        parameters: `alpha5_model.codegen.base_parameters` of the arm without the bodies
-            beyond link_4, (41,).
+        parameters: Base parameters (`alpha5_model.codegen.regrouping`) of the arm
+            without the bodies beyond link_4, (41,).
         share: Change of these per net first moment and net mass of a body in link_4,
             (41, 4).
         beyond: Link, and net first moment [kg m] and net mass [kg] in its frame, (4,),

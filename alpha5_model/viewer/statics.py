@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.base_parameters import regrouped
+from alpha5_model.codegen.regrouping import regrouped
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import displaced_fluid_model

@@ -1,7 +1,7 @@
 """An arm in moving water as the generated kernels take it.
 
 The kernels know the joints of the Reach Alpha 5 on a fixed base with locked jaws, any
-added mass, and the drag strips of `alpha5_model.codegen.water_parameters`.
+added mass, and the drag strips of `alpha5_model.codegen.added_mass_and_drag`.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.codegen.added_mass_and_drag import water_parameters
 from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.codegen.water_parameters import water_parameters
 from alpha5_model.numbers.hydrodynamics import DragStrip
 from alpha5_model.water.forces import JointWater
 

@@ -14,8 +14,8 @@ from dynamics_cases import TILTED
 
 import alpha5_model as a5
 from alpha5_model.cli import main
+from alpha5_model.codegen.arm_functions import SUMMARIES
 from alpha5_model.codegen.c_library import COptions, c_files
-from alpha5_model.codegen.functions import SUMMARIES
 
 STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O0"]
 SANITIZERS = [ADDRESS_AND_UNDEFINED, "-fno-sanitize-recover=all"]

@@ -223,4 +223,4 @@ def test_without_casadi_it_says_what_to_install(
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "casadi", None)
     with pytest.raises(MissingDependencyError, match="pip install"):
-        import_module("alpha5_model.codegen.functions")
+        import_module("alpha5_model.codegen.arm_functions")

@@ -12,7 +12,7 @@ import pytest
 from compilers import UNDEFINED, builds
 
 from alpha5_model.codegen.compiled_code import kernels
-from alpha5_model.codegen.program import program
+from alpha5_model.codegen.instructions import program
 
 ROOT = Path(__file__).resolve().parents[2]
 COMPILERS = [name for name in ("gcc", "clang") if builds(name, UNDEFINED)]

@@ -22,10 +22,10 @@ import numpy as np
 import pytest
 
 from alpha5_model._support.checks import LARGEST
+from alpha5_model.codegen.arm_functions import functions
 from alpha5_model.codegen.compiled_code import PARAMETERS
-from alpha5_model.codegen.functions import functions
+from alpha5_model.codegen.instructions import Program, program
 from alpha5_model.codegen.kernels import numpy_kernels
-from alpha5_model.codegen.program import Program, program
 from alpha5_model.codegen.sources import UPRIGHT
 from alpha5_model.numbers.parameters import parameters
 

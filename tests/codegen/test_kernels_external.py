@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from alpha5_model._support.checks import LARGEST
+from alpha5_model.codegen.arm_functions import functions
 from alpha5_model.codegen.compiled_code import PARAMETERS
-from alpha5_model.codegen.functions import functions
-from alpha5_model.codegen.program import Program, program
+from alpha5_model.codegen.instructions import Program, program
 from alpha5_model.numbers.parameters import parameters
 
 compiled = pytest.importorskip(

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from alpha5_model._support.checks import LARGEST
-from alpha5_model.codegen.base_parameters import base_parameters
 from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.codegen.kernels.generated.formulas import KERNELS
+from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.numbers.parameters import parameters
 
 PARAMETERS = base_parameters(parameters().links, parameters=parameters())

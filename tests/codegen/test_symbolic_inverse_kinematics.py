@@ -15,8 +15,8 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.codegen.casadi_functions import folded
-from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
-from alpha5_model.codegen.program import TRUTHS, program
+from alpha5_model.codegen.closed_form_ik import inverse_kinematics
+from alpha5_model.codegen.instructions import TRUTHS, program
 from alpha5_model.codegen.python_code import python_source
 from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE

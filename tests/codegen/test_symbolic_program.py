@@ -8,9 +8,9 @@ import casadi
 import numpy as np
 import pytest
 
-from alpha5_model.codegen.functions import functions, products
-from alpha5_model.codegen.program import OPERATIONS as KNOWN
-from alpha5_model.codegen.program import Program, program
+from alpha5_model.codegen.arm_functions import functions, products
+from alpha5_model.codegen.instructions import OPERATIONS as KNOWN
+from alpha5_model.codegen.instructions import Program, program
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import parameters
 

@@ -30,10 +30,10 @@ from newton_euler import link_frames, newton_euler, rotation_x
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, base_parameters
+from alpha5_model.codegen.arm_functions import functions
 from alpha5_model.codegen.casadi_functions import folded
-from alpha5_model.codegen.functions import functions
-from alpha5_model.codegen.program import program
+from alpha5_model.codegen.instructions import program
+from alpha5_model.codegen.regrouping import BASE_PARAMETERS, base_parameters
 from alpha5_model.codegen.sources import generated_sources
 from alpha5_model.dynamics.buoyancy import Displacement
 from alpha5_model.dynamics.kernel_arm import KernelArm

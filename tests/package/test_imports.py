@@ -244,7 +244,7 @@ def test_imports_run_in_one_direction() -> None:
         ("alpha5_model.theory.planar.arm", "from alpha5_model.theory import dh"),
         (
             "alpha5_model.codegen.kernels.choice",
-            "from alpha5_model.codegen import program",
+            "from alpha5_model.codegen import instructions",
         ),
         ("alpha5_model.proofs.audit.row", "from alpha5_model import viewer"),
         ("alpha5_model.novelty", "pass"),

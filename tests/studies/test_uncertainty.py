@@ -19,7 +19,7 @@ from pages import generated_text
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.codegen.base_parameters import base_parameters, regrouped
+from alpha5_model.codegen.regrouping import base_parameters, regrouped
 from alpha5_model.dynamics.buoyancy import displacements
 from alpha5_model.dynamics.regression import regressor_rows
 from alpha5_model.errors import Alpha5Error

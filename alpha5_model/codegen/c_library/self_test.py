@@ -11,7 +11,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.c_library.options import COptions
 from alpha5_model.codegen.c_library.text import numbers, template
-from alpha5_model.codegen.program import Program
+from alpha5_model.codegen.instructions import Program
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -185,7 +185,7 @@ def answer(arm: Arm, name: str, given: State) -> list[FloatArray]:
 
     Args:
         arm: Whose method of that name is called.
-        name: Of the function, see `alpha5_model.codegen.functions.products`.
+        name: Of the function, see `alpha5_model.codegen.arm_functions.products`.
         given: Its inputs q, v, a, tau.
 
     Returns:

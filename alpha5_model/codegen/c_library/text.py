@@ -12,7 +12,7 @@ from alpha5_model.codegen.languages import constant
 
 
 def template(name: str, **values: Any) -> str:
-    """A file in ``templates/``, with values in place of its ``$names`` if there are any."""
+    """A file in ``templates/``; values, if given, replace its ``$names``."""
     path = Path(__file__).with_name("templates") / name
     text = path.read_text(encoding="utf-8")
     return Template(text).substitute(values) if values else text

@@ -1,9 +1,9 @@
 """Which kernels run: the generated formulas, compiled or in NumPy.
 
-The compiled ones run where they are installed; ``ALPHA5_KERNELS=numpy`` or ``compiled``
-forces one. Both offer `bind` and `batch` for the functions of `alpha5_model.codegen`, by
-name, with the same results to rounding. Both answer None or False to numbers that they
-cannot compute with, upon which the caller says what is wrong.
+The compiled kernels run if they are installed; ``ALPHA5_KERNELS=numpy`` or
+``compiled`` forces a choice. Both offer `bind` and `batch` for the functions of
+`alpha5_model.codegen`, by name, with the same results to rounding. Both answer None or
+False to numbers that they cannot compute with; the caller then says what is wrong.
 
 A checkout that is not installed compiles in place with ``python hatch_build.py``, once
 and after each change of a generated or C file.
@@ -27,20 +27,22 @@ _MODULES = {
 
 @cache
 def module() -> Any:
-    """The module with ``bind(name, parameters)`` and ``batch(name, parameters, *arrays)``.
+    """The module of the kernels, with ``bind``, ``batch`` and ``is_state``.
 
-    ``bind`` returns a function that keeps the constants of its parameters, takes the
-    kernel's inputs and returns a new array, or a tuple of them if there are several
-    outputs. If an input is not a C-contiguous float64 array of the right shape with
-    finite numbers of at most `LARGEST`, it returns what a third argument makes of the
-    inputs, whose name, signature and documentation it has; None without one.
-    ``is_state(nq, nv, q, *rates)`` asks just that of arrays (nq,), (nv,), ...
+    ``bind(name, parameters)`` returns a function that keeps the constants of its
+    parameters, takes the kernel's inputs and returns a new array, or a tuple of them if
+    there are several outputs. If an input is not a C-contiguous float64 array of the
+    right shape with finite numbers of at most `LARGEST`, it returns what a third
+    argument makes of the inputs, whose name, signature and documentation it has; None
+    without one. ``is_state(nq, nv, q, *rates)`` checks the same of arrays (nq,), (nv,),
+    ...
 
-    ``batch`` takes inputs, then outputs, with one state in each row; inputs may also be
-    one row for all by `numpy.broadcast_to`. It writes the outputs and returns True. In
-    the same cases as above it returns False, and the outputs hold nothing to rely on.
-    Threads that compute at the same time do not wait for each other. Signals are answered
-    every few hundredths of a second, so that Ctrl-C ends a batch.
+    ``batch(name, parameters, *arrays)`` takes inputs, then outputs, with one state in
+    each row; inputs may also be one row for all by `numpy.broadcast_to`. It writes the
+    outputs and returns True. In the same cases as above it returns False, and the
+    outputs hold nothing to rely on. Threads that compute at the same time do not wait
+    for each other. Signals are answered every few hundredths of a second, so that
+    Ctrl-C ends a batch.
 
     Raises:
         UnknownNameError: ``ALPHA5_KERNELS`` is neither numpy nor compiled.

@@ -88,8 +88,8 @@ def bind(
     Args:
         name: Of a kernel.
         parameters: Its last input, copied; ignored if it takes none.
-        fallback: Computes what the kernel cannot; the returned function has its name and
-            documentation.
+        fallback: Computes what the kernel cannot; the returned function has its name
+            and documentation.
 
     Returns:
         A function of the other inputs that returns a new array, or a tuple of them if
@@ -117,7 +117,7 @@ def _one_state(
     *given: Any,
     **named: Any,
 ) -> Any:
-    """A formula of one state, see `bind`; ``bound`` are its parameters if it has any."""
+    """A formula of one state, see `bind`; ``bound`` has its parameters, if any."""
     if named or len(given) != len(inputs) or not all(map(_can_compute, given, inputs)):
         return fallback(*given, **named)
 
@@ -188,7 +188,7 @@ def _as_rows(
 def _row_by_row(
     formula: Formula, inputs: Sequence[FloatArray], outputs: Sequence[FloatArray]
 ) -> bool:
-    """A formula of Python's numbers for each row; False if one cannot be computed with."""
+    """A formula of Python's numbers for each row; False if a number is too large."""
     for i in range(len(inputs[0])):
         state = [x[i].tolist() for x in inputs]
         if not all(abs(number) <= LARGEST for part in state for number in part):
@@ -240,8 +240,8 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
         wrist: [rad].
 
     Returns:
-        The solutions. None if position is not a float64 array, a list or a tuple of three
-        floats, wrist is not a float, or a number is too large or not finite.
+        The solutions. None if position is not a float64 array, a list or a tuple of
+        three floats, wrist is not a float, or a number is too large or not finite.
     """
     xyz = position
     if type(xyz) is np.ndarray and xyz.shape == (3,):
@@ -279,7 +279,7 @@ def is_state(nq: int, nv: int, *state: Any) -> bool:
 
 
 def _plain(x: Any, rows: bool = False) -> bool:
-    """Whether a value is a contiguous float64 array, or one row for all if rows may be."""
+    """Whether a value is a contiguous float64 array; with rows, or one row for all."""
     if type(x) is not np.ndarray or x.dtype != np.float64:
         return False
     if rows and x.ndim == 2 and x.strides[0] == 0:
@@ -288,7 +288,7 @@ def _plain(x: Any, rows: bool = False) -> bool:
 
 
 def _can_compute(x: Any, shape: Shape) -> bool:
-    """Whether a value is such an array of a shape with numbers that are not too large."""
+    """Whether a value is a contiguous array of a shape without too large numbers."""
     if not _plain(x) or x.shape != shape:
         return False
     return all(map(LARGEST.__ge__, map(abs, x.ravel().tolist())))

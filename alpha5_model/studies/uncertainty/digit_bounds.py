@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, instance
-from alpha5_model.codegen.base_parameters import base_parameters
+from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.dynamics.actuators import Interval
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions

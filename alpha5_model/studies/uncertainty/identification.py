@@ -36,7 +36,7 @@ _STEPS = 4
 class Identification(NamedTuple):
     """Base parameters from data.
 
-    See `alpha5_model.codegen.base_parameters` for names and units.
+    See `alpha5_model.codegen.regrouping` for names and units.
 
     Attributes:
         names: Of the base parameters, (38,).

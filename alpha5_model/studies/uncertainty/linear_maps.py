@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, frozen
-from alpha5_model.codegen.base_parameters import regrouped
+from alpha5_model.codegen.regrouping import regrouped
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.inertia import second_moments
 from alpha5_model.numbers.parameters import Alpha5Parameters, link_numbers

@@ -61,7 +61,7 @@ class Sample:
     def base_parameters(
         self, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
     ) -> FloatArray:
-        """`alpha5_model.codegen.base_parameters` of every set, (n, 41).
+        """Base parameters of every set, (n, 41), see `alpha5_model.codegen.regrouping`.
 
         They are for the generated kernels. The lengths of Table 1 are built into these
         and stay as printed.

@@ -54,9 +54,9 @@ def _units() -> dict[str, str]:
 
 
 #: Name -> unit, in order. All are in the axes of their link and contain what the links
-#: beyond hand down: ``xx`` to ``yz`` are second moments, sums of ``m x x`` to ``m y z``,
-#: ``izz`` is ``xx + yy``; ``hx``, ``hy`` are first moments; ``n`` is the net mass and
-#: ``nx`` to ``nz`` are its first moments.
+#: beyond hand down. ``xx`` to ``yz`` are second moments, sums of ``m x x`` to
+#: ``m y z``; ``izz`` is ``xx + yy``. ``hx`` and ``hy`` are first moments. ``n`` is the
+#: net mass, and ``nx`` to ``nz`` are its first moments.
 BASE_PARAMETERS = _units()
 
 
@@ -141,7 +141,7 @@ def _on_the_joint_axis(moments: FloatArray) -> FloatArray:
 
 
 def pose_in_link_before(link: int, parameters: Alpha5Parameters) -> FloatArray:
-    """Pose of link 2, 3 or 4 in the link before, up to the turn of its joint, (4, 4)."""
+    """Pose (4, 4) of link 2, 3 or 4 in the link before, its joint not turned."""
     row = parameters.dh[link - 2]
     return pose((row.a, 0.0, row.d), (row.alpha, 0.0, 0.0))
 
@@ -159,8 +159,8 @@ def moments(
 
     Each is one matrix P (4, 4), with the second moments, the first moments in the last
     row and column, and the mass [Wensing2018]. With T the body's pose in another frame,
-    ``T P T^T`` are the moments there. The 3x3 block of the net matrix has no meaning and
-    is not read. All numbers are NumPy's or CasADi's.
+    ``T P T^T`` are the moments there. The 3x3 block of the net matrix has no meaning
+    and is not read. All numbers are NumPy's or CasADi's.
 
     Args:
         mass: [kg].

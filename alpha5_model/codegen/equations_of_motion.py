@@ -1,7 +1,8 @@
 """Newton's and Euler's equations of the arm on a fixed base, as CasADi expressions.
 
-They are recursive, in the axes of the links, and in terms of the base parameters: moving
-links have first and second moments but no mass (`alpha5_model.codegen.base_parameters`).
+They are recursive, in the axes of the links, and in terms of the base parameters:
+moving links have first and second moments but no mass
+(`alpha5_model.codegen.regrouping`).
 With the angular velocity omega and the angular acceleration alpha of a link, the matrix
 ``U = [alpha]x + [omega]x [omega]x`` gives all accelerations and inertial forces
 [Khalil2002]: a point r accelerates by ``U r``, first moments h exert ``U h``, second
@@ -20,8 +21,8 @@ from typing import NamedTuple
 import casadi
 from casadi import SX, cross, horzcat, jacobian, vertcat, vertsplit
 
-from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, SECOND
 from alpha5_model.codegen.chain import Turn, turns
+from alpha5_model.codegen.regrouping import BASE_PARAMETERS, SECOND
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 JOINTS = 4
@@ -199,7 +200,7 @@ def _entries(numbers: Mapping[str, SX], link: int, names: tuple[str, ...]) -> li
 
 
 def turning_moment(u: SX, xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
-    """The moment in the skew part of ``U S``, (3, 1); S are second moments without zz."""
+    """The moment (3, 1) in the skew part of ``U S``; S are second moments, no zz."""
     about_x = u[2, 0] * xy + u[2, 1] * yy + (u[2, 2] - u[1, 1]) * yz - u[1, 0] * xz
     about_y = (u[0, 0] - u[2, 2]) * xz + u[0, 1] * yz - u[2, 0] * xx - u[2, 1] * xy
     about_z = (
@@ -218,10 +219,10 @@ def weightless(base_parameters: SX) -> SX:
 
 
 def in_air(base_parameters: SX) -> SX:
-    """The base parameters without fluid around the moving links, for joint torques only.
+    """The base parameters in air, for joint torques only.
 
-    The net first moments of the links are those of the mass. link_0 keeps its numbers in
-    the fluid, so the load on the mount does not hold.
+    The net first moments of the links are those of the mass. link_0 keeps its numbers
+    in the fluid, so the load on the mount does not hold.
     """
     place = {name: i for i, name in enumerate(BASE_PARAMETERS)}
     sources = [place.get(name.replace(".n", ".h"), i) for name, i in place.items()]

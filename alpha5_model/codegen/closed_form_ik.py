@@ -1,4 +1,4 @@
-"""Inverse kinematics of a position with all branches, as one function for every language.
+"""Inverse kinematics of a position, all branches: one function for every language.
 
 The plane of the arm faces the target, or faces away from it
 (`alpha5_model.kinematics.plane`). In the plane, the tcp is at ``(r, h)`` from the
@@ -7,14 +7,15 @@ shoulder, ``rho^2 = r^2 + h^2``, and the two links and rho are a triangle. With
     s = sqrt(((l_1 + l_2)^2 - rho^2) (rho^2 - (l_1 - l_2)^2)),
 
 four times its area, the angle gamma between the links has the tangent
-``s / (l_1^2 + l_2^2 - rho^2)``, and the first link is turned from the direction of
-``(r, h)`` by the angle with the tangent ``s / (rho^2 + l_1^2 - l_2^2)``, to either side.
-The factors keep their digits at the edge of reach. theta_1 is one arctangent, measured
-from the middle of its range, so that it needs no full turn.
+``s / (l_1^2 + l_2^2 - rho^2)``. The first link is turned from the direction of
+``(r, h)`` to either side, by the angle with the tangent
+``s / (rho^2 + l_1^2 - l_2^2)``. The factors keep their digits at the edge of reach.
+theta_1 is one arctangent, measured from the middle of its range, so that it needs no
+full turn.
 
-A target that is at the edge of reach or on the yaw axis to rounding is put there, and so
-is a joint at its limit, see `Tolerances`. Decisions are selections, so that vectors and
-derivatives can have them.
+A target that is within rounding of the edge of reach or of the yaw axis is put there. A
+joint within rounding of its limit is put on the limit, see `Tolerances`. All branches
+of the code are selections, which work on vectors and have derivatives.
 """
 
 from __future__ import annotations
@@ -120,8 +121,8 @@ def inverse_kinematics(plane: ArmPlane) -> casadi.Function:
 
     Inputs: ``position`` (3,) [m], ``wrist`` [rad] and ``tolerances``, a `Tolerances`.
 
-    Outputs: ``q`` (4, 4) [rad], NaN if a branch does not reach the target; ``exists`` and
-    ``within_limits`` (4,) and ``singular``, 0 or 1.
+    Outputs: ``q`` (4, 4) [rad], NaN if a branch does not reach the target; ``exists``
+    and ``within_limits`` (4,) and ``singular``, 0 or 1.
 
     Args:
         plane: Lengths and limits, which become constants of the function.

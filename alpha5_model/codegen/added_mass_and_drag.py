@@ -4,7 +4,7 @@ A rigid body can have the part ``[[m 1, -[h]x], [[h]x, I]]`` of an added mass. T
 acts as such a body would, but has no weight: it joins the base parameters. The rest is
 ``[[B, C], [C, 0]]``, both symmetric, B without its last entry. A multiple of
 diag(1, 1, 0) in B or C turns with the joint and is handed down to the link before, as
-the moments of bodies are (`alpha5_model.codegen.base_parameters`), so that B_yy = 0 and
+the moments of bodies are (`alpha5_model.codegen.regrouping`), so that B_yy = 0 and
 C_zz = C_xx + C_yy. B, C and the strips are numbers of their own.
 """
 
@@ -17,7 +17,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix
-from alpha5_model.codegen.base_parameters import (
+from alpha5_model.codegen.regrouping import (
     MOVING_LINKS,
     SECOND,
     pose_in_link_before,
@@ -158,7 +158,7 @@ def _values_of_link(link: int, added_mass: FloatArray) -> dict[str, float]:
 def _in_link_before(
     added_mass: FloatArray, link: int, parameters: Alpha5Parameters
 ) -> FloatArray:
-    """An added mass (6, 6) of a link, in the axes and about the origin of the one before."""
+    """An added mass (6, 6) of a link in the frame of the link before."""
     back = np.linalg.inv(pose_in_link_before(link, parameters))
     rotation = back[:3, :3]
     twist = np.kron(np.eye(2), rotation)

@@ -1,7 +1,7 @@
 """Every function of the arm in still water, as a CasADi Function.
 
 The arm is on a fixed base with its jaws locked; the torques come from the equations of
-`alpha5_model.codegen.newton_euler`.
+`alpha5_model.codegen.equations_of_motion`.
 """
 
 from __future__ import annotations
@@ -11,10 +11,9 @@ from typing import NamedTuple
 import casadi
 from casadi import SX, horzcat, jacobian, vertcat
 
-from alpha5_model.codegen.base_parameters import BASE_PARAMETERS
 from alpha5_model.codegen.casadi_functions import named
 from alpha5_model.codegen.chain import link_poses
-from alpha5_model.codegen.newton_euler import (
+from alpha5_model.codegen.equations_of_motion import (
     JOINTS,
     STILL,
     in_air,
@@ -22,6 +21,7 @@ from alpha5_model.codegen.newton_euler import (
     newton_euler,
     weightless,
 )
+from alpha5_model.codegen.regrouping import BASE_PARAMETERS
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Name of a function -> name of an output -> its expression.
@@ -115,7 +115,11 @@ def _inverse_dynamics(x: Inputs, mass: SX, parameters: Alpha5Parameters) -> Outp
 
 
 def _forward_dynamics(x: Inputs, mass: SX, parameters: Alpha5Parameters) -> Outputs:
-    """The derivatives are ``-M^-1 dtau/dq`` at that acceleration, ``-M^-1 dtau/dv``, ``M^-1``."""
+    """Accelerations and their derivatives.
+
+    The derivatives are ``-M^-1 dtau/dq`` at that acceleration, ``-M^-1 dtau/dv`` and
+    ``M^-1``.
+    """
     torque, _ = newton_euler(x.q, x.v, x.a, x.parameters, parameters)
     bias, _ = newton_euler(x.q, x.v, STILL, x.parameters, parameters)
     factors = casadi.ldl(mass, False)

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, moments, regrouped
+from alpha5_model.codegen.regrouping import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.errors import needing
 from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.kinematics.tolerances import DOUBLE
@@ -21,9 +21,9 @@ with needing("making code of the equations", "pip install casadi"):
 
 from alpha5_model.codegen.casadi_functions import folded, named
 from alpha5_model.codegen.chain import turns
-from alpha5_model.codegen.dynamics import dynamics
-from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
+from alpha5_model.codegen.closed_form_ik import inverse_kinematics
 from alpha5_model.codegen.moving_water import in_moving_water
+from alpha5_model.codegen.still_water import dynamics
 from alpha5_model.codegen.words import WORDS
 
 #: Name -> meaning of the functions that users get, in order.
@@ -47,7 +47,7 @@ def functions(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
 
 
 def products(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
-    """The functions that users of JAX, CasADi and C get, named as the methods of an arm.
+    """The functions for users of JAX, CasADi and C, named as the methods of an arm.
 
     The base parameters and the tolerances are inputs.
     """
