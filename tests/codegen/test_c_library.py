@@ -1,4 +1,4 @@
-"""The C library compiles without a warning, passes its own program, and that program sees a wrong number."""
+"""The C library compiles without a warning, and its program finds a wrong number."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from alpha5_model.codegen.c_library import COptions, c_files
 
 STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O0"]
 SANITIZERS = [ADDRESS_AND_UNDEFINED, "-fno-sanitize-recover=all"]
-#: Each compiler with each type, place of the parameters and check; in air, too, where much is zero.
+#: Each compiler with each type, place of the parameters and check. Much is zero in air.
 BUILDS = {
     "gcc, float, struct, sanitizers": (
         "gcc",
@@ -60,10 +60,16 @@ def built(folder: Path, compiler: str, *flags: str) -> subprocess.CompletedProce
         "-o",
         "test_alpha5",
     ]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    done = run(command, folder)
     assert done.stderr == ""
     assert done.returncode == 0
-    return subprocess.run(["./test_alpha5"], cwd=folder, capture_output=True, text=True)
+    return run(["./test_alpha5"], folder)
+
+
+def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, check=False
+    )
 
 
 @pytest.mark.parametrize("build", BUILDS)
@@ -93,23 +99,16 @@ def test_the_program_sees_a_wrong_number(tmp_path: Path) -> None:
 def test_cmake_builds_and_tests_it(tmp_path: Path) -> None:
     if not (shutil.which("cmake") and shutil.which("ctest")):
         pytest.skip("there is no cmake")
-    assert (
-        main(["generate", "--format", "c", "--output", str(tmp_path / "library")]) == 0
-    )
-    build, strict = tmp_path / "build", " ".join(STRICT)
+    library = str(tmp_path / "library")
+    build = str(tmp_path / "build")
+    flags = f"-DCMAKE_C_FLAGS={' '.join(STRICT)}"
+    assert main(["generate", "--format", "c", "--output", library]) == 0
     for command in (
-        [
-            "cmake",
-            "-S",
-            str(tmp_path / "library"),
-            "-B",
-            str(build),
-            f"-DCMAKE_C_FLAGS={strict}",
-        ],
-        ["cmake", "--build", str(build)],
-        ["ctest", "--test-dir", str(build)],
+        ["cmake", "-S", library, "-B", build, flags],
+        ["cmake", "--build", build],
+        ["ctest", "--test-dir", build],
     ):
-        done = subprocess.run(command, capture_output=True, text=True)
+        done = run(command, tmp_path)
         assert done.returncode == 0, done.stdout + done.stderr
     assert "100% tests passed" in done.stdout
 
@@ -193,7 +192,8 @@ DEFECTS = {
 WRAPPER = """
 #include "alpha5.h"
 typedef alpha5_real real;
-void right(const real *p, real w, real q[4][4], int exists[4], int within_limits[4], int *singular);
+void right(const real *p, real w, real q[4][4], int exists[4],
+           int within_limits[4], int *singular);
 void alpha5_inverse_kinematics(const real *p, real w, real q[4][4], int exists[4],
                                int within_limits[4], int *singular)
 {
@@ -207,7 +207,7 @@ void alpha5_inverse_kinematics(const real *p, real w, real q[4][4], int exists[4
 
 @pytest.fixture(scope="module")
 def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The library with its inverse kinematics under another name, and the program, compiled."""
+    """The compiled program and library, whose inverse kinematics has another name."""
     if shutil.which("gcc") is None:
         pytest.skip("there is no gcc")
     folder = tmp_path_factory.mktemp("defects")
@@ -225,7 +225,7 @@ def test_the_program_sees_a_wrong_solution(defect: str, objects: Path) -> None:
     subprocess.run(
         ["gcc", "-O0", *files, "-lm", "-o", "wrong"], cwd=objects, check=True
     )
-    done = subprocess.run(["./wrong"], cwd=objects, capture_output=True, text=True)
+    done = run(["./wrong"], objects)
     assert done.returncode == 1
     *lines, last = done.stdout.splitlines()
     assert {line.partition(",")[0] for line in lines} >= {DEFECTS[defect]}

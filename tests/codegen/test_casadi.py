@@ -1,10 +1,11 @@
-"""The CasADi Functions against Pinocchio: values, CasADi's own derivatives, documentation."""
+"""The CasADi Functions agree with Pinocchio, and so do CasADi's derivatives of them."""
 
 from __future__ import annotations
 
 import pickle
 import sys
 from importlib import import_module
+from typing import Any
 
 import casadi
 import numpy as np
@@ -95,39 +96,35 @@ def test_a_payload_is_an_input_too() -> None:
 @needs_compiled
 @pytest.mark.parametrize("fold", [True, False])
 def test_compiled_functions_have_the_interpreted_ones_derivatives(fold: bool) -> None:
-    """Of first and second order, also where no kernel has them, inside expressions of MX."""
+    """First and second derivatives inside expressions of MX, even without a kernel."""
     options = {"fluid_density": 1000.0, "gravity": (0.3, -1.0, -9.7), "fold": fold}
-    interpreted, compiled = load(**options), load(**options, compiled=True)
+    interpreted = load(**options)
+    compiled = load(**options, compiled=True)
     rng = np.random.default_rng(6)
     for name in DYNAMICS:
-        found = []
-        for functions in (interpreted, compiled):
-            function = getattr(functions, name)
-            x = [
-                casadi.MX.sym(n, function.size1_in(i))
-                for i, n in enumerate(function.name_in())
-            ]
-            given = (
-                [*x[:-1], functions.parameters]
-                if "parameters" in function.name_in()
-                else x
-            )
-            spent = casadi.sumsqr(casadi.veccat(*function.call(given)))
-            hessian, gradient = casadi.hessian(spent, x[0])
-            found.append(casadi.Function("f", x, [spent, gradient, hessian]))
-        state = [
-            rng.uniform(0.2, 1.0, f)
-            for f in map(found[0].size1_in, range(found[0].n_in()))
-        ]
-        for got, want in zip(
-            called(found[1], *state), called(found[0], *state), strict=True
-        ):
+        expected = with_derivatives(interpreted, name)
+        found = with_derivatives(compiled, name)
+        sizes = [expected.size1_in(i) for i in range(expected.n_in())]
+        state = [rng.uniform(0.2, 1.0, size) for size in sizes]
+        results = zip(called(found, *state), called(expected, *state), strict=True)
+        for got, want in results:
             assert np.abs(got - want).max() < 1e-10 * max(1.0, np.abs(want).max()), name
+
+
+def with_derivatives(functions: Any, name: str) -> casadi.Function:
+    """A Function's sum of squares, with its gradient and Hessian in the first input."""
+    function = getattr(functions, name)
+    names = function.name_in()
+    x = [casadi.MX.sym(n, function.size1_in(i)) for i, n in enumerate(names)]
+    given = [*x[:-1], functions.parameters] if "parameters" in names else x
+    squares = casadi.sumsqr(casadi.veccat(*function.call(given)))
+    hessian, gradient = casadi.hessian(squares, x[0])
+    return casadi.Function("f", x, [squares, gradient, hessian])
 
 
 @needs_compiled
 def test_a_solver_takes_compiled_functions() -> None:
-    """The least torque that the arm can be held with: IPOPT finds the same with both."""
+    """IPOPT finds the same least holding torque with compiled and other functions."""
     found = []
     for compiled in (False, True):
         opti = casadi.Opti()

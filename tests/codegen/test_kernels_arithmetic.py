@@ -1,4 +1,4 @@
-"""The kernels' own sine, cosine and atan2 in C, at every width, against long doubles."""
+"""The kernels' sine, cosine and atan2 in C agree with long doubles at every width."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ pytestmark = pytest.mark.skipif(
 
 
 def pairs() -> np.ndarray:
-    """Ordinary arguments first, then all magnitudes, then every special value beside every other."""
+    """Ordinary arguments, all magnitudes, and every pair of special values."""
     rng = np.random.default_rng(3)
 
     def signs(shape):
@@ -36,9 +36,8 @@ def pairs() -> np.ndarray:
     wide = signs((20_000, 2)) * 10.0 ** rng.uniform(-12.0, 5.0, (20_000, 2))
     turns = np.rint(rng.uniform(-60_000, 60_000, (10_000, 2))) * (math.pi / 2)
     turns = np.nextafter(turns, rng.choice([-np.inf, np.inf], turns.shape))
-    all_magnitudes = signs((40_000, 2)) * 10.0 ** rng.uniform(
-        -300.0, 300.0, (40_000, 2)
-    )
+    exponents = rng.uniform(-300.0, 300.0, (40_000, 2))
+    all_magnitudes = signs((40_000, 2)) * 10.0**exponents
     numbers = [
         0.0,
         5e-324,
@@ -49,8 +48,6 @@ def pairs() -> np.ndarray:
         math.pi / 4,
         1.0,
         math.pi,
-    ]
-    numbers += [
         1.5,
         1e5,
         math.nextafter(1e5, 1e6),

@@ -1,4 +1,4 @@
-"""The compiled module by itself: widths equal to the bit, unfit arrays refused, threads and processes."""
+"""The compiled module: equal widths, refused arrays, threads and processes."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ WIDTHS = {1: "scalar", 2: "sse2", 4: "avx2", 8: "avx512"}
 
 @pytest.fixture
 def any_width():
-    """Chooses a width; the widest again afterwards."""
-    yield lambda width: compiled.width(width)
+    """The function that chooses a width; the test's end chooses the widest again."""
+    yield compiled.width
     compiled.width(8)
 
 
@@ -146,9 +146,8 @@ CPUINFO = Path("/proc/cpuinfo")
     reason="asks Linux on x86-64",
 )
 def test_the_widest_that_this_processor_has_is_chosen(any_width):
-    flags = set(
-        re.search(r"^flags\s*: (.*)$", CPUINFO.read_text(), re.MULTILINE)[1].split()
-    )
+    line = re.search(r"^flags\s*: (.*)$", CPUINFO.read_text("utf-8"), re.MULTILINE)
+    flags = set(line[1].split())
     has = [1, 2]
     if "avx2" in flags:
         has.append(4)

@@ -1,4 +1,4 @@
-"""Rows of a batch become columns and rows again, without a touch beyond their memory."""
+"""Rows of a batch become columns and rows again; no memory beyond them is touched."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the kernels without a compiler take and refuse, and that rows and single states agree."""
+"""The kernels in NumPy refuse what they cannot take; rows and single states agree."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""Kernels where another library has left this thread with another rounding than to nearest.
+"""The kernels are right if another library has changed the rounding of this thread.
 
-The compiled sines bring an angle to a quarter turn by an addition that rounds, and were off by 1e-10.
+The compiled sines bring an angle to a quarter turn by an addition that rounds. With
+another rounding they were off by 1e-10.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The inverse kinematics with its edges as one symbolic function: evaluated by CasADi, in plain Python, as text."""
+"""The symbolic inverse kinematics is the same in CasADi, plain Python and as text."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_a_wrist_at_its_limit_is_within_to_the_bit_and_beyond_rounding_it_is_not
 
 
 def test_looser_tolerances_forgive_more() -> None:
-    """As single precision needs it: a micrometre beyond the stretched arm is still there."""
+    """Single precision's tolerances reach 1e-6 m beyond the stretched arm."""
     far = np.array([[0.02 + 0.33181301122930 + 1e-6, 0.0, 0.0462]])
     for tolerances, reached in ((DOUBLE, 0), (SINGLE, 1)):
         assert solve(far, np.zeros(1), tolerances)[1].any() == reached

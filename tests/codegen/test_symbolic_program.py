@@ -1,4 +1,4 @@
-"""Straight-line programs, run step by step in plain Python, against CasADi's own evaluation."""
+"""Straight-line programs, run in plain Python, agree with CasADi's own evaluation."""
 
 from __future__ import annotations
 

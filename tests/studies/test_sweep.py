@@ -1,4 +1,4 @@
-"""Studies: the same rows as by hand, the same bytes in any number of chunks and processes, after any accident."""
+"""Studies have the rows computed by hand, whatever the chunks, workers or accidents."""
 
 from __future__ import annotations
 
@@ -90,13 +90,11 @@ def written(folder: Path, text: str) -> Path:
 
 
 def content(folder: Path) -> dict[str, Any]:
-    """All that must not depend on who computed it: results as bytes, rows as a table."""
+    """What no chunk or process may change: results as bytes, rows as a table."""
     files = {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
-    rows = (
-        parquet.read_table(folder / "rows").to_pydict()
-        if (folder / "rows").is_dir()
-        else None
-    )
+    rows = None
+    if (folder / "rows").is_dir():
+        rows = parquet.read_table(folder / "rows").to_pydict()
     return {**files, "rows": rows}
 
 
@@ -243,11 +241,13 @@ def test_parameter_samples_are_those_of_uncertainty(tmp_path: Path) -> None:
 
 def test_what_is_drawn(drawn: tuple[Path, Path]) -> None:
     names = ["axis_d_pos", "axis_c_pos", "axis_b_pos", "axis_d_vel"]
-    low, high = [0, 0, -3, -0.5], [np.radians(200), np.radians(200), 3, 0.5]
+    low = [0, 0, -3, -0.5]
+    high = [np.radians(200), np.radians(200), 3, 0.5]
     numbers = (columns(drawn[1], *names) - low) / np.subtract(high, low)
-    # Both fluids get the same states; these fill their range evenly, and no two axes go together.
+    # Both fluids get the same states.
     np.testing.assert_array_equal(numbers[:40000], numbers[40000:])
     one = numbers[:40000]
+    # The states fill their ranges evenly, and no two axes are correlated.
     assert (one >= 0).all()
     assert (one < 1).all()
     for column in one.T:
@@ -513,7 +513,7 @@ def test_a_study_that_takes_long_to_read(name: str, tmp_path: Path) -> None:
 
 
 def test_keys_of_twenty_parts_are_read_by_toml(tmp_path: Path) -> None:
-    """What looks like a long key in a text is none, and a shorter one is judged by its names."""
+    """A text that looks like a long key is none; shorter keys are judged by name."""
     for text, problem in (
         ('source = "' + "a" * 30 + ', 0.1, 0.2"\n', "unknown key 'source'"),
         (".".join("a" * 20) + " = 1\n", "unknown key 'a'"),

@@ -1,9 +1,9 @@
-"""Intervals of the printed numbers, samples of them, and what they leave open in torques and loads."""
+"""Intervals of the printed numbers, samples of them, and their bounds on torques."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from decimal import Decimal
 from itertools import product
@@ -25,6 +25,7 @@ from alpha5_model.dynamics.regression import regressor_rows
 from alpha5_model.errors import Alpha5Error
 from alpha5_model.numbers.inertia import pseudo_inertia
 from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.parameters import RigidBody
 from alpha5_model.studies.uncertainty import linear_maps, printed
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
@@ -40,8 +41,9 @@ SI = {
     "mm": -3,
     "L": -3,
     "Nmm": -3,
+    "uH": -6,
+    "kg.mm^2": -6,
 }
-SI |= {"uH": -6, "kg.mm^2": -6}
 AXES = "xyz"
 Z = np.zeros(4)
 
@@ -188,7 +190,10 @@ def test_samples_round_to_what_is_printed() -> None:
 
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 def test_no_sample_is_an_impossible_body(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With intervals so wide that most draws are impossible, by the pseudo-inertia's own eigenvalues."""
+    """Samples are possible even if the intervals are so wide that most draws are not.
+
+    The eigenvalues of the pseudo-inertia decide.
+    """
     middle, half = printed.ends(())
     of_links = [name.startswith("link_") for name in u.printed_numbers()]
     wide = np.where(of_links, 200.0, 1.0) * half
@@ -200,7 +205,12 @@ def test_no_sample_is_an_impossible_body(monkeypatch: pytest.MonkeyPatch) -> Non
             assert np.linalg.eigvalsh(matrix)[0] > 0
             assert link.volume >= 0
     heavy = drawn.values[:, drawn.names.index("link_2.mass")]
-    assert heavy.min() < 0.2  # from -0.62 to 1.38 kg there would be 31 % of nothing
+    # Of draws from -0.62 to 1.38 kg, 31 % have no mass.
+    assert heavy.min() < 0.2
+
+
+def test_impossible_bodies_are_recognised() -> None:
+    drawn = u.sample(100, 3)
     links = np.tensordot(drawn.values[:1], linear_maps.link_map(()), 1)
     assert linear_maps.possible(links).tolist() == [True]
     for column, change in ((0, -1.0), (4, -1e-3), (5, 2e-4), (7, -1e-3), (10, -1e-3)):
@@ -210,14 +220,17 @@ def test_no_sample_is_an_impossible_body(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_every_body_of_the_intervals_is_possible() -> None:
-    """What `identify` relies on: by Weyl, no digits move an eigenvalue of the second moments below 0."""
+    """No digit moves an eigenvalue of the second moments below 0 (Weyl's inequality).
+
+    `identify` relies on it.
+    """
+    numbers = u.printed_numbers()
     for i, link in enumerate(a5.parameters().links):
-        numbers = u.printed_numbers()
-        half = [
-            [numbers[f"link_{i}.inertia_com.{''.join(sorted(x + y))}"] for y in AXES]
-            for x in AXES
-        ]
-        off = np.array([[(n.upper - n.lower) / 2 for n in row] for row in half])
+        off = np.zeros((3, 3))
+        for row, column in np.ndindex(3, 3):
+            axes = "".join(sorted(AXES[row] + AXES[column]))
+            number = numbers[f"link_{i}.inertia_com.{axes}"]
+            off[row, column] = (number.upper - number.lower) / 2
         change = np.linalg.norm(off + np.trace(off) / 2 * np.eye(3))
         spread = np.trace(link.inertia) / 2 * np.eye(3) - link.inertia
         assert np.linalg.eigvalsh(spread)[0] > 100 * change
@@ -279,44 +292,51 @@ def test_regressor_of_an_arm() -> None:
 
 
 def test_regressor_is_pinocchios_regrouped() -> None:
-    arm, model = (
-        a5.load(fluid_density=0.0, gravity=TILTED),
-        a5.load(0.0, gravity=TILTED).model,
-    )
+    arm = a5.load(fluid_density=0.0, gravity=TILTED)
+    model = a5.load(0.0, gravity=TILTED).model
     data = model.createData()
-    # What one of Pinocchio's ten parameters of a body is in moments: m, m c, and the tensor about the origin.
-    bodies = []
-    for k in range(10):
-        p = np.zeros((4, 4))
-        if k == 0:
-            p[3, 3] = 1
-        elif k < 4:
-            p[k - 1, 3] = p[3, k - 1] = 1
-        else:
-            i, j = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))[k - 4]
-            tensor = np.zeros((3, 3))
-            tensor[i, j] = tensor[j, i] = 1
-            p[:3, :3] = np.trace(tensor) / 2 * np.eye(3) - tensor
-        bodies.append(p)
     groups = np.zeros((38, 40))
     for link, k in np.ndindex(4, 10):
         moments = np.zeros((5, 2, 4, 4))
-        moments[link + 1] = bodies[k]
+        moments[link + 1] = pseudo_inertia_of_unit(k)
         groups[:, 10 * link + k] = regrouped(moments, np.zeros(3), a5.parameters())[:-3]
     for q, v, a in states(20, 1).swapaxes(0, 1):
         theirs = pin.computeJointTorqueRegressor(model, data, q, v, a)
-        np.testing.assert_allclose(
-            arm.regressor(q, v, a).matrix @ groups, theirs, atol=1e-12
-        )
+        ours = arm.regressor(q, v, a).matrix @ groups
+        np.testing.assert_allclose(ours, theirs, atol=1e-12)
+
+
+def pseudo_inertia_of_unit(k: int) -> np.ndarray:
+    """The pseudo-inertia of a body whose k-th of Pinocchio's ten parameters is 1.
+
+    They are the mass, the first moments, and the tensor about the origin.
+    """
+    out = np.zeros((4, 4))
+    if k == 0:
+        out[3, 3] = 1
+    elif k < 4:
+        out[k - 1, 3] = 1
+        out[3, k - 1] = 1
+    else:
+        i, j = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))[k - 4]
+        tensor = np.zeros((3, 3))
+        tensor[i, j] = 1
+        tensor[j, i] = 1
+        out[:3, :3] = np.trace(tensor) / 2 * np.eye(3) - tensor
+    return out
 
 
 def of_link(
     i: int, values: dict[str, float], q: Any, v: Any, a: Any, density: float
 ) -> np.ndarray:
-    """Torques and load on the mount of one link alone, from the tests' own Newton-Euler, (N, 10)."""
-    mass, volume = np.zeros(5), np.zeros(5)
-    com, cob, tensor = second.COM.copy(), second.COB.copy(), np.zeros((5, 6))
-    mass[i], volume[i] = values[f"link_{i}.mass"], values[f"link_{i}.volume"]
+    """Torques and mount load of one link alone by the tests' Newton-Euler, (N, 10)."""
+    mass = np.zeros(5)
+    volume = np.zeros(5)
+    com = second.COM.copy()
+    cob = second.COB.copy()
+    tensor = np.zeros((5, 6))
+    mass[i] = values[f"link_{i}.mass"]
+    volume[i] = values[f"link_{i}.volume"]
     com[i] = [values[f"link_{i}.com.{x}"] for x in AXES]
     cob[i] = [values[f"link_{i}.cob.{x}"] for x in AXES]
     tensor[i] = [
@@ -358,27 +378,22 @@ def test_bounds_at_rest_are_attained_at_a_corner(
 ) -> None:
     """All corners of each link's mass and COM, and of its volume and COB, one by one.
 
-    The arm's own corrections count once, whether they are among the alternatives or not.
+    The arm's own corrections count once, even if they are among the alternatives.
     """
-    (q, _, _), numbers, still = states(4, 7), u.printed_numbers(), np.zeros((4, 4))
-    middle = {name: n.value for name, n in numbers.items()}
-    low, high = np.zeros((4, 10)), np.zeros((4, 10))
+    q, _, _ = states(4, 7)
+    corrections = of_arm + alternatives
+    low = np.zeros((4, 10))
+    high = np.zeros((4, 10))
     for i in range(5):
-        for kind, centre in (("mass", "com"), ("volume", "cob")):
-            names = [f"link_{i}.{kind}", *(f"link_{i}.{centre}.{x}" for x in AXES)]
-            if (i, centre) == (3, "cob") and "link3_cob" in of_arm + alternatives:
-                names += ["link_2.a", "link_0.d"]
-            other = {f"link_{i}.{'volume' if kind == 'mass' else 'mass'}": 0.0}
-            found = []
-            for ends in product(("lower", "upper"), repeat=len(names)):
-                at = {
-                    n: getattr(numbers[n], end)
-                    for n, end in zip(names, ends, strict=True)
-                }
-                values = corrected({**middle, **at, **other}, of_arm + alternatives)
-                found.append(of_link(i, values, q, still, still, 1000.0))
-            low, high = low + np.min(found, axis=0), high + np.max(found, axis=0)
+        for kind in ("mass", "volume"):
+            found = [
+                loads_at_rest(i, kind, corner, q, corrections)
+                for corner in corners(i, kind, corrections)
+            ]
+            low += np.min(found, axis=0)
+            high += np.max(found, axis=0)
     arm = a5.load(1000.0, gravity=TILTED, corrections=of_arm)
+    still = np.zeros((4, 4))
     ours = u.bounds(q, still, still, arm, alternatives)
     lower, upper = (np.hstack([ours.torque[k], ours.base_wrench[k]]) for k in (0, 1))
     np.testing.assert_allclose(lower, low, rtol=0, atol=1e-12)
@@ -386,10 +401,41 @@ def test_bounds_at_rest_are_attained_at_a_corner(
     assert (upper[:, 1] - lower[:, 1] > 1e-3).all()
 
 
+def corners(
+    i: int, kind: str, corrections: tuple[str, ...]
+) -> Iterator[dict[str, float]]:
+    """The ends of the intervals of a link's mass and COM, or of its volume and COB."""
+    numbers = u.printed_numbers()
+    centre = {"mass": "com", "volume": "cob"}[kind]
+    names = [f"link_{i}.{kind}", *(f"link_{i}.{centre}.{x}" for x in AXES)]
+    if (i, centre) == (3, "cob") and "link3_cob" in corrections:
+        names += ["link_2.a", "link_0.d"]
+    intervals = [(numbers[name].lower, numbers[name].upper) for name in names]
+    for ends in product(*intervals):
+        yield dict(zip(names, ends, strict=True))
+
+
+def loads_at_rest(
+    i: int,
+    kind: str,
+    corner: dict[str, float],
+    q: np.ndarray,
+    corrections: tuple[str, ...],
+) -> np.ndarray:
+    """Torques and mount load of one link's weight, or of its buoyancy, (N, 10)."""
+    middle = {name: number.value for name, number in u.printed_numbers().items()}
+    other_kind = {"mass": "volume", "volume": "mass"}[kind]
+    other = {f"link_{i}.{other_kind}": 0.0}
+    values = corrected({**middle, **corner, **other}, corrections)
+    still = np.zeros_like(q)
+    return of_link(i, values, q, still, still, 1000.0)
+
+
 @pytest.mark.parametrize("of_arm", [(), ("link3_cob",)])
 def test_bounds_of_an_arm_with_its_base_turned(of_arm: tuple[str, ...]) -> None:
-    """Without ``base_frame`` link 0 stands the other way round; the rest is as with it."""
-    (q, _, _), still = states(4, 7), np.zeros((4, 4))
+    """Without ``base_frame``, only link 0 is turned."""
+    q, _, _ = states(4, 7)
+    still = np.zeros((4, 4))
     turned = a5.load(1000.0, gravity=TILTED, corrections=of_arm)
     usual = a5.load(1000.0, gravity=TILTED, corrections=("base_frame", *of_arm))
     for alternatives in ((), ("link3_cob",)):
@@ -397,9 +443,8 @@ def test_bounds_of_an_arm_with_its_base_turned(of_arm: tuple[str, ...]) -> None:
         same = u.bounds(q, still, still, usual, alternatives)
         np.testing.assert_allclose(ours.torque, same.torque, rtol=0, atol=1e-12)
         moved = np.subtract(ours.base_wrench, same.base_wrench)
-        shift = turned.base_wrench_batch(q, still, still) - usual.base_wrench_batch(
-            q, still, still
-        )
+        shift = turned.base_wrench_batch(q, still, still)
+        shift -= usual.base_wrench_batch(q, still, still)
         np.testing.assert_allclose(moved, [shift, shift], rtol=0, atol=1e-12)
 
 
@@ -504,7 +549,7 @@ def test_bounds_hold_all_samples(alternatives: tuple[str, ...]) -> None:
 
 
 def test_margin_of_an_arm_with_jaws() -> None:
-    """Each sample's wrist is what its link 4 leaves beside the fingers, which are not printed."""
+    """Each sample's wrist is its link 4 without the fingers, which are not printed."""
     q, v, a = (np.hstack([x, np.full((4, 1), 0.005)]) for x in states(4, 6))
     jaws = a5.load(gripper="jaws").with_payload(**PAYLOAD)
     low, high = jaws.inverse_dynamics_batch(q, v, a) + torque_margin(jaws, q, v, a)
@@ -516,12 +561,8 @@ def test_margin_of_an_arm_with_jaws() -> None:
         for link in (*p.links[1:4], split_link_4(p).wrist):
             joint = model.frames[model.getFrameId(link.name)].parentJoint
             model.inertias[joint] = pin.Inertia(link.mass, link.com, link.inertia)
-        other = type(base)(
-            model,
-            displacements(model, p, "jaws"),
-            1025.0,
-            *base._constructor_arguments[3:],
-        )
+        volumes = displacements(model, p, "jaws")
+        other = type(base)(model, volumes, 1025.0, *base._constructor_arguments[3:])
         tau = other.with_payload(**PAYLOAD).inverse_dynamics_batch(q, v, a)
         assert (low <= tau + 1e-12).all()
         assert (tau - 1e-12 <= high).all()
@@ -547,42 +588,40 @@ def test_bounds_of_one_state_are_those_of_many() -> None:
 
 
 def test_an_arm_of_other_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Lengths included, against the tests' own Newton-Euler; to the letter, against `load`."""
+    """A sample's arm, lengths included, agrees with the tests' own Newton-Euler."""
     q, v, a = states(3, 5)
     drawn = u.sample(2, 9)
-    p, values = (
-        drawn.parameters(1),
-        dict(zip(drawn.names, drawn.values[1], strict=True)),
-    )
-    x, y = values["elbow.opposite"], values["elbow.adjacent"]
+    p = drawn.parameters(1)
+    values = dict(zip(drawn.names, drawn.values[1], strict=True))
+    x = values["elbow.opposite"]
+    y = values["elbow.adjacent"]
     bend = np.arctan2(x, y)
-    monkeypatch.setattr(
-        second, "D", np.array([values[f"link_{i}.d"] for i in range(4)])
-    )
-    a_i = [values["link_0.a"], np.hypot(x, y), values["link_2.a"], values["link_3.a"]]
-    monkeypatch.setattr(second, "A", np.array(a_i))
+    offsets = [values[f"link_{i}.d"] for i in range(4)]
+    monkeypatch.setattr(second, "D", np.array(offsets))
+    lengths = [
+        values["link_0.a"],
+        np.hypot(x, y),
+        values["link_2.a"],
+        values["link_3.a"],
+    ]
+    monkeypatch.setattr(second, "A", np.array(lengths))
     turn = np.array([np.pi, bend - np.pi / 2, bend - np.pi / 2, np.pi / 2])
     monkeypatch.setattr(second, "OFFSET", turn)
     theirs = sum(of_link(i, values, q, v, a, 1000.0) for i in range(5))
     arm = u.arm(p, 1000.0, TILTED)
-    np.testing.assert_allclose(
-        arm.inverse_dynamics_batch(q, v, a), theirs[:, :4], atol=1e-12
-    )
-    np.testing.assert_allclose(
-        arm.base_wrench_batch(q, v, a), theirs[:, 4:], atol=1e-12
-    )
-    assert (
-        np.abs(
-            theirs[:, 1]
-            - a5.load(1000.0, gravity=TILTED).inverse_dynamics_batch(q, v, a)[:, 1]
-        ).max()
-        > 1e-4
-    )
-    letter = a5.load(corrections=())
-    same = u.arm(a5.parameters(()))
-    np.testing.assert_allclose(
-        same.base_wrench_batch(q, v, a), letter.base_wrench_batch(q, v, a), atol=1e-12
-    )
+    torque = arm.inverse_dynamics_batch(q, v, a)
+    np.testing.assert_allclose(torque, theirs[:, :4], atol=1e-12)
+    wrench = arm.base_wrench_batch(q, v, a)
+    np.testing.assert_allclose(wrench, theirs[:, 4:], atol=1e-12)
+    catalogue = a5.load(1000.0, gravity=TILTED).inverse_dynamics_batch(q, v, a)
+    assert np.abs(theirs[:, 1] - catalogue[:, 1]).max() > 1e-4
+
+
+def test_an_arm_of_the_printed_numbers_is_the_one_that_is_loaded() -> None:
+    q, v, a = states(3, 5)
+    loaded = a5.load(corrections=()).base_wrench_batch(q, v, a)
+    same = u.arm(a5.parameters(())).base_wrench_batch(q, v, a)
+    np.testing.assert_allclose(same, loaded, atol=1e-12)
 
 
 def test_sensitivity_of_the_reach() -> None:
@@ -646,23 +685,38 @@ def second_lever(q: np.ndarray) -> float:
 
 def swing(n: int, seed: int = 0) -> tuple[Any, np.ndarray]:
     """A motion of five sines in each joint, and its exact q, v, a, (3, n, 4)."""
-    rng, time = np.random.default_rng(seed), 0.02 * np.arange(n)
+    rng = np.random.default_rng(seed)
+    time = 0.02 * np.arange(n)
     rate = 2 * np.pi * rng.uniform(0.1, 0.8, (5, 4))
-    size, phase = rng.uniform(0.06, 0.2, (5, 4)) / rate, rng.uniform(0, 6, (5, 4))
+    size = rng.uniform(0.06, 0.2, (5, 4)) / rate
+    phase = rng.uniform(0, 6, (5, 4))
     angle = rate * time[:, None, None] + phase
     q = np.array([3.0, 1.7, 1.7, 3.0]) + (size * np.sin(angle)).sum(axis=1)
-    v, a = (
-        (size * rate * np.cos(angle)).sum(axis=1),
-        -(size * rate**2 * np.sin(angle)).sum(axis=1),
-    )
+    v = (size * rate * np.cos(angle)).sum(axis=1)
+    a = -(size * rate**2 * np.sin(angle)).sum(axis=1)
     return a5.trajectory.motion(time, q), np.array([q, v, a])
+
+
+def check_that_links_are_as_printed(links: Sequence[RigidBody]) -> None:
+    """Each identified number lies within the interval of its printed digits."""
+    numbers = u.printed_numbers()
+    for i, link in enumerate(links):
+        identified = {"mass": link.mass, "com.x": link.com[0], "volume": link.volume}
+        for name, value in identified.items():
+            number = numbers[f"link_{i}.{name}"]
+            assert number.lower - 1e-12 <= value <= number.upper + 1e-12
 
 
 @pytest.mark.parametrize("kind", ["effort", "wrench"])
 def test_identification_finds_the_truth(kind: str) -> None:
-    """Made by the tests' own Newton-Euler; six trials here, 500 in the documentation."""
+    """Intervals hold the numbers that the tests' Newton-Euler made the recording of.
+
+    There are six trials here and 500 in the documentation.
+    """
     moved, (q, v, a) = swing(300)
-    truth, rng, hits = u.sample(6, 21), np.random.default_rng(3), []
+    truth = u.sample(6, 21)
+    rng = np.random.default_rng(3)
+    hits = []
     for k in range(6):
         values = dict(zip(truth.names, truth.values[k], strict=True))
         exact = sum(of_link(i, values, q, v, a, 1025.0) for i in range(5))
@@ -677,20 +731,13 @@ def test_identification_finds_the_truth(kind: str) -> None:
             found = u.identify(moved, arm, wrench=y, method="interpolate")
             assert found.noise == pytest.approx(0.005, rel=0.2)
         real = truth.base_parameters(gravity=TILTED)[k, :38]
-        hits.append(((found.lower <= real) & (real <= found.upper))[found.supported])
+        hit = (found.lower <= real) & (real <= found.upper)
+        hits.append(hit[found.supported])
         assert found.supported.sum() > 5
-        for i, link in enumerate(found.parameters.links):
-            for name, x in (
-                ("mass", link.mass),
-                ("com.x", link.com[0]),
-                ("volume", link.volume),
-            ):
-                n = u.printed_numbers()[f"link_{i}.{name}"]
-                assert n.lower - 1e-12 <= x <= n.upper + 1e-12
+        check_that_links_are_as_printed(found.parameters.links)
     share = np.concatenate(hits).mean()
-    assert (
-        0.8 < share < 0.999
-    )  # correlated hits: half as wide intervals would hold 67 %
+    # The hits are correlated. Intervals half as wide would hold 67 %.
+    assert 0.8 < share < 0.999
     assert found.gains[0] > 5
     assert (np.diff(found.gains) <= 0).all()
     assert found.combinations.shape == (found.gains.size, 38)
@@ -724,7 +771,7 @@ def test_identification_of_an_arm_with_a_correction() -> None:
 
 
 def test_identification_does_not_see_what_no_data_show() -> None:
-    """At rest there is no inertia; without noise the load of the weight comes out exactly."""
+    """At rest no inertia is identified; without noise, the weight's load is exact."""
     still = a5.trajectory.motion(np.arange(40) * 0.1, states(40, 3)[0])
     at_rest = replace(still, position=np.repeat(states(1, 3)[0], 40, axis=0))
     values = u.sample(1, 5)
@@ -739,35 +786,40 @@ def test_identification_does_not_see_what_no_data_show() -> None:
     rows = a5.load().regressor(at_rest.position[0], Z, Z).matrix
     np.testing.assert_allclose(rows @ found.estimate, rows @ truth, atol=1e-9)
     heavy = a5.load().with_payload(**PAYLOAD)
-    more = heavy.hydrostatic_torque(at_rest.position[0]) - a5.load().hydrostatic_torque(
-        at_rest.position[0]
-    )
+    position = at_rest.position[0]
+    more = heavy.hydrostatic_torque(position) - a5.load().hydrostatic_torque(position)
     same = u.identify(replace(at_rest, effort=y + more), heavy, method="interpolate")
     np.testing.assert_allclose(same.estimate, found.estimate, atol=1e-9)
 
 
 def test_table_of_the_documentation() -> None:
-    """Torques by the tests' own Newton-Euler; link 2's weight is half a unit of its last digit at its lever."""
-    cells = [
-        [cell.strip() for cell in line.strip("| \n").split("|")]
-        for line in generated_text.TEXTS["torque_intervals"]().splitlines()[2:]
-    ]
+    """The table's torques and bounds agree with the tests' own Newton-Euler."""
+    cells = cells_of_the_table()
     assert len(cells) == 12
     for k, (pose, _, torque, interval, worst, digits) in enumerate(cells):
         q = a5.named_pose(pose.strip("`"))
-        exact = (
-            1e3 * second.newton_euler(q[None], Z[None], Z[None], 1025.0)[0][0, k % 4]
-        )
+        torques, _, _ = second.newton_euler(q[None], Z[None], Z[None], 1025.0)
+        exact = 1e3 * torques[0, k % 4]
         low, high = map(float, interval.split(" to "))
         assert float(torque) == pytest.approx(exact, abs=0.006)
         assert low <= float(torque) <= high
         assert float(worst) >= (high - low) / 2 - 0.01
-        sizes = [
-            float(part.split()[-1]) for part in digits.split(",") if part != "none"
-        ]
+        parts = [part for part in digits.split(",") if part != "none"]
+        sizes = [float(part.split()[-1]) for part in parts]
         assert sizes == sorted(sizes, reverse=True)
         assert sum(sizes) <= float(worst) + 0.03
-    name, effect = cells[1][5].split(",")[0].split()
+
+
+def cells_of_the_table() -> list[list[str]]:
+    lines = generated_text.TEXTS["torque_intervals"]().splitlines()
+    rows = [line.strip("| \n").split("|") for line in lines[2:]]
+    return [[cell.strip() for cell in row] for row in rows]
+
+
+def test_the_digit_with_the_largest_effect() -> None:
+    """It is link 2's mass: half a unit of its last digit, at its lever."""
+    largest = cells_of_the_table()[1][5].split(",")[0]
+    name, effect = largest.split()
     assert name == "`link_2.mass`"
     lever = abs(second_lever(a5.named_pose("reach")))
     assert float(effect) == pytest.approx(5.0 * 9.81 * lever, abs=0.006)
