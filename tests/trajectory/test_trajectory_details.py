@@ -15,7 +15,7 @@ from scipy.signal import savgol_coeffs, savgol_filter
 
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, InputError
-from alpha5_model.trajectory import columns, loads, time_series
+from alpha5_model.trajectory import arm_loads, columns, time_series
 from alpha5_model.trajectory.csv_table import CHUNK
 from alpha5_model.trajectory.smoothing import savitzky_golay
 
@@ -247,7 +247,7 @@ def test_parts_are_put_together_in_order(
     motion = moving(count=101)
     whole = a5.trajectory.analyse(motion)
     seen: list[tuple[str, float]] = []
-    monkeypatch.setattr(loads, "_CHUNK", 25)
+    monkeypatch.setattr(arm_loads, "_CHUNK", 25)
     monkeypatch.setattr(time_series, "_CHUNK", 40)
     parts = a5.trajectory.analyse(motion, progress=lambda *report: seen.append(report))
     a5.trajectory.write(
