@@ -1,4 +1,4 @@
-"""Input checks: each returns its value in the type to compute with, or raises."""
+"""Input checks: each returns the value in the type for computations, or raises."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Kind = TypeVar("Kind")
 
-#: Types of numbers in a list that are taken as they are.
+#: Types of numbers that need no further check in a list.
 _NUMBERS = {float, int, np.float64}
-#: How far from a rotation a matrix may be, entrywise in ``R R^T``, or the norm of a
-#: quaternion from 1, before it is refused: URDFs and logs print some seven digits.
+#: Largest error of a rotation matrix, entrywise in ``R R^T``, and of the norm of a
+#: quaternion. URDFs and logs print about seven digits.
 ROTATION_TOLERANCE = 1e-6
-#: The largest number that dynamics, inertia and actuators compute with, in SI units. No
-#: term has more than five such factors (energy: mass, length twice, speed twice), so
-#: that none overflows; a sixth root leaves room for sums.
+#: The largest number that dynamics, inertia and actuators compute with, in SI units. A
+#: term has at most five such factors (energy: mass, length twice, speed twice), so it
+#: does not overflow. The sixth root leaves room for sums.
 LARGEST = sys.float_info.max ** (1 / 6)
 
 
@@ -31,8 +31,8 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
 
     Args:
         name: Name of the argument, for the message.
-        value: Anything NumPy reads as real numbers; not what has a mask or a unit,
-            which it would drop.
+        value: Anything that NumPy reads as real numbers, without a mask or a unit,
+            which NumPy would drop.
         trailing: Expected trailing shape; ``(3,)`` accepts (3,), (N, 3), (..., 3).
 
     Returns:
@@ -41,7 +41,7 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
 
     Raises:
         InputError: Not real numbers (strings, complex, truth values, ragged lists,
-            None), or more than numbers (masked arrays and other subclasses of NumPy's,
+            None), or not only numbers (masked arrays and other subclasses of NumPy's,
             quantities with a unit).
         ShapeError: Wrong trailing shape.
         NonFiniteError: NaN or infinity; the first bad index is named.
@@ -75,7 +75,7 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
 def _holds_only_numbers(value: Any) -> bool:
     """Whether a value holds only numbers, at any depth of lists.
 
-    NumPy would drop masks and units without a word.
+    NumPy would drop masks and units silently.
     """
     if type(value) in (np.ndarray, np.float64, float, int):
         return True
@@ -128,7 +128,7 @@ def real(
     """Check and convert one finite real number that can be computed with.
 
     Args:
-        minimum: The least number that is allowed; any is if left out.
+        minimum: The least number that is allowed; None for any.
         strict: Whether ``minimum`` itself is refused.
 
     Raises:
@@ -171,10 +171,10 @@ def instance(name: str, value: Any, kind: type[Kind]) -> Kind:
 
 
 def listed(name: str, value: Any, expected: str) -> list[Any]:
-    """The items of anything that has some.
+    """The items of an iterable.
 
     Raises:
-        InputError: It has none: a number, None.
+        InputError: Not an iterable, such as a number or None.
     """
     try:
         return list(value)
@@ -253,7 +253,7 @@ def choice(kind: str, name: Any, choices: Sequence[str]) -> str:
 
 
 def named(kind: str, names: Any, choices: Sequence[str]) -> tuple[str, ...]:
-    """The names asked for, in the order of the choices, without repetition.
+    """Check names; they are returned in the order of the choices, without repetition.
 
     Raises:
         InputError: Not a collection of names.

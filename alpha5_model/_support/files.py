@@ -1,4 +1,4 @@
-"""Paths named by the user: what is there, and what it stands for."""
+"""Paths given by the user: reading them, and what kind of file they are."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def read_named(path: Any, expected: str) -> bytes:
 def is_stream(path: PathLike) -> bool:
     """Whether a path is ``-``, a device or a pipe.
 
-    These are written into, and have nothing beside them.
+    These are written into, and get no other files beside them.
 
     Raises:
         OutputError: A socket, or a path that cannot be one.
@@ -68,7 +68,7 @@ def is_stdout(path: PathLike) -> bool:
 
 
 def plain_file(target: Path) -> Path | None:
-    """The plain file to write for a path, there or not, with its links resolved.
+    """The plain file to write for a path, with links resolved; it need not exist.
 
     None for a device, a pipe or a standard stream, which are written into.
 
@@ -111,7 +111,7 @@ def _is_open_file(target: Path) -> bool:
 
 @contextmanager
 def errors_of(target: Path) -> Iterator[None]:
-    """Turns errors of the system into one line about the target.
+    """Turn errors of the system into one line about the target.
 
     Raises:
         OutputError: In place of each of them.

@@ -1,4 +1,4 @@
-"""Checks of the files that a command is to write, before the work."""
+"""Checks of the files that a command will write, before it does its work."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ def output_format(kind: str, path: PathLike, formats: Sequence[str]) -> str:
 def check_outputs(
     read: Iterable[PathLike | None], **written: tuple[PathLike | None, Sequence[str]]
 ) -> None:
-    """Refuse, before the work, what must not be written; every command calls this.
+    """Refuse outputs that must not be written; every command calls this first.
 
     Args:
         read: Paths that are read; None is skipped.
-        written: Option -> path, None if not given, and the suffixes it may have.
+        written: Option -> its path, or None, and the suffixes that it may have.
 
     Raises:
         InputError: A file that is also read, or two outputs into one, under any of its
@@ -68,7 +68,7 @@ def check_outputs(
 
 
 def _same(a: PathLike, b: PathLike) -> bool:
-    """One file, through symlinks and hard links; devices and pipes are no files."""
+    """Whether two paths are one file, through links; devices and pipes never are."""
     if STDOUT in (str(a), str(b)):
         return is_stdout(a) and is_stdout(b)
     try:

@@ -1,4 +1,4 @@
-"""Rotations, rigid transforms and angles as in a URDF, in metres and radians."""
+"""Rotations, rigid transforms and angles with URDF's conventions, in m and rad."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Placement:
 
 
 def wrap(angle: ArrayLike, middle: float = 0.0) -> FloatArray:
-    """The angle, shifted by full turns into the turn around ``middle``, elementwise."""
+    """Angles, shifted by full turns to within half a turn of ``middle``."""
     a = np.asarray(angle, dtype=np.float64)
     return np.asarray(a - math.tau * np.rint((a - middle) / math.tau))
 
@@ -76,7 +76,8 @@ def rpy_from_rotation(r: FloatArray) -> Triple:
     if cos_pitch > 1e-3:
         return math.atan2(r[2, 1], r[2, 2]), pitch, yaw
 
-    # Yaw is inaccurate here: roll from what yaw leaves, so that the errors cancel.
+    # Yaw is inaccurate here. Roll is computed from the rest of the rotation after this
+    # yaw, so that the errors cancel.
     sin_yaw = math.sin(yaw)
     cos_yaw = math.cos(yaw)
     sin_roll = sin_yaw * r[0, 2] - cos_yaw * r[1, 2]
@@ -109,7 +110,7 @@ def transform(
 
 
 def moved(transform: FloatArray, points: FloatArray) -> FloatArray:
-    """Points (..., 3), carried by transforms (..., 4, 4)."""
+    """Points (..., 3) after transforms (..., 4, 4)."""
     rotated = (transform[..., :3, :3] @ points[..., None])[..., 0]
     return np.asarray(rotated + transform[..., :3, 3])
 

@@ -11,16 +11,17 @@ from typing import Any
 
 import numpy as np
 
-#: Control characters that a terminal obeys; ends of lines, tabs and plain colours pass.
-_OBEYED = re.compile(
+#: Control characters of a terminal, except ends of lines and tabs. Group 1 holds those
+#: of plain colours, which are kept.
+_CONTROL = re.compile(
     r"(\x1b\[(?:0|1|3[0-7]|9[0-7])m)"
     r"|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
 )
 
 
 def printable(text: str) -> str:
-    """A text that may hold names from a file, its control characters written out."""
-    return _OBEYED.sub(lambda m: m[1] or m[0].encode("unicode_escape").decode(), text)
+    """A text with its control characters escaped; it may hold names from a file."""
+    return _CONTROL.sub(lambda m: m[1] or m[0].encode("unicode_escape").decode(), text)
 
 
 def readable(text: str) -> str:
@@ -33,7 +34,7 @@ def plain(value: Any, unknown: float | None = None) -> Any:
     """A result in the types of JSON: numbers, texts, arrays, records, collections.
 
     Args:
-        unknown: In place of a number that is not finite.
+        unknown: Replaces numbers that are not finite.
     """
     if is_dataclass(value) and not isinstance(value, type):
         return plain(asdict(value), unknown)
@@ -85,7 +86,7 @@ def table(
         align: ``<`` or ``>`` for each column; the last one also holds for those that
             follow.
         indent: Spaces before each line.
-        width: Longer lines go on under their last cell; 0 for lines of any length.
+        width: Longer lines are continued under their last cell; 0 for no limit.
         gap: Spaces between columns.
     """
     cells = [[readable(cell) for cell in row] for row in rows]

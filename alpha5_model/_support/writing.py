@@ -1,4 +1,4 @@
-"""Writes files as a whole or not at all; only plain ones are replaced."""
+"""Writing files completely or not at all. Only plain files are replaced."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def atomic_write(path: PathLike, content: str | bytes) -> Path:
         The target's path.
 
     Raises:
-        OutputError: The target cannot be written; a plain file that stood there is
-            untouched.
+        OutputError: The target cannot be written. An existing plain file is then
+            unchanged.
     """
     target = Path(path)
     atomic_write_all({target: content})
@@ -38,17 +38,18 @@ def atomic_write(path: PathLike, content: str | bytes) -> Path:
 def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
     """Write files that belong together: none is renamed before all are on the disk.
 
-    A plain file is written through a temporary one beside it, which is synchronised
-    with the disk as its folder is, and a rename; after a loss of power there is the old
-    file or the new one. It keeps its mode, and its folder is made if missing. A symlink
-    is followed. Devices, pipes and ``-``, standard output, are written into.
+    The content of a plain file goes to a temporary file beside it, which is then
+    renamed. File and folder are synchronised with the disk, so that a loss of power
+    leaves the old file or the new one. A file keeps its mode, and a missing folder is
+    made. Symlinks are followed. Devices, pipes and standard output, ``-``, are written
+    into.
 
     Args:
         files: Target -> text (written as UTF-8, newlines as they are) or bytes.
 
     Raises:
-        OutputError: A target cannot be written, is a folder or a socket, or stands for
-            the same file as another one; plain files that stood there are untouched.
+        OutputError: A target cannot be written, is a folder or a socket, or is the same
+            file as another target. Existing plain files are then unchanged.
     """
     contents, plain = _prepared(files)
     streams = [target for target in files if target not in plain]
@@ -77,7 +78,7 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
 def _prepared(
     files: Mapping[Path, str | bytes],
 ) -> tuple[dict[Path, bytes], dict[Path, Path]]:
-    """The content of each target, and the plain file of each that stands for one."""
+    """The content of each target, and the resolved path of each plain file."""
     contents: dict[Path, bytes] = {}
     plain: dict[Path, Path] = {}
     for target, content in files.items():
@@ -101,9 +102,9 @@ class _Replacement:
     def __init__(self) -> None:
         #: File -> the temporary one with its new content.
         self._staged: dict[Path, Path] = {}
-        #: Folders whose names have changed.
+        #: Folders in which files were made or renamed.
         self._folders: set[Path] = set()
-        #: What puts back the files that have been replaced.
+        #: Functions that put back the replaced files.
         self._undo: list[Callable[[], object]] = []
 
     def stage(self, file: Path, content: bytes) -> None:
@@ -112,7 +113,7 @@ class _Replacement:
         temporary = file.with_name(f".alpha5-{os.urandom(8).hex()}")
         with temporary.open("xb") as stream:
             self._staged[file] = temporary
-            # The old file's mode, before there is anything to read.
+            # The mode is set before there is anything to read.
             if file.exists():
                 temporary.chmod(stat.S_IMODE(file.stat().st_mode))
             stream.write(content)
@@ -120,7 +121,7 @@ class _Replacement:
             os.fsync(stream.fileno())
 
     def synchronise(self) -> None:
-        """Bring the names of the files to the disk."""
+        """Synchronise the folders of the files with the disk."""
         _synchronise(self._folders)
 
     def rename(self, file: Path, may_be_undone: bool) -> None:
@@ -149,7 +150,7 @@ def _spare(temporary: Path) -> Path:
 
 
 def _restorer(file: Path, spare: Path) -> Callable[[], object]:
-    """Puts back the file that is there now; a hard link keeps it, if possible."""
+    """A function that puts back the present file, which is kept by a hard link."""
     if not file.exists():
         return partial(file.unlink, missing_ok=True)
     with suppress(OSError):
@@ -161,7 +162,7 @@ def _made(folder: Path) -> set[Path]:
     """Make a folder if it is missing.
 
     Returns:
-        The folder, and those in which a new one stands.
+        The folder, and the folders that contain a new one.
     """
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     folder.mkdir(parents=True, exist_ok=True)
@@ -169,7 +170,7 @@ def _made(folder: Path) -> set[Path]:
 
 
 def _synchronise(folders: Iterable[Path]) -> None:
-    """Bring the names in folders to the disk, if the system has a way to."""
+    """Synchronise folders with the disk, if the system can."""
     for folder in folders:
         with suppress(OSError):  # Windows, and disks of a network
             descriptor = os.open(folder, os.O_RDONLY)

@@ -1,4 +1,4 @@
-"""The rows of the audit in sentences, and in counts."""
+"""The rows of the audit as sentences and as counts."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def grouped(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[Ro
 
 
 def alike(rows: Iterable[AuditRow]) -> list[list[AuditRow]]:
-    """Rows that read the same, together."""
+    """Groups of rows with the same text."""
     groups = grouped(
         rows, lambda row: (row.topic, row.verdict, _figures(row), _measured(row))
     )
@@ -60,7 +60,7 @@ def alike(rows: Iterable[AuditRow]) -> list[list[AuditRow]]:
 
 
 def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
-    """What was measured and where, for rows that read the same.
+    """What was measured and where, for rows with the same text.
 
     Args:
         verbose: Also what the documents claim there, and why it differs.

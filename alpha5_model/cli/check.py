@@ -21,7 +21,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.proofs.audit import audit
 from alpha5_model.proofs.audit.row import AuditRow
 
-#: What a short report ends with.
+#: The last lines of a short report.
 _MORE = "\n--verbose adds the rows in agreement, the claims' words and all reasons"
 
 

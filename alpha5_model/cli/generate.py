@@ -28,7 +28,7 @@ class _Format(NamedTuple):
     Attributes:
         options: Record of its options.
         files: Makes its files, name -> content, from this record.
-        main_file: The one that goes to standard output.
+        main_file: Name of the file that goes to standard output.
     """
 
     options: Any
@@ -54,9 +54,9 @@ _FORMATS = {
 }
 #: Option of the command -> field of the record, if their names differ.
 _FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
-#: Option -> why a format does not have it, if that needs a word.
+#: Option -> why a format does not have it, for options that need an explanation.
 _REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
-#: Value of --mesh-uri -> what stands before the name of each mesh.
+#: Value of --mesh-uri -> prefix of the name of each mesh.
 MESH_URIS = {
     "relative": "meshes/",
     "package": "package://alpha5_description/meshes/",
@@ -159,7 +159,7 @@ def generate(
     if output is None:
         echo(main_file.decode(), nl=False)
     elif is_stream(output):
-        # The description alone, without what stands beside a file.
+        # A stream gets the description alone, without other files beside it.
         atomic_write_all({output: main_file})
     elif description_format == "urdf":
         _write(_urdf_and_meshes(output, main_file, mesh_uri))
@@ -169,7 +169,7 @@ def generate(
 
 
 def _given(context: Context) -> list[str]:
-    """Names of the options that stand on the command line."""
+    """Names of the options that were given on the command line."""
     return [
         name
         for name in context.params
@@ -178,7 +178,7 @@ def _given(context: Context) -> list[str]:
 
 
 def _flag(context: Context, name: str) -> str:
-    """An option as it is written: ``--mesh-uri`` for mesh_uri."""
+    """An option as on the command line: ``--mesh-uri`` for mesh_uri."""
     flags = {option.name: option.opts[0] for option in context.command.params}
     return flags[name]
 

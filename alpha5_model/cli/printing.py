@@ -46,11 +46,11 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
     Args:
         as_json: Print the record, and nothing else.
         record: The result: numbers, texts, arrays, records and collections of them.
-        text: The same to read, see `say`.
+        text: The same for people, see `say`.
         written: Files of this result, each named in a line of its own; None is skipped.
     """
     files = [path for path in written if path is not None]
-    # A file that goes to standard output leaves no room for messages there.
+    # If a file goes to standard output, messages go to standard error.
     taken = any(is_stdout(path) for path in files)
     with redirect_stdout(sys.stderr) if taken else nullcontext():
         if as_json:
@@ -92,7 +92,10 @@ def spinner(words: str) -> AbstractContextManager[object]:
 
 @contextmanager
 def progress_bars() -> Iterator[Callable[[str, float], None]]:
-    """A function of a stage's name and its done share that draws bars on a terminal."""
+    """A function that draws progress bars on a terminal.
+
+    It takes the name of a stage and the part done, 0 to 1.
+    """
     from rich.console import Console
     from rich.progress import Progress
 

@@ -1,4 +1,4 @@
-"""Vectors and units on the command line, brought into one form before it is parsed."""
+"""Vectors and units on the command line, in one form for the parser."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections import deque
 from collections.abc import Iterable
 
-#: Units that may stand behind a number.
+#: Units that may follow a number.
 UNITS = ("deg", "mm", "rad", "m")
 _NUMBER = rf"[-+−]?(?:\d+\.?\d*|\.\d+|inf|nan)(?:e[-+]?\d+)?(?:{'|'.join(UNITS)})?"
 _NUMBERS = re.compile(rf"\s*{_NUMBER}(?:[\s,]+{_NUMBER})*[\s,]*", re.IGNORECASE)
@@ -26,7 +26,7 @@ _OPEN_VECTORS = ("--q", "--v", "--a", "--xyz", "--rpy", "--target", "--pose")
 
 
 def one_syntax(words: Iterable[str]) -> list[str]:
-    """The arguments as the parser takes them: one word per vector and per other number.
+    """The arguments for the parser: one word for each vector and each other number.
 
     ``--q 1 2 3 4``, ``--q 1,2,3,4`` and ``--q 57 115 172 229 deg`` are the same, as are
     ``1 2`` and ``1,2`` without an option.
@@ -47,11 +47,11 @@ def one_syntax(words: Iterable[str]) -> list[str]:
 
 
 def _take_numbers(left: deque[str], option: str | None = None) -> list[str]:
-    """Take the words with numbers from the left, and a unit that stands behind them.
+    """Take words with numbers from the start of the rest, and a unit after them.
 
     Args:
-        left: The words that are left; those that are taken are removed.
-        option: The option that they belong to.
+        left: The remaining words; the taken ones are removed.
+        option: The option that they belong to; None for arguments.
     """
     most = _VECTORS.get(option or "")
     taken: list[str] = []

@@ -62,7 +62,7 @@ def torque(
     """
     check_outputs((), plot=(plot, figures.FORMATS))
     arm = values.arm_in(fluid, gravity, gripper, mount, payload)
-    flow = values.current_vector(current)
+    water_current = values.current_vector(current)
     closed = arm.limits.lower[4:].tolist()
     state = State(
         q=_joint_numbers(arm, "--q", q, "rad", degrees, rod=closed),
@@ -71,9 +71,9 @@ def torque(
     )
 
     motors = Motors(constants=constants, efficiency=efficiency)
-    record = torque_record(arm, state, motors, flow)
+    record = torque_record(arm, state, motors, water_current)
     if plot is not None:
-        _draw_mount_load(arm, state, flow, plot)
+        _draw_mount_load(arm, state, water_current, plot)
     printing.show(as_json, record, _text(record), plot)
 
 
@@ -123,7 +123,7 @@ def _torque_table(joints: list[Record]) -> list[str]:
 
 
 def _notes(record: Record) -> str:
-    """What the table does not say: where it holds, and the load on the mount."""
+    """Notes under the table: fluid, gravity, digits, and the load on the mount."""
     turning = record["joints"][:4]
     margins = [np.ptp(joint["torque_range"]) / 2 for joint in turning]
     notes: str = WORDS["torque"]["notes"]
@@ -138,7 +138,7 @@ def _notes(record: Record) -> str:
 
 
 def _water(record: Record) -> printing.Lines:
-    """What moving water adds, and the interval that its numbers leave."""
+    """What moving water adds, with the interval of its estimates."""
     current = ", ".join(f"{x:g}" for x in record["water_current"])
     yield WORDS["torque"]["water"].format(current=current)
 

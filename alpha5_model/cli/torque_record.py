@@ -32,14 +32,14 @@ class State(NamedTuple):
 
 
 class Motors(NamedTuple):
-    """How motors are computed; see `alpha5_model.dynamics.actuators.actuator`."""
+    """Options of the motors; see `alpha5_model.dynamics.actuators.actuator`."""
 
     constants: str
     efficiency: str
 
 
 class _MovingWater(NamedTuple):
-    """What moving water adds, for each of `LEVELS`.
+    """What moving water adds, for each level of `LEVELS`.
 
     Attributes:
         torque: Of each joint, (3, n) [N m, N].
@@ -51,7 +51,7 @@ class _MovingWater(NamedTuple):
 
 
 class _MotorCurrent(NamedTuple):
-    """Current of a motor and its ends [A]; None if they are not known."""
+    """Current of a motor and its interval [A]; None if they are unknown."""
 
     value: Any
     ends: list[Any] | None
@@ -63,7 +63,8 @@ def torque_record(
     """Torques by cause, motor currents, and the load on the mount.
 
     Args:
-        current: Velocity of the water in base_link [m/s]; None for still water.
+        current: Water current: velocity of the water in base_link [m/s]; None for still
+            water.
     """
     from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 

@@ -75,10 +75,10 @@ def trajectory(
 
     Example: alpha5 trajectory recording.csv --output torques.csv --plot page.png
     """  # noqa: E501 (a line of the help)
-    # What cannot be written or chosen is refused before the work, not after it.
+    # Wrong outputs and choices are refused before the work.
     check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
     choice("gripper", gripper, ("auto", *GRIPPERS))
-    flow = values.current_vector(current)
+    water_current = values.current_vector(current)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
 
     with printing.progress_bars() as progress:
@@ -98,7 +98,7 @@ def trajectory(
             supply_voltage=supply_voltage,
             current_limit=current_limit,
             progress=progress,
-            current=flow,
+            current=water_current,
             efficiency=efficiency,
         )
         summary = _summary(analysis)
@@ -109,10 +109,10 @@ def trajectory(
     printing.show(as_json, summary, [library.text(summary)], output, plot)
 
 
-def _gripper(asked: str, motion: library.Motion) -> str:
-    """The gripper that is asked for; with ``auto`` the one that the motion has."""
-    if asked != "auto":
-        return asked
+def _gripper(choice_of_user: str, motion: library.Motion) -> str:
+    """The gripper that the user chose; with ``auto`` that of the motion."""
+    if choice_of_user != "auto":
+        return choice_of_user
     return "jaws" if "axis_a" in motion.joints else "locked"
 
 
@@ -128,7 +128,7 @@ def _rod_actuator(
 
 
 def _summary(analysis: library.Analysis) -> dict[str, Any]:
-    """The summary, and the interval that the digits leave of each peak torque."""
+    """The summary, with the interval of each peak torque that the digits allow."""
     summary = library.summary(analysis)
 
     smooth = analysis.smooth
@@ -139,7 +139,7 @@ def _summary(analysis: library.Analysis) -> dict[str, Any]:
         smooth.velocity[peaks],
         smooth.acceleration[peaks],
     )
-    # (2, peak, joint): of each joint's peak only its own torque counts.
+    # Axes: lower and upper end, peak, joint. Each joint has its peak on the diagonal.
     ends = analysis.torque[peaks] + margin
     for k, joint in enumerate(summary["joints"].values()):
         joint["torque_peak"]["interval"] = ends[:, k, k].tolist()

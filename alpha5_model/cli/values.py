@@ -1,4 +1,4 @@
-"""What the texts of options stand for: numbers in SI units, names, and the arm."""
+"""Values from the texts of options: numbers in SI units, names, and the arm."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 
 class _Unit(NamedTuple):
-    """A unit that may stand behind a number.
+    """A unit that may follow a number.
 
     Attributes:
         si: The SI unit of the same quantity.
-        size: The unit in this SI unit.
+        size: Number of SI units in this unit.
     """
 
     si: str
@@ -47,13 +47,13 @@ _PLAUSIBLE = {
     "rad/s": plausibility.ANGLE,
     "rad/s^2": plausibility.ANGLE,
 }
-#: Option -> the largest number that is no typing error, in SI units.
+#: Option -> largest plausible number, in SI units; larger ones are typing errors.
 _LARGEST = {"current": 100.0, "gravity": 1e4, "fluid": 1e5}
 _FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
 _COUNT_WORDS = {2: "two", 3: "three", 4: "four", 5: "five"}
 
-#: Numbers of this run that look as if they had another unit. The first one is printed
-#: with the error, or after the result.
+#: Hints about numbers of this run that seem to have another unit. The first hint is
+#: printed with the error, or after the result.
 hints: list[str] = []
 
 
@@ -64,9 +64,9 @@ def numbers(
 
     Args:
         counts: How many there may be; empty for any.
-        unit: Their SI unit; with ``m`` and ``rad``, ``mm`` and ``deg`` may stand behind
-            a number.
-        expected: For the message; from counts and unit if left out.
+        unit: Their SI unit. If it is ``m`` or ``rad``, ``mm`` or ``deg`` may follow a
+            number.
+        expected: For the message; made from counts and unit if empty.
 
     Raises:
         InputError: Anything else.
@@ -96,7 +96,7 @@ def _expected(counts: Sequence[int], unit: str) -> str:
 
 
 def _units_for(unit: str) -> dict[str, _Unit]:
-    """The units that may stand behind a number.
+    """The units that may follow a number.
 
     Args:
         unit: SI unit of the number, or several: ``rad/s``, ``rad or m``, ``kg, m``.
@@ -126,7 +126,7 @@ def joint_numbers(
 ) -> list[float]:
     """One number for each joint, base to tip.
 
-    A unit that stands alone at the end applies to the turning joints only.
+    A unit alone at the end applies to the turning joints only.
     """
     words = " or ".join(_COUNT_WORDS[count] for count in sorted({*counts}))
     expected = f"{words} numbers ({unit}{', jaw rod m' if 5 in counts else ''})"
@@ -141,7 +141,7 @@ def joint_numbers(
 
 
 def current_vector(text: str | None) -> list[float] | None:
-    """Velocity of the water, three numbers [m/s]; None for none."""
+    """Velocity of a water current, (3,) [m/s]; None for no text."""
     return None if text is None else numbers("current", text, (3,), "m/s")
 
 
@@ -172,7 +172,7 @@ def fluid_density(text: str) -> float:
 
 
 def correction_names(text: str | None) -> tuple[str, ...]:
-    """Names of corrections, not checked; the default ones for None."""
+    """Names of corrections, unchecked; the default ones for None."""
     return DEFAULT_CORRECTIONS if text is None else names(text)
 
 

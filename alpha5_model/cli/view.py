@@ -119,7 +119,11 @@ def _position(arm: Arm, pose: str) -> FloatArray:
 
 
 def _check_display() -> None:
-    """Raises if there is no screen to open a browser on."""
+    """Check that there is a screen to open a browser on.
+
+    Raises:
+        NoDisplayError: There is none.
+    """
     displays = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if not displays and sys.platform not in ("darwin", "win32"):
         raise NoDisplayError(
@@ -157,7 +161,7 @@ def _track(arm: Arm, shown: Scene) -> FloatArray:
 
 
 def _framed(arm: Arm, shown: Scene, pixels: Size, track: FloatArray) -> Scene:
-    """The scene with a camera that has the whole motion in view."""
+    """The scene with a camera that sees the whole motion."""
     step = 1 + len(track) // _FRAMED_POSES
     along = [posed(shown, arm, q).poses for q in track[::step]]
     return framed(shown, pixels, also=along)

@@ -1,4 +1,4 @@
-"""Files that the writers of models take as they are: meshes, and templates of texts."""
+"""Meshes and text templates that the writers of models copy."""
 
 from __future__ import annotations
 

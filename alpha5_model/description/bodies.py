@@ -1,6 +1,7 @@
-"""The arm as a tree of bodies, which the writers of YAML, MJCF, SDF and GLB walk along.
+"""The arm as a tree of bodies, from which YAML, MJCF, SDF and GLB are written.
 
-Besides what URDF knows, a body has its displaced volume and its centre of buoyancy.
+In addition to the data of a URDF link, a body has its displaced volume and its centre
+of buoyancy.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ class Body(RigidBody):
     """One rigid body in the tree.
 
     Attributes:
-        placement: Parent body and pose in it, joint at zero.
-        joint: About or along +z of the body; None for link_0, which is fixed in
+        placement: Parent body, and pose in it with the joint at zero.
+        joint: Joint about or along +z of the body; None for link_0, which is fixed in
             base_link.
-        meshes: What it looks like: name of a mesh -> its pose in the body.
-        shapes: What it collides with.
+        meshes: Name of a visual mesh -> its pose in the body.
+        shapes: Collision shapes.
     """
 
     placement: Placement
@@ -57,7 +58,7 @@ def arm_bodies(
     Args:
         parameters: The arm's parameters.
         gripper: ``locked`` (link_0 to link_4) or ``jaws`` (adds rod and fingers).
-        meshes: File names of the meshes that exist, others are left out; all if None.
+        meshes: File names of the meshes that exist; others are left out. None for all.
     """
     choice("gripper", gripper, GRIPPERS)
     jaws = split_link_4(parameters)

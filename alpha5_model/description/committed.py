@@ -25,7 +25,7 @@ from alpha5_model.geometry.wavefront import MTL_NAME, mtl, obj
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
 GLB_NAME = "alpha5.glb"
-#: Packages that part of the files needs -> what is not done without them.
+#: Package that some of the files need -> what is left out without it.
 _NEEDED = {"manifold3d": "meshes are not drawn", "casadi": "formulas are not generated"}
 #: Drawn by ``scripts/figures/make_figures.py``, not compared: pixels depend on the
 #: renderer.
@@ -53,7 +53,7 @@ def generated_files() -> dict[str, bytes]:
     see `not_generated`.
     """
     arm = parameters()
-    drawn = {} if "manifold3d" in _lacking() else mesh_files()
+    drawn = {} if "manifold3d" in _missing_packages() else mesh_files()
     texts = {"xacro/parameters.yaml": parameter_yaml(arm)}
     for gripper, name in (("locked", "alpha5"), ("jaws", "alpha5_jaws")):
         texts[f"urdf/{name}.urdf"] = urdf(Variant(gripper=gripper))
@@ -67,8 +67,8 @@ def generated_files() -> dict[str, bytes]:
 
 
 def _formulas() -> dict[str, str]:
-    """Generated source code of the package; an installed package has it as it is."""
-    if not _in_checkout() or "casadi" in _lacking():
+    """Generated source code of the package; none outside of a checkout."""
+    if not _in_checkout() or "casadi" in _missing_packages():
         return {}
 
     from alpha5_model.codegen.sources import generated_sources
@@ -97,17 +97,17 @@ def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
 
 
 def not_generated() -> tuple[str, ...]:
-    """Why some files are not generated here: one line for each package that lacks."""
+    """Why some files are not generated here: one line for each missing package."""
     lines = []
-    for name in _lacking():
+    for name in _missing_packages():
         remedy = f"the {_NEEDED[name]} anew (pip install {name})"
         lines.append(f"{name} is not installed: {remedy}")
     return tuple(lines)
 
 
-def _lacking() -> list[str]:
+def _missing_packages() -> list[str]:
     """Packages of `_NEEDED` that are not installed."""
-    # An installed package has its formulas as they are.
+    # Formulas, which need casadi, are generated in a checkout only.
     needed = _NEEDED if _in_checkout() else ["manifold3d"]
     return [package for package in needed if find_spec(package) is None]
 

@@ -37,14 +37,15 @@ VISCOSITY = 1.08e-3
 
 @dataclass(frozen=True)
 class MjcfOptions:
-    """What can be chosen about the MuJoCo model.
+    """Options of the MuJoCo model.
 
     Attributes:
         gripper: ``locked`` or ``jaws``.
         fluid_density: [kg/m^3]; 0 is air. Adjustable at run time too, see the folder's
             README.
         actuators: ``position``, ``velocity`` or ``motor``.
-        drag: Turns MuJoCo's own fluid model on. Its forces are not from the document.
+        drag: Switches on MuJoCo's own fluid model, whose forces are not from the
+            document.
         collision: ``primitives`` or ``none``.
         buoyancy: ``bodies``, or ``none`` for tools without ``gravcomp``, such as brax.
         corrections: Recorded corrections to apply.
@@ -152,7 +153,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
 
 
 def _add_option(root: ET.Element, options: MjcfOptions) -> None:
-    """Gravity, integrator, and the fluid if anything drags."""
+    """Add gravity, the integrator, and the fluid if there is drag."""
     fluid: dict[str, Value] = {}
     if options.drag:
         comment = "Density and viscosity: MuJoCo's drag, not from the document."
@@ -163,8 +164,7 @@ def _add_option(root: ET.Element, options: MjcfOptions) -> None:
         root.append(ET.Comment(f" {comment} "))
         fluid = {"density": options.fluid_density}
 
-    # Without forces that depend on speed both integrators agree, and brax has only
-    # Euler.
+    # Both integrators agree if no force depends on velocity, and brax has only Euler.
     no_damping = options.actuators == "motor" and not fluid
     integrator = "Euler" if no_damping else "implicitfast"
     add(root, "option", integrator=integrator, gravity=GRAVITY, **fluid)
@@ -190,7 +190,7 @@ def _add_contact(root: ET.Element, bodies: Iterable[Body]) -> None:
 
 
 def _add_equality(root: ET.Element, joints: Iterable[JointRange]) -> None:
-    """The fingers follow the rod."""
+    """Let the fingers follow the rod."""
     equality = add(root, "equality")
     for joint in joints:
         if isinstance(joint, FingerJoint):

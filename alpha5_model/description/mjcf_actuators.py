@@ -39,8 +39,8 @@ def add_actuators(root: ET.Element, joints: Sequence[JointRange], kind: str) -> 
         elif kind == "position":
             add(actuator, "position", **names, **_servo(joint), ctrlrange=limits)
         else:
-            # A position servo whose target moves at the speed asked for: it holds
-            # against weight.
+            # A position servo whose target moves at the commanded speed, so that it
+            # holds the weight.
             add(
                 actuator,
                 "intvelocity",

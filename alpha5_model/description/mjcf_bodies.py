@@ -5,7 +5,8 @@ MuJoCo has no hydrostatics, but it can compensate a body's weight: a body of mas
 its centre of buoyancy, a child body whose mass is the displaced volume over `DILUTION`;
 with ``gravcomp = fluid_density * DILUTION + 1`` its own weight is cancelled and the
 weight of the displaced fluid added, upwards. The mass matrix changes by less than 1e-13
-kg m^2: the child's `INERTIA`, which Newton wants, is taken off the link.
+kg m^2. The child needs some `INERTIA` for the simulator Newton, which is subtracted
+from the link's.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics
 from alpha5_model.numbers.jaws import FingerJoint
 from alpha5_model.numbers.parameters import JointRange
 
-#: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt,
-#: small enough to keep every mass above the least that MuJoCo knows, 1e-15 kg.
+#: Displaced volume over mass of a buoyancy body [m^3/kg]. It is large, so that the mass
+#: is negligible, and still keeps every mass above MuJoCo's least, 1e-15 kg.
 DILUTION = 1e9
-#: Moment of inertia of a buoyancy body [kg m^2]: Newton replaces any below 1e-10 by
-#: 1e-6.
+#: Moment of inertia of a buoyancy body [kg m^2]. The simulator Newton replaces moments
+#: below 1e-10 by 1e-6.
 INERTIA = 2e-10
 #: Boxes and cylinders are given by half their lengths.
 _HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
@@ -45,8 +46,7 @@ class BodyWriter:
         fluid_density: [kg/m^3].
         buoyancy: Adds the buoyancy bodies.
         collisions: Adds the collision shapes.
-        water: Link -> the strips along which the water drags it; empty without drag by
-            strips.
+        water: Link -> its drag strips; empty for a model without drag by strips.
     """
 
     fluid_density: float
@@ -87,7 +87,7 @@ class BodyWriter:
         return element
 
     def _floats(self, body: Body) -> bool:
-        """Whether a buoyancy body hangs on it."""
+        """Whether it has a buoyancy body."""
         return self.buoyancy and body.volume > 0
 
     def _add_inertial(self, element: ET.Element, body: Body) -> None:
@@ -98,8 +98,8 @@ class BodyWriter:
             "mass": body.mass,
         }
         if body.joint is None and not self.buoyancy:
-            # brax merges a body without joint into the world, which must not have an
-            # inertial: a box of the same mass and moments takes its place.
+            # brax merges a body without a joint into the world, which must not have an
+            # inertial. A box of the same mass and moments takes its place.
             squares = 1.5 / body.mass * (moments.sum() - 2.0 * moments)
             add(
                 element,
@@ -151,7 +151,7 @@ def _add_joint(element: ET.Element, joint: JointRange) -> None:
         name=joint.name,
         axis="0 0 1",
         type="hinge" if joint.kind == "revolute" else "slide",
-        # Limits of a follower would fight its equality.
+        # A finger follows the rod by an equality, with which own limits would conflict.
         range=None if isinstance(joint, FingerJoint) else limits,
     )
 
@@ -186,9 +186,9 @@ def _principal(inertia: FloatArray) -> tuple[FloatArray, list[float]]:
 
 
 def _pose(placement: Placement | Primitive) -> dict[str, Value]:
-    """Attributes ``pos`` and ``quat``, None where they are zero and no turn.
+    """Attributes ``pos`` and ``quat``; None instead of a zero translation or rotation.
 
-    Not ``euler``: readers other than MuJoCo take its angles in another order.
+    ``euler`` is avoided, because some readers take its angles in another order.
     """
     x, y, z, w = quaternion_from_rpy(placement.rpy)
     moved = any(placement.xyz)

@@ -13,12 +13,12 @@ from alpha5_model.numbers.hydrodynamics import DragStrip
 
 #: Pieces that a strip is cut into.
 _PIECES = 4
-#: Radii of their ellipsoids over their length, so small that no added mass is felt.
+#: Radii of their ellipsoids over their length, so small that added mass is negligible.
 _FLAT_RADIUS = 0.1
 _NEEDLE_RADIUS = 0.02
 #: Half axis along the strip of the flat ellipsoid over the half axes across it.
 _FLATNESS = 0.8
-#: Best share of ``sin x cos x`` in ``sin^2 x cos x`` over directions from all around.
+#: Best fit of ``sin^2 x cos x`` by a multiple of ``sin x cos x``, over all directions.
 _LIFT = 15 * np.pi / 64
 
 
@@ -27,11 +27,12 @@ def ellipsoids(strip: DragStrip) -> Iterator[dict[str, Value]]:
 
     Each piece of the strip has a flat ellipsoid and a needle.
 
-    An ellipsoid with half axes k r, r, r has, at an angle x to its axis, a shadow that
-    MuJoCo takes as ``pi r^2 sqrt((cos^2 + k^4 sin^2) / (cos^2 + k^2 sin^2))``. With k =
-    0.8 its slender drag goes within 0.04 like the strip's, ``sin^3 x``. The needle has
-    the strip's resistance to turning and its lift, ``sin^2 x cos x`` against MuJoCo's
-    ``sin x cos x``.
+    For a flow at an angle x to its axis, MuJoCo takes the projected area of an
+    ellipsoid with half axes k r, r, r as
+    ``pi r^2 sqrt((cos^2 + k^4 sin^2) / (cos^2 + k^2 sin^2))``. With k = 0.8, its
+    slender drag agrees with that of the strip, ``sin^3 x``, within 0.04. The needle has
+    the strip's drag against rotation and its lift, where MuJoCo's ``sin x cos x``
+    stands in for ``sin^2 x cos x``.
     """
     points = np.linspace(strip.start, strip.end, _PIECES + 1)
     for start, end in pairwise(points):
@@ -50,27 +51,27 @@ def _flat_ellipsoid(
     half_axis = 2 * _FLATNESS * _FLAT_RADIUS * half
 
     # Diameter times length over the largest section; MuJoCo's drag has no factor 1/2.
-    share = strip.diameter * length / 2 / (np.pi * radius**2)
+    area_ratio = strip.diameter * length / 2 / (np.pi * radius**2)
     blunt = strip.along
     slender = (strip.across - _FLATNESS * strip.along) / (1 - _FLATNESS)
     return {
         "fromto": np.concatenate([middle - half_axis, middle + half_axis]),
         "size": radius,
-        "fluidcoef": (share * blunt, share * slender, 0.0, 0.0, 0.0),
+        "fluidcoef": (area_ratio * blunt, area_ratio * slender, 0.0, 0.0, 0.0),
     }
 
 
 def _needle(strip: DragStrip, start: FloatArray, end: FloatArray) -> dict[str, Value]:
-    """The thin ellipsoid with the lift of a piece, and its resistance to turning."""
+    """The thin ellipsoid with a piece's lift and its drag against rotation."""
     half = (end - start) / 2
     length = 2 * float(np.linalg.norm(half))
     radius = _NEEDLE_RADIUS * length
 
-    share = strip.diameter / (np.pi * radius)
+    area_ratio = strip.diameter / (np.pi * radius)
     turning = 15 / 32 * strip.across
     lift = _LIFT * (strip.across - strip.along)
     return {
         "fromto": np.concatenate([start, end]),
         "size": radius,
-        "fluidcoef": (0.0, 0.0, share * turning, share * lift, 0.0),
+        "fluidcoef": (0.0, 0.0, area_ratio * turning, area_ratio * lift, 0.0),
     }

@@ -1,7 +1,7 @@
-"""Read any URDF as plain records, and say where it is broken.
+"""Read any URDF as plain records, with errors that name the line.
 
-Pinocchio's reader is not used here: this one has to cope with any file, name the line
-of an error, and keep what Pinocchio drops (missing inertials, collision shapes, mimic
+Pinocchio's reader is not used here: this one has to accept any file, name the line of
+an error, and keep what Pinocchio drops (missing inertials, collision shapes, mimic
 joints).
 """
 
@@ -29,12 +29,12 @@ from alpha5_model.description.urdf_robot import (
 from alpha5_model.description.xml_reading import parse_xml
 from alpha5_model.errors import FileFormatError
 
-#: No SI quantity of a robot is this large or this small; beyond, squares and quotients
-#: overflow.
+#: Bounds of the size of numbers. No SI quantity of a robot is beyond them, and squares
+#: and quotients would overflow.
 ABSURD = 1e12
 TINY = 1e-100
-#: How many files write the limits of wheels and propellers, which have none: as 1e16 or
-#: infinity.
+#: A limit such as 1e16 or infinity, which many files write for wheels and propellers
+#: without limits.
 NO_LIMIT = re.compile(r"\s*[+-]?(\d[.\d]*e\+?[1-9]\d+|inf(inity)?)\s*$", re.IGNORECASE)
 
 #: The largest public robots have a few hundred links.
@@ -343,7 +343,7 @@ class _Reader:
         return axis / length
 
     def limits(self, joint: ET.Element, kind: str) -> dict[str, float]:
-        """The limits that are written; a continuous joint has no ends."""
+        """The limits in the file; a continuous joint has no ``lower`` and ``upper``."""
         element = joint.find("limit")
         if element is None:
             return {}
@@ -356,7 +356,7 @@ class _Reader:
         return limits
 
     def mimic(self, joint: ET.Element) -> dict[str, Any]:
-        """The joint that this one follows, with the factors that are written."""
+        """The joint that this one follows, with multiplier and offset if given."""
         element = joint.find("mimic")
         if element is None:
             return {}

@@ -40,14 +40,14 @@ from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, parameters
 
-#: 1.9 is the most that Debian's libsdformat reads; 1.11 has ``mimic`` and
+#: 1.9 is the newest version that Debian's libsdformat reads. 1.11 has ``mimic`` and
 #: ``fluid_added_mass``.
 SDF_VERSIONS = ("1.9", "1.11")
 
 
 @dataclass(frozen=True)
 class SdfOptions:
-    """What can be chosen about the Gazebo model.
+    """Options of the Gazebo model.
 
     Attributes:
         gripper: ``locked`` or ``jaws``. The fingers move freely in SDF 1.9, which has
@@ -74,7 +74,7 @@ class SdfOptions:
 
     @property
     def version(self) -> str:
-        """SDF version that it takes."""
+        """SDF version of the file: hydrodynamics need 1.11."""
         return SDF_VERSIONS[1] if self.hydrodynamics else self.sdf_version
 
 
@@ -132,7 +132,7 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
 
 
 def _empty_document(options: SdfOptions, arm: Alpha5Parameters) -> ET.Element:
-    """The root element, with comments about sources and the start."""
+    """The root element, with comments about the sources and the start pose."""
     comments = []
     if options.hydrodynamics:
         comments.append(
@@ -151,8 +151,7 @@ def _model(
 ) -> ET.Element:
     """The arm as a model.
 
-    base_link and tcp have no mass: they are frames, because a simulated link needs
-    some.
+    base_link and tcp have no mass, so they are frames: a simulated link needs a mass.
     """
     model = ET.Element(
         "model", name="alpha5", canonical_link="link_0", placement_frame="base_link"
@@ -167,9 +166,9 @@ def _model(
         if body.joint is not None:
             _add_joint(model, body.joint, body, options.version)
         if body.name in water:
-            moved = water[body.name]
-            fill(inertial, fluid_added_mass=added_mass(moved, options.fluid_density))
-            damping = drag(moved, options.fluid_density)
+            of_link = water[body.name]
+            fill(inertial, fluid_added_mass=added_mass(of_link, options.fluid_density))
+            damping = drag(of_link, options.fluid_density)
             _add_hydrodynamics(model, body.name, damping)
     _add_frame(model, "tcp", tcp_placement(arm))
     return model
@@ -188,11 +187,11 @@ def _add_link(model: ET.Element, body: Body, arm: Alpha5Parameters) -> ET.Elemen
         pose.text = text_of(_pose(body.placement))
 
     inertial = add(link, "inertial")
-    fill(inertial, pose=_at(body.com), mass=body.mass, inertia=body.moments)
+    fill(inertial, pose=_pose_at(body.com), mass=body.mass, inertia=body.moments)
     if body.volume > 0:
         collision = add(link, "collision", name="displaced_volume")
         box = {"size": _buoyancy_box(body, arm)}
-        fill(collision, pose=_at(body.cob), geometry={"box": box})
+        fill(collision, pose=_pose_at(body.cob), geometry={"box": box})
     for mesh, placement in body.meshes.items():
         color = material_of(mesh).rgba
         visual = add(link, "visual", name=mesh)
@@ -245,7 +244,10 @@ def _add_joint(model: ET.Element, joint: JointRange, body: Body, version: str) -
 def _add_hydrodynamics(
     model: ET.Element, link: str, damping: dict[str, Nested]
 ) -> None:
-    """Add Gazebo's system for a link; its own added mass, a step late, is off."""
+    """Add Gazebo's hydrodynamics system for a link.
+
+    The added mass of the system is switched off, because it lags by a time step.
+    """
     plugin = add(
         model,
         "plugin",
@@ -265,6 +267,6 @@ def _pose(placement: Placement) -> tuple[float, ...]:
     return (*placement.xyz, *placement.rpy)
 
 
-def _at(point: FloatArray) -> tuple[float, ...]:
-    """Pose of a point, without a turn."""
+def _pose_at(point: FloatArray) -> tuple[float, ...]:
+    """Pose at a point, without a rotation."""
     return (*point.tolist(), 0.0, 0.0, 0.0)

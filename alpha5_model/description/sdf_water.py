@@ -3,10 +3,10 @@
 The numbers are estimated, not published.
 
 Added mass goes into ``<fluid_added_mass>``, which is about the link's origin
-[SDFormat]_. Drag is computed by Gazebo's hydrodynamics system. It takes no coefficient
-but those of products ``nu_j |nu_k|`` about the link's origin (``yVabsV``, negative
-where they brake), so its drag is the strips' for each component of a velocity alone and
-near it for others.
+[SDFormat]_. Drag is computed by Gazebo's hydrodynamics system. Its coefficients are
+those of products ``nu_j |nu_k|`` about the link's origin (``yVabsV``, negative if they
+brake). So its drag equals that of the strips if the velocity has one component, and
+approximates it otherwise.
 
 .. [SDFormat] SDFormat 1.11, inertial.sdf, ``fluid_added_mass``; gz-sim,
 ``systems::Hydrodynamics``.
@@ -33,11 +33,12 @@ _ADDED = "xyzpqr"
 #: Names of the components of a force, and of a velocity, in damping.
 _FORCE = "xyzkmn"
 _VELOCITY = "UVWPQR"
-#: Share of a velocity that counts beside another one. A norm is no sum of sizes; with
-#: this share the damping is within a tenth of the strips in a current and a sixth where
-#: joints move (root mean square), 0 and 1 both err by more.
+#: Weight of the other components in the speed of a component. The speed is a norm, but
+#: Gazebo takes a weighted sum of magnitudes. With this weight, the damping differs from
+#: that of the strips by a tenth in a current, and by a sixth if joints move (root mean
+#: square). Weights 0 and 1 both err by more.
 _BESIDE = 0.45
-#: Points of the quadrature along a strip: in a file more points cost nothing.
+#: Points of the quadrature along a strip. More points do not slow the simulation.
 _POINTS = 8
 
 
@@ -53,8 +54,8 @@ def added_mass(water: BodyHydrodynamics, density: float) -> dict[str, Nested]:
 def drag(water: BodyHydrodynamics, density: float) -> dict[str, Nested]:
     """Coefficients of quadratic damping about and in the link's frame, by their names.
 
-    Force i is ``D[i, j, k] nu_j |nu_k|``, exact for each component of the velocity
-    alone, linear before angular; it never adds energy.
+    Force i is ``D[i, j, k] nu_j |nu_k|``, components linear before angular. It is exact
+    for a velocity of one component, and never adds energy.
     """
     damping = np.zeros((6, 6, 6))
     for strip in water.strips:
@@ -75,10 +76,10 @@ def _add_strip(damping: FloatArray, strip: DragStrip, density: float) -> None:
     length = float(np.linalg.norm(line))
     along = np.outer(line, line) / length**2
     across = np.eye(3) - along
-    for point, share in gauss_points(strip, _POINTS):
+    for point, weight in gauss_points(strip, _POINTS):
         velocity_at_point = np.hstack([np.eye(3), -cross_matrix(point)])
         for direction, coefficient in ((across, strip.across), (along, strip.along)):
             slip = direction @ velocity_at_point
             speeds = np.linalg.norm(slip, axis=0)
-            face = density / 2 * coefficient * strip.diameter * length * share
-            damping -= face * (slip.T @ slip)[:, :, None] * speeds * mix
+            drag_area = density / 2 * coefficient * strip.diameter * length * weight
+            damping -= drag_area * (slip.T @ slip)[:, :, None] * speeds * mix

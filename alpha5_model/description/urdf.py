@@ -1,4 +1,4 @@
-"""Variants of the URDF: what can be chosen, and the text that xacro makes of it."""
+"""Variants of the URDF: their options, and their text by xacro."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ _FORBIDDEN = set("${}<>&\"'")
 
 @dataclass(frozen=True)
 class Variant:
-    """What can be chosen about a generated URDF.
+    """Options of a generated URDF.
 
     Attributes:
         gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a and two fingers that
             follow it).
-        prefix: Stands before every link and joint name.
-        parent: Name of a link to mount on, which is then made; empty for none.
-        xyz: Mount of base_link in the parent [m].
+        prefix: Prefix of every link and joint name.
+        parent: Name of a new link that base_link is mounted on; empty for none.
+        xyz: Position of base_link in the parent [m].
         rpy: Its roll, pitch, yaw [rad].
-        mesh_prefix: Stands before the file name of every mesh.
+        mesh_prefix: Prefix of the file name of every mesh.
         collision: ``primitives`` or ``none``.
         dh_frames: Adds the massless DH frames ``dh_1`` to ``dh_5``.
         ros2_control: Adds hardware interfaces and device ids.
@@ -84,7 +84,7 @@ class Variant:
 
 
 def _check_text(name: str, text: Any) -> None:
-    """Check a text that xacro and XML keep as it is.
+    """Check that xacro and XML keep a text unchanged.
 
     Some unprintable characters do not exist in UTF-8 or XML.
     """

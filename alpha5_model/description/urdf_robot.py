@@ -16,10 +16,11 @@ class UrdfShape:
         link: Name of the link that carries it.
         index: Its number among the link's elements of its kind.
         kind: ``box``, ``cylinder``, ``capsule``, ``sphere`` or ``mesh``.
-        size: Edges x, y, z; radius and length; radius; nothing for a mesh [m].
+        size: Edges x, y, z of a box; radius and length of a cylinder or capsule; radius
+            of a sphere; empty for a mesh [m].
         file: File name of a mesh.
         placement: Pose in the link, (4, 4).
-        color: Red, green, blue, alpha, each 0 to 1; empty without a colour of its own.
+        color: Red, green, blue, alpha, each 0 to 1; empty if the element has none.
     """
 
     link: str
@@ -69,8 +70,8 @@ class UrdfJoint:
         mimic: Joint that it follows by ``multiplier * position + offset``; None if
             none.
         multiplier, offset: 1 and 0 if it follows none.
-        printed: The texts of xyz and rpy of its ``<origin>``: how many digits they
-            have.
+        printed: The texts of xyz and rpy of its ``<origin>``, which show the number of
+            digits.
     """
 
     name: str
@@ -94,7 +95,10 @@ class UrdfJoint:
         return self.mimic or self.name
 
     def motion(self, position: float) -> FloatArray:
-        """What the joint adds to `transform` at a position [rad or m], (4, 4)."""
+        """Transform by a motion from zero to a position [rad or m], (4, 4).
+
+        It acts in the child's frame: the pose is ``transform @ motion(position)``.
+        """
         if self.kind == "prismatic":
             return transform(translation=position * self.axis)
         turns = self.kind in ("revolute", "continuous")

@@ -26,9 +26,8 @@ def expand_xacro(
         packages: Folders of the packages that it names in ``$(find NAME)``.
 
     Returns:
-        The XML text, without xacro's banner, which names the input's path on this
-        machine, and without the comments above the root element, which are about the
-        source.
+        The XML text. It leaves out xacro's banner, which names a path of this machine,
+        and the comments above the root element, which are about the source.
 
     Raises:
         InputError, MissingFileError, FileFormatError: See `read_named`.
@@ -66,7 +65,7 @@ def _process_file() -> Callable[..., Any]:
 def _packages_found(packages: Mapping[str, str]) -> Iterator[None]:
     """Let xacro's ``$(find NAME)`` look into ``packages`` before ROS' own index.
 
-    That index need not exist, so the function of the library is replaced meanwhile.
+    That index need not exist, so the library's function is replaced for the time being.
     """
     module: Any = importlib.import_module("xacro.substitution_args")
     find_in_ros = module._eval_find

@@ -1,4 +1,4 @@
-"""Read XML of others: no entities, no other file, bounded size and depth."""
+"""Read untrusted XML: no entities, no other files, bounded size and depth."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from xml.parsers import expat
 
 from alpha5_model.errors import FileFormatError
 
-#: What no robot description needs. The largest public ones have 1 MB and 20 levels.
+#: Limits that no robot description needs. The largest public ones have 1 MB, 20 levels.
 MOST_BYTES = 64 * 2**20
 MOST_LEVELS = 100
 
@@ -28,12 +28,12 @@ class XmlTree:
 
 
 def parse_xml(text: str | bytes, origin: str) -> XmlTree:
-    """Read an XML text; names keep their prefixes, since namespaces are not looked at.
+    """Read an XML text. Namespaces are ignored, so names keep their prefixes.
 
     Args:
-        text: The text, as bytes in any encoding that expat knows, or in UTF-16 with its
-            mark.
-        origin: What errors call the text.
+        text: The text, or its bytes in an encoding that expat knows, or in UTF-16 with
+            a byte order mark.
+        origin: Name of the text in errors.
 
     Raises:
         FileFormatError: Not XML, too large or too deep, or with a document type, which

@@ -1,1 +1,1 @@
-"""What other packages' loaders hand out."""
+"""Modules and files for the robot loaders of other packages."""

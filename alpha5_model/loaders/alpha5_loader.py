@@ -1,7 +1,7 @@
-"""The Reach Alpha 5's loaders, a module as example-robot-data has them for each robot.
+"""Loaders of the Reach Alpha 5, as example-robot-data has them for each robot.
 
-``scripts/robots/add_to_example_robot_data.py`` puts it there as ``alpha5.py``, with its
-folder and its names.
+``scripts/robots/add_to_example_robot_data.py`` copies this module there as
+``alpha5.py``, and adds the arm's folder and names.
 """
 
 from example_robot_data.utils import RobotLoader

@@ -1,4 +1,4 @@
-"""The arm in the forms that collections of robots have.
+"""The arm in the formats of collections of robots.
 
 For example-robot-data: `robot_files`, its folder under ``robots/``, and
 ``alpha5_loader``, its loaders. For robot_descriptions: the modules

@@ -1,7 +1,7 @@
-"""What reading a ROS bag may take, in proportion to its size.
+"""Limits on what reading a ROS bag may take, in proportion to its size.
 
-A bag of 65 kB can expand to gigabytes, or describe a table without end. rosbags has no
-limit of its own: within `limited` its decompressors, its index and SQLite's queries
+A bag of 65 kB can expand to gigabytes, or describe an endless table, and rosbags sets
+no limit. Within `limited`, the decompressors, the index and SQLite's queries of rosbags
 count against a budget.
 """
 
@@ -21,18 +21,18 @@ from alpha5_model._support.files import PathLike
 from alpha5_model.errors import FileFormatError, MissingDependencyError
 from alpha5_model.trajectory.file_table import EXPANSION
 
-#: What any bag may expand to [bytes].
+#: Any bag may expand to this size [bytes].
 _LEAST_EXPANSION = 1_000_000
-#: Steps of SQLite's machine for each byte of a file; reading messages takes less than
-#: one.
+#: Steps of SQLite's virtual machine for each byte of a file. Reading messages takes
+#: less than one.
 _STEPS = 20
-#: Steps between two looks at the budget.
+#: Steps between two checks of the budget.
 _STEPS_AT_ONCE = 10_000
 #: Generated columns, whose expressions may take any time.
 _FORMULAS = """
     SELECT 1 FROM sqlite_master AS entry, pragma_table_xinfo(entry.name) AS field
     WHERE field.hidden > 0 LIMIT 1"""
-#: Bytes decompressed between two looks at the budget.
+#: Bytes decompressed between two checks of the budget.
 _PIECE = 1 << 20
 #: Levels of lists and tables in a bag's ``metadata.yaml``, which has six.
 _DEPTH = 20
@@ -47,7 +47,7 @@ class Budget:
 
     Attributes:
         allowed: Bytes in all.
-        exceeded: Whether more were asked for.
+        exceeded: Whether the bag has expanded to more.
     """
 
     def __init__(self, size: int) -> None:
@@ -128,7 +128,7 @@ def _check_metadata(path: PathLike, file: Path) -> None:
 
 @lru_cache(maxsize=1)
 def _install() -> None:
-    """Put the limits into rosbags, once; without a budget all works as before."""
+    """Patch the limits into rosbags, once. They act only while a budget is set."""
     ros1: Any = import_module("rosbags.rosbag1.reader")
     ros2: Any = import_module("rosbags.rosbag2.reader")
     mcap: Any = import_module("rosbags.rosbag2.storage_mcap")
@@ -159,23 +159,23 @@ def _count_each(decompressors: dict[str, Callable[..., bytes]]) -> None:
 
 def _counted(name: str, plain: Callable[..., bytes]) -> Callable[..., bytes]:
     """A decompressor that counts what it returns, piece by piece."""
-    machines = _machines()
+    types = _decompressor_types()
 
     def decompress(data: bytes, *size: int) -> bytes:
         budget = _current.get()
         if budget is None:
             return plain(data, *size)
-        if name not in machines:  # stored as it is
+        if name not in types:  # stored without compression
             content = plain(data, *size)
             budget.take(len(content))
             return content
-        return _expanded(machines[name], data, budget)
+        return _expanded(types[name], data, budget)
 
     return decompress
 
 
-def _machines() -> dict[str, Callable[[], Any]]:
-    """Compression -> what decompresses it in pieces."""
+def _decompressor_types() -> dict[str, Callable[[], Any]]:
+    """Compression -> class of decompressors that work piece by piece."""
     mcap: Any = import_module("rosbags.rosbag2.storage_mcap")
     return {
         "bz2": BZ2Decompressor,
@@ -184,12 +184,14 @@ def _machines() -> dict[str, Callable[[], Any]]:
     }
 
 
-def _expanded(machine: Callable[[], Any], data: bytes, budget: Budget) -> bytes:
+def _expanded(
+    decompressor_type: Callable[[], Any], data: bytes, budget: Budget
+) -> bytes:
     """All frames of compressed data."""
     pieces = []
     rest = data
     while rest:
-        frame = machine()
+        frame = decompressor_type()
         while not frame.eof:
             piece = frame.decompress(rest, _PIECE)
             rest = b""

@@ -144,8 +144,8 @@ def select(
 ) -> Selection:
     """The only topic of the arm's joints, their only prefix, and their names.
 
-    If the messages of the topic differ, those with the same names that are most decide
-    which joints there are.
+    If the messages of the topic have different names, the most frequent set of names
+    decides which joints there are.
 
     Args:
         path: Of the bag, for messages.

@@ -1,4 +1,4 @@
-"""Checks of a motion: what cannot be used is refused, what is odd is warned of."""
+"""Checks of a motion: errors if it cannot be used, warnings if it is implausible."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from alpha5_model.trajectory.warning import MotionWarning
 
 #: Fewer samples give no useful acceleration.
 MINIMUM_SAMPLES = 5
-#: A step is a jump beyond this share of the joint's range plus twice its rated speed.
+#: A step is a jump if it exceeds this share of the joint's range, plus the distance at
+#: twice the rated speed.
 JUMP_SHARE = 0.1
 #: A position beyond a limit by less than this share of the joint's range is at the
 #: limit.
@@ -154,7 +155,7 @@ def _check_order(time: FloatArray, origin: Origin) -> None:
 def _distinct_samples(
     time: FloatArray, origin: Origin
 ) -> tuple[NDArray[np.intp], list[MotionWarning]]:
-    """The samples without those that repeat a time, and a warning about these."""
+    """The samples with different times, and a warning about the dropped ones."""
     distinct = np.concatenate([[True], np.diff(time) >= _SAME_TIME])
     warnings = _warning(
         "repeated_time",
@@ -169,7 +170,7 @@ def _distinct_samples(
 def _gap_warnings(
     time: FloatArray, samples: NDArray[np.intp], origin: Origin
 ) -> list[MotionWarning]:
-    """A warning about long times without a sample."""
+    """A warning about gaps, if there are any."""
     steps = np.diff(time)
     longest = GAP_FACTOR * float(np.median(steps))
     text = f"more than {longest:.3g} s without a sample, bridged"
@@ -188,7 +189,7 @@ def _joint_warnings(
     Args:
         time, position: (N,) [s]; [rad], jaw rod [m].
         limits: The joint's range and rated speed.
-        samples: (N,) The numbers of the samples in the file or arrays.
+        samples: Numbers of the samples in the file or arrays, (N,).
         origin: Where the samples come from.
     """
     name = limits.name
@@ -208,7 +209,7 @@ def _joint_warnings(
 
 
 def _jumps(time: FloatArray, position: FloatArray, limits: JointRange) -> BoolArray:
-    """Which steps, (N - 1,), are longer than a joint can move in their time."""
+    """Which steps are longer than the joint can move in their time, (N - 1,)."""
     span = limits.upper - limits.lower
     possible = JUMP_SHARE * span + 2 * limits.velocity * np.diff(time)
     return np.asarray(np.abs(np.diff(position)) > possible)

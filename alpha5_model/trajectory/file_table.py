@@ -1,7 +1,7 @@
 """The table of columns that every file of joint motion is read as.
 
 One file of this package holds each kind: `CsvTable`, `ParquetTable` and `BagTable`.
-What the columns mean is found afterwards, by `alpha5_model.trajectory.roles`.
+`alpha5_model.trajectory.roles` finds out what the columns mean.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class FileTable(ABC):
     Attributes:
         header: Names of all columns; see `read_motion`.
         head: Where the names are in the file, for messages.
-        warnings: What was found odd so far.
+        warnings: Warnings about what was read so far.
         ignored: Names in the file that are no columns and are not used.
     """
 
@@ -67,8 +67,8 @@ class FileTable(ABC):
 def seconds(whole: Iterable[int | None], per_second: int) -> FloatArray:
     """Times in seconds from whole numbers of another unit, NaN for None.
 
-    Python divides the whole numbers, to the last digit: nanoseconds since 1970 do not
-    fit a float.
+    Python divides whole numbers exactly. Nanoseconds since 1970 would lose digits as
+    floats.
     """
     return np.array([np.nan if x is None else x / per_second for x in whole])
 

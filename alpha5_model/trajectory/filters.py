@@ -16,8 +16,8 @@ from alpha5_model.errors import InputError
 
 #: Degree of the polynomials of the Savitzky-Golay filter.
 _DEGREE = 3
-#: Samples at even times, beyond 100 for each one recorded, that the Savitzky-Golay
-#: filter takes.
+#: Most samples on the uniform grid of the Savitzky-Golay filter, besides 100 for each
+#: recorded sample.
 _MOST_EVEN = 1_000_000
 
 
@@ -27,12 +27,12 @@ class Fit(NamedTuple):
     Attributes:
         value: (N, k).
         slope: First derivatives, (N, k).
-        bend: Second derivatives, (N, k).
+        curvature: Second derivatives, (N, k).
     """
 
     value: FloatArray
     slope: FloatArray
-    bend: FloatArray
+    curvature: FloatArray
 
 
 class _SecondDifferences(NamedTuple):
@@ -57,7 +57,7 @@ def interpolating_spline(time: FloatArray, signals: FloatArray) -> Fit:
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(time, signals)
-    return Fit(value=signals, slope=spline(time, 1), bend=spline(time, 2))
+    return Fit(value=signals, slope=spline(time, 1), curvature=spline(time, 2))
 
 
 def smoothing_spline(time: FloatArray, signals: FloatArray, bandwidth: float) -> Fit:
@@ -83,13 +83,17 @@ def smoothing_spline(time: FloatArray, signals: FloatArray, bandwidth: float) ->
 
     bands = _reinsch_bands(h, differences, lam_over_weight)
     right = np.diff(np.diff(signals, axis=0) / h[:, None], axis=0)
-    bend = np.zeros_like(signals)
-    bend[1:-1] = solveh_banded(bands, right, check_finite=False)
+    curvature = np.zeros_like(signals)
+    curvature[1:-1] = solveh_banded(bands, right, check_finite=False)
 
     # f = y - lam W^-1 Q f''
-    residual = _transposed_product(differences, bend)
+    residual = _transposed_product(differences, curvature)
     value = signals - lam_over_weight[:, None] * residual
-    return Fit(value=value, slope=_spline_slope(h, value, bend), bend=bend)
+    return Fit(
+        value=value,
+        slope=_spline_slope(h, value, curvature),
+        curvature=curvature,
+    )
 
 
 def _second_differences(h: FloatArray) -> _SecondDifferences:
@@ -129,24 +133,26 @@ def _reinsch_bands(
 
 
 def _transposed_product(
-    differences: _SecondDifferences, bend: FloatArray
+    differences: _SecondDifferences, curvature: FloatArray
 ) -> FloatArray:
     """Q f'': second differences of the second derivatives, (N, k)."""
-    inner = bend[1:-1]
-    product = np.zeros_like(bend)
+    inner = curvature[1:-1]
+    product = np.zeros_like(curvature)
     product[:-2] += differences.below[:, None] * inner
     product[1:-1] += differences.middle[:, None] * inner
     product[2:] += differences.above[:, None] * inner
     return product
 
 
-def _spline_slope(h: FloatArray, value: FloatArray, bend: FloatArray) -> FloatArray:
+def _spline_slope(
+    h: FloatArray, value: FloatArray, curvature: FloatArray
+) -> FloatArray:
     """First derivatives at the samples of a cubic spline, (N, k)."""
     step = h[:, None]
     rise = np.diff(value, axis=0) / step
     slope = np.empty_like(value)
-    slope[:-1] = rise - step / 6 * (2 * bend[:-1] + bend[1:])
-    slope[-1] = rise[-1] + step[-1] / 6 * (bend[-2] + 2 * bend[-1])
+    slope[:-1] = rise - step / 6 * (2 * curvature[:-1] + curvature[1:])
+    slope[-1] = rise[-1] + step[-1] / 6 * (curvature[-2] + 2 * curvature[-1])
     return slope
 
 
@@ -165,8 +171,8 @@ def savitzky_golay(
         bandwidth that the whole number of samples in the window gives [Hz].
 
     Raises:
-        InputError: The bandwidth asks for a window longer than the motion, or below 5
-            samples; or gaps so long that even times in between would be too many.
+        InputError: The bandwidth needs a window longer than the motion, or shorter than
+            5 samples; or the gaps would take too many samples on a uniform grid.
     """
     from scipy.signal import savgol_filter
 
@@ -185,12 +191,12 @@ def savitzky_golay(
             even, window, _DEGREE, deriv=order, delta=dt, axis=0
         )
         derivatives.append(resampled(time, grid, at_even_times))
-    value, slope, bend = derivatives
-    return value, slope, bend, reached / dt
+    value, slope, curvature = derivatives
+    return value, slope, curvature, reached / dt
 
 
 def _check_even_samples(time: FloatArray, dt: float) -> None:
-    """Refuse gaps that even times in between would fill with too many samples."""
+    """Refuse gaps that would take too many samples on the uniform grid."""
     count = float(np.ceil((time[-1] - time[0]) / dt)) + 1
     if count > _MOST_EVEN + 100 * time.size:
         most = f"spline: a gap of the motion takes {count:.3g} samples for even times"

@@ -18,14 +18,14 @@ class Motion:
             ``axis_a``.
         position: (N, n) [rad], jaw rod [m].
         velocity: (N, n) [rad/s], jaw rod [m/s]; None if not given.
-        warnings: What was found odd.
+        warnings: Warnings about the samples.
         source: File name, or ``"arrays"``.
         ignored: Columns of the file that were not used.
-        time_unit: Of the file's time column: ``"s"``, ``"ms"``, ``"us"``, ``"ns"``;
-            `time` is in s.
-        effort: Joint torques as recorded, (N, n) [N m], jaw rod [N], NaN where there is
-            none; None if not given. Compared with the model's torque, never used for
-            it.
+        time_unit: Unit of the file's time column: ``"s"``, ``"ms"``, ``"us"`` or
+            ``"ns"``. `time` is in s.
+        effort: Recorded joint torques, (N, n) [N m], jaw rod [N]; NaN if unknown, None
+            if not given. They are compared with the model's torque, which does not
+            depend on them.
     """
 
     time: FloatArray

@@ -13,7 +13,7 @@ from alpha5_model.dynamics.actuators import Actuator, Interval
 from alpha5_model.errors import MissingParameterError
 from alpha5_model.trajectory.smoothing import SmoothMotion
 
-#: Columns of `motor_columns`: NaN without a motor's constants.
+#: Columns of `motor_columns`; NaN if a constant of the motor is missing.
 BY_MOTOR = (
     "friction",
     "current",
@@ -37,7 +37,7 @@ class Drive(NamedTuple):
 
 
 class _JointState(NamedTuple):
-    """The motion of one joint, as its motor feels it, (N,) each.
+    """Torque and motion of one joint, (N,) each.
 
     Attributes:
         torque: [N m, N].
@@ -122,7 +122,7 @@ def _columns(motor: Actuator, state: _JointState) -> dict[str, FloatArray]:
 
 
 def _current(motor: Actuator, state: _JointState) -> FloatArray:
-    """The current of a motor [A]; at rest the least that keeps the joint there."""
+    """The current of a motor [A]. At rest, it is the least that holds the joint."""
     acceleration = None if motor.rotor_inertia is None else state.acceleration
     moving = motor.current(state.torque, state.velocity, acceleration)
     holding = motor.holding_current(state.torque)

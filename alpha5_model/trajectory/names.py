@@ -16,13 +16,14 @@ from alpha5_model.numbers.tables import JOINT_NAMES
 POSITION = "position"
 VELOCITY = "velocity"
 EFFORT = "effort"
-#: The name or the place of a robot; nothing that is measured.
+#: A word of a robot's name or place.
 NAME = "name"
-#: Says how a quantity was found, but not which one.
+#: A word such as ``measured`` or ``filtered``, which names no quantity.
 MEASURED = "measured"
 COMMAND = "command"
 UNKNOWN = "unknown"
 
+#: Meaning -> the words that have it.
 _WORDS = {
     POSITION: "pos position positions q angle angles theta",
     VELOCITY: "vel velocity velocities dq qdot dtheta thetadot",
@@ -70,19 +71,19 @@ _WORDS = {
     "environment": "depth humidity leak pressure",
     "angle in degrees": "deg degree degrees degs",
 }
+#: Word -> its meaning.
 _MEANING = {
     word: meaning for meaning, words in _WORDS.items() for word in words.split()
 }
-#: Meanings that may be a position all the same, if the caller gives the prefix.
+#: Meanings of a prefix that the caller may overrule by giving this prefix.
 _ON_REQUEST = {COMMAND, "raw value", "limit", UNKNOWN}
 _QUANTITIES = {POSITION, VELOCITY, EFFORT}
-#: How many columns a message explains.
+#: Number of columns that a message explains.
 _REASONS = 4
 
-#: The last joint in a name; ``axis_e2`` is another.
+#: The last joint in a name. ``axis_e2`` is not ``axis_e``.
 _JOINT = re.compile(rf"(.*)({'|'.join(JOINT_NAMES)})(?![A-Za-z0-9])(.*)", re.DOTALL)
-#: Words of ``tau_``, ``jointVelocity/`` and ``arm2.``; other signs are words of their
-#: own.
+#: A word, as in ``tau_``, ``jointVelocity/`` and ``arm2.``. Any other sign is a word.
 _WORD = re.compile(r"^-|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+|[^\sA-Za-z0-9_./:\-\[\]()]")
 _SEPARATORS = re.compile(r"[\s_./:\-\[\]()]*")
 
@@ -96,8 +97,8 @@ class Column:
         joint: ``"axis_e"`` and so on.
         group: The prefix of the joint without the words of the quantity: ``"left_"`` in
             ``dq_left_axis_e``. Columns of one arm have the same group.
-        meaning: ``"position"``, ``"velocity"``, ``"effort"``, or what else it is:
-            ``"torque"``, ``"command"``, ``"unknown"`` and so on.
+        meaning: ``"position"``, ``"velocity"``, ``"effort"``, or another one, such as
+            ``"torque"``, ``"command"`` or ``"unknown"``.
     """
 
     name: str
@@ -113,8 +114,7 @@ def joint_columns(
 
     Args:
         header: Names of all columns.
-        wanted_prefix: The prefix of the arm's joints that the caller gave; None if
-            none.
+        wanted_prefix: The prefix of the arm's joints that the caller gave, or None.
     """
     wanted_group = None if wanted_prefix is None else _group(wanted_prefix)
     columns = []
@@ -155,9 +155,9 @@ def groups(columns: Iterable[Column], wanted_prefix: str | None = None) -> list[
 def prefixes(names: Collection[str], wanted_prefix: str | None = None) -> list[str]:
     """The prefixes of complete arms in the names of a ``JointState`` message, sorted.
 
-    The message itself says that it holds positions. Unknown words are therefore a
-    robot's name, unless a known one among them says that these are no measured
-    positions.
+    Such a message holds positions by definition, so unknown words are taken for a
+    robot's name. A prefix with a known word of another meaning, such as a command, does
+    not count.
     """
     joints_of: dict[str, set[str]] = {}
     for name in names:
@@ -193,7 +193,7 @@ def only_choice(what: str, found: Collection[str]) -> str:
 
 
 def explained(columns: Iterable[Column], joint: str) -> str:
-    """Why the columns of a joint are no positions; ``""`` if there are none."""
+    """Why columns of a joint hold no positions; ``""`` if there are no such columns."""
     others = [
         column
         for column in columns
@@ -206,7 +206,7 @@ def explained(columns: Iterable[Column], joint: str) -> str:
 
 
 def _reason(column: Column) -> str:
-    """Why a column is no position, and how to read it as one if it can be."""
+    """Why a column holds no positions, and which prefix would read it as positions."""
     reason = f"{column.name[:60]} is {_with_article(column.meaning)}"
     (on_request,) = joint_columns([column.name], wanted_prefix=column.group)
     if on_request.meaning == POSITION:
@@ -272,7 +272,7 @@ def _meanings(text: str) -> list[str]:
 
 
 def _group(before: str) -> str:
-    """A prefix without the words of its quantity."""
+    """A prefix without the words that name a quantity."""
     kept = ""
     end = 0
     for match in _WORD.finditer(before):

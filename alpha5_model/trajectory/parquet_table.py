@@ -17,7 +17,8 @@ from alpha5_model.trajectory.file_table import (
     seconds,
 )
 
-#: What any Parquet file may expand to [bytes]: equal rows take next to no room in one.
+#: Any Parquet file may expand to this size [bytes], because equal rows take almost no
+#: space in it.
 _LEAST_EXPANSION = 100_000_000
 
 

@@ -34,35 +34,41 @@ def read_motion(
 ) -> Motion:
     """Read joint motion from a CSV or Parquet file, or from a ROS bag.
 
-    A table has columns in any order: ``time_secs`` or ``time`` [s], or ``time_ms``,
-    ``time [us]`` and the like; ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``,
-    ``q_axis_b``) and so on for ``axis_e, axis_d, axis_c, axis_b`` [rad] and,
-    optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel`` (``axis_b_velocity``,
-    ``dq_axis_b``) and so on, optional, for all of these joints or none;
-    ``axis_b_effort`` (``effort_axis_b``) [N m], optional, NaN where it is not known. A
-    robot's name may stand before the joints. A column is a position only if each word
-    of its name says so: torques, currents, commands, errors and words that are not
-    known are not. They are ignored and named in `Motion.ignored`, commands with a
-    warning; without positions the error says what they are. A column ``time`` in steps
-    of a second or more is read in milliseconds or a smaller unit if the joints can be
-    so fast; a warning says so. Without it the first of ``timestamp``, ``ros_time``,
-    ``sim_time``, ``wall_time_sec`` and the like counts. Parquet (``.parquet``, needs
-    pyarrow) may have times of its own types instead.
+    A table has these columns, in any order:
+
+    - the time: ``time_secs`` or ``time`` [s], ``time_ms``, ``time [us]`` and the like;
+    - positions of ``axis_e, axis_d, axis_c, axis_b`` [rad], optionally also of the jaw
+      rod ``axis_a`` [m]: ``axis_b_pos``, ``axis_b_position``, ``axis_b`` or
+      ``q_axis_b``;
+    - velocities, optional, of all these joints or none: ``axis_b_vel``,
+      ``axis_b_velocity`` or ``dq_axis_b``;
+    - efforts [N m], optional, NaN if unknown: ``axis_b_effort`` or ``effort_axis_b``.
+
+    The name of a robot may come before the joint. A column holds positions only if each
+    word of its name agrees: torques, currents, commands, errors and unknown words do
+    not. Such columns are ignored and listed in `Motion.ignored`; a warning names
+    commands. If there are no positions, the error explains what the columns are.
+
+    A column ``time`` with steps of a second or more is read in milliseconds, or in a
+    smaller unit, if the joints can move that fast; a warning says so. If there is no
+    such column, the time is the first of ``timestamp``, ``ros_time``, ``sim_time``,
+    ``wall_time_sec`` and the like. In Parquet files (``.parquet``, needs pyarrow) the
+    time may have one of Parquet's types of time.
 
     A bag (ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its
     ``metadata.yaml``; needs rosbags) holds ``sensor_msgs/JointState`` messages. Their
-    stamps are the time; if a message has none, all times are those of recording.
-    Messages without all joints, or with positions that are not finite, are left out,
-    and messages out of order are sorted; each with a warning.
+    stamps are the time. If a message has no stamp, the times of recording are used for
+    all. Messages without all joints or with positions that are not finite are left out,
+    and messages out of order are sorted, each with a warning.
 
     Args:
         path: The file.
         progress: Called with a stage's name and the part done, 0 to 1.
-        topic: Of a bag; None takes the only one that names the arm's joints.
-        prefix: The prefix of the joints' names, such as ``left_`` in ``left_axis_e``;
-            None takes the names as they are, else the only prefix. One that says
-            command, or nothing that is known, is read if it is given here; one that
-            says torque never is.
+        topic: Topic of a bag; None for the only one with the arm's joints.
+        prefix: Prefix of the joints' names, such as ``left_`` in ``left_axis_e``. None
+            for names without a prefix, or else for the only prefix. If you give it,
+            columns whose prefix says command, or nothing known, are read as positions.
+            Torques never are.
 
     Raises:
         InputError: Not a path, fewer than 5 samples, a topic for a file that is no bag,
@@ -71,9 +77,9 @@ def read_motion(
         MissingFileError: No such file.
         MissingDependencyError: rosbags or pyarrow is not installed.
         FileFormatError: A missing or doubled column, another separator, an empty file,
-            a line of another length, text or NaN for a number, time that runs back,
-            with line and column or row; a bag that is damaged or has no joint states of
-            the arm.
+            a line of another length, text or NaN for a number, or time that runs back;
+            the message names the place. Or a bag that is damaged or has no joint states
+            of the arm.
     """
     table: FileTable
     if _is_bag(path):
@@ -103,7 +109,7 @@ class _FileOrigin(Origin):
         self._roles = roles
 
     def name(self, motion: Motion) -> str:
-        """The file, with what was odd: it may be why there are few samples."""
+        """The file with its warnings, which may explain why there are few samples."""
         odd = "; ".join(map(str, motion.warnings))
         return f"{motion.source} ({odd})" if odd else motion.source
 
@@ -124,7 +130,7 @@ class _FileOrigin(Origin):
 
 
 def _file(path: PathLike) -> Path:
-    """The path of what the caller gave; `read_named` refuses what is no path."""
+    """The path that the caller gave; `read_named` checks later that it is one."""
     return Path(str(path))
 
 
@@ -183,10 +189,10 @@ def _recorded(
 
 
 def _effort(columns: FloatArray, roles: Roles) -> FloatArray | None:
-    """Efforts of all joints, NaN for a joint that has none; None if none was read.
+    """Efforts of all joints, NaN for a joint without; None if there are no efforts.
 
     Args:
-        columns: (N, k) Efforts of the joints that have some; k = 0 if they are text.
+        columns: Efforts of k joints, (N, k). k is 0 if their columns hold text.
         roles: Which joints these are.
     """
     if not columns.shape[1]:

@@ -28,7 +28,7 @@ _TIME = ("time_secs", "time")
 
 @dataclass(frozen=True)
 class Roles:
-    """The columns that are read, and what is odd about the others.
+    """The columns that are read, and warnings about the others.
 
     Attributes:
         time: Column of the time.
@@ -90,7 +90,7 @@ class _Columns:
         self._path = path
         self._table = table
         self._named = joint_columns(table.header, wanted_prefix)
-        # If no group has all joints, a message of `only` says what is missing.
+        # If no group has all joints, the message of `only` names what is missing.
         complete = groups(self._named, wanted_prefix) or [wanted_prefix or ""]
         self._group = only_choice("prefix", complete)
         self._arm: list[Column] = [

@@ -50,8 +50,8 @@ from alpha5_model.trajectory.motions import Motion
 METHODS = ("spline", "savgol", "interpolate")
 #: The arm's joints move at 30 deg/s at most; recordings hold values for about 0.1 s.
 DEFAULT_BANDWIDTH = 2.0
-#: Slower than this share of its rated speed a joint counts as at rest: friction holds
-#: the load.
+#: A joint that is slower than this share of its rated speed counts as at rest: friction
+#: holds the load.
 REST_SHARE = 0.002
 #: Noise in velocities hides the direction of slow motion; displacement over this time
 #: shows it [s].
@@ -72,9 +72,9 @@ class SmoothMotion:
         position: (N, n) [rad], jaw rod [m].
         velocity: (N, n) [rad/s].
         acceleration: (N, n) [rad/s^2].
-        direction: Direction of motion, (N, n): -1, 0 (at rest) or 1, the sign of the
-            mean velocity over `DIRECTION_WINDOW` if there is smoothing, so that noise
-            does not reverse friction.
+        direction: Direction of motion, (N, n): -1, 0 (at rest) or 1. With smoothing it
+            is the sign of the mean velocity over `DIRECTION_WINDOW`, so that noise does
+            not reverse friction.
         method: One of `METHODS`.
         bandwidth: -3 dB frequency [Hz]; None for ``"interpolate"``.
         from_velocity: Velocities and accelerations come from the motion's velocities.
@@ -110,10 +110,10 @@ def smooth(
         motion: Samples.
         method: One of `METHODS`; see the docstring of this module.
         bandwidth: -3 dB frequency [Hz]; no effect on ``"interpolate"``.
-        use_velocity: Take velocities, and accelerations as their derivative, from the
-            velocities of the motion instead of its positions; None does so if there are
-            any. Real recordings hold each position for about 0.1 s, and the second
-            derivative of that is useless.
+        use_velocity: Compute velocities and accelerations from the velocities of the
+            motion instead of its positions; None does so if there are any. Recordings
+            hold each position for about 0.1 s, which makes its second derivative
+            useless.
 
     Raises:
         UnknownNameError: No such method.
@@ -144,7 +144,7 @@ def smooth_for(
     n = len(motion.joints)
     position = fit.value[:, :n]
     velocity = fit.value[:, n:] if use_velocity else fit.slope
-    acceleration = fit.slope[:, n:] if use_velocity else fit.bend
+    acceleration = fit.slope[:, n:] if use_velocity else fit.curvature
     if method == "interpolate":
         mean_velocity = fit.slope[:, :n]
     else:
@@ -176,8 +176,8 @@ def _fitted(
     if method == "spline":
         return smoothing_spline(time, signals, wanted), wanted
 
-    value, slope, bend, reached = savitzky_golay(time, signals, wanted)
-    return Fit(value=value, slope=slope, bend=bend), reached
+    value, slope, curvature, reached = savitzky_golay(time, signals, wanted)
+    return Fit(value=value, slope=slope, curvature=curvature), reached
 
 
 def _checked_bandwidth(bandwidth: float, time: FloatArray) -> float:

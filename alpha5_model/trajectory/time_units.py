@@ -22,7 +22,7 @@ CLOCK = re.compile(
 def time_unit(
     name: str, time: FloatArray, position: FloatArray, parameters: Alpha5Parameters
 ) -> tuple[str, str]:
-    """The unit of a column of time, and what is doubtful about it.
+    """The unit of a column of time, and a warning if it is doubtful.
 
     Args:
         name: Of the column; a unit in it counts.
@@ -31,7 +31,7 @@ def time_unit(
         parameters: The arm, for the rated speeds of its joints.
 
     Returns:
-        A key of `PER_SECOND`, and a text for a warning, ``""`` if there is no doubt.
+        A key of `PER_SECOND`, and the text of the warning, ``""`` if there is none.
     """
     likely = _likely_unit(time, position, parameters)
     doubtful = likely != "s"
@@ -64,8 +64,8 @@ def _likely_unit(
 ) -> str:
     """The largest unit that makes a time step shorter than a second.
 
-    It is seconds if the mean speed of some joint would exceed twice its rated speed in
-    the other unit, as in a plan of few points.
+    But it is seconds if that unit would make the mean speed of a joint exceed twice its
+    rated speed. This happens in a plan of few points.
     """
     with np.errstate(over="ignore"):
         steps = np.diff(time)

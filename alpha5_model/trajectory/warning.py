@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class MotionWarning:
-    """Something odd in a motion that does not stop the computation.
+    """Something implausible in a motion that does not stop the computation.
 
     Attributes:
         kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``,
@@ -16,7 +16,7 @@ class MotionWarning:
             ``"no_stamp"``, ``"out_of_order"`` or ``"publishers"``.
         count: How often it occurs.
         first: Where it occurs first.
-        text: What it is, and what is done about it.
+        text: What it is, and how it is handled.
     """
 
     kind: str

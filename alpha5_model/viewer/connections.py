@@ -29,8 +29,7 @@ from alpha5_model.viewer.messages import read_positions
 from alpha5_model.viewer.page import live_page
 from alpha5_model.viewer.protocol import Requests
 
-#: How a browser on this machine names it. The port is free, because a tunnel may change
-#: it.
+#: Names of this machine in a browser. A tunnel may change the port, so any is allowed.
 _THIS_MACHINE = re.compile(r"(127\.0\.0\.1|localhost)(:\d{1,5})?")
 #: Most connections at a time, pages included.
 _MOST_CONNECTIONS = 64
@@ -106,7 +105,7 @@ class PageConnection(tornado.websocket.WebSocketHandler):
             done.exception()
 
     def on_message(self, message: str | bytes) -> None:
-        """Note what a page sends; of many messages at once only the last one counts."""
+        """Store what a page sends; only the last of several messages is shown."""
         if self._wanted is None and self._refusal is None:
             asyncio.get_running_loop().call_soon(self._act)
         try:

@@ -109,8 +109,8 @@ class _Center:
 
     Attributes:
         group: Of its balls and labels.
-        point, share, force: Attributes of `Load`: the centre, its weight in a mean, its
-            force.
+        point, share, force: Names of attributes of `Load`: the centre, its weight in a
+            mean, and its force.
         text: Of the label of the whole arm's centre.
         ball: The two colours of its balls.
         ink: Colour of the label.
@@ -168,10 +168,10 @@ def _center(
     if whole:
         yield Label(kind.group, kind.text, at, _COLORS[kind.ink])
 
-    strength = sum(getattr(load, kind.force) for load in loads)
-    if not strength:
+    force = sum(getattr(load, kind.force) for load in loads)
+    if not force:
         return
-    tip = ARROW_SCALE * kind.sense * strength * down
+    tip = ARROW_SCALE * kind.sense * force * down
     color = _COLORS[kind.arrow]
     if not whole:
         yield Shape(
@@ -193,16 +193,16 @@ def _center(
         color=darker,
         on_top=1,
     )
-    text = f"{kind.force} {strength:.2f} N"
+    text = f"{kind.force} {force:.2f} N"
     yield Label(kind.force, text, Mean(points, tip), darker)
 
 
-def current_arrow(flow: FloatArray) -> Iterator[Shape | Label]:
+def current_arrow(current: FloatArray) -> Iterator[Shape | Label]:
     """An arrow beside the base along the current (3,) [m/s], with a label."""
     teal = _COLORS["teal"]
     beside_base = Rigid(WORLD, transform(translation=(0.0, -0.16, 0.05)))
-    speed = float(np.linalg.norm(flow))
-    tip = ARROWS["current"] * flow
+    speed = float(np.linalg.norm(current))
+    tip = ARROWS["current"] * current
     mesh = arrow(tip, 0.004) if speed else _ball(0.004, teal, teal)
     yield Shape(
         group="current",
@@ -274,7 +274,7 @@ def _ghost(
 
 
 def _target(point: FloatArray, away: float) -> Iterator[Shape | Label]:
-    """A target at a point of the world (3,), so far out of reach [m]."""
+    """A target at a point of the world (3,), with its distance out of reach [m]."""
     at = Rigid(WORLD, transform(translation=point))
     sphere = ball(0.008, _COLORS["pink"], _COLORS["white"])
     yield Shape(group="ghosts", name="target", anchor=at, mesh=sphere, on_top=2)

@@ -28,10 +28,10 @@ def framed(
     """The scene with the nearest camera that sees its bodies and all that is shown.
 
     Args:
-        scene: What there is.
-        size: Of the picture, in pixels; what a page leaves free by default.
+        scene: The scene.
+        size: Of the picture, in pixels; by default the free area of a page.
         view: One of `VIEWS`.
-        also: Poses of the links elsewhere in a motion, which the camera must see too.
+        also: Further poses of the links, as in a motion, which the camera sees too.
     """
     check_size(size)
     points = _corners(scene, (scene.poses, *also))
@@ -74,8 +74,8 @@ def _nearest_camera(points: FloatArray, direction: FloatArray, aspect: float) ->
     axes = camera.axes()
     tangent_of_half_height = _USED_HEIGHT * np.tan(np.deg2rad(camera.field_of_view) / 2)
     distance = 0.0
-    # The middle of the points in space is not their middle in the picture, because near
-    # points look larger: correct it in steps.
+    # Near points look larger, so the middle of the points in space is not their middle
+    # in the picture. It is corrected in steps.
     for _ in range(_STEPS):
         right, up, back = ((points - center) @ axes.T).T
         half_height = np.maximum(np.abs(up), np.abs(right) / aspect)

@@ -1,7 +1,7 @@
 """Checks of what pages and other programs send to the live viewer.
 
-Each function takes a message as it came and returns what it holds, or raises. Nothing
-else in the viewer reads what comes from outside.
+Each function takes a received message and returns its content, or raises an error. No
+other part of the viewer reads input from outside.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def read_positions(message: str | bytes, arm: Arm) -> FloatArray:
     """Read the joint positions that a page sends as ``{"q": [...]}``.
 
     Args:
-        message: The page's message; anything.
+        message: The page's message, unchecked.
         arm: The arm whose joints they are.
 
     Returns:
@@ -81,7 +81,7 @@ def read_picture(message: str) -> bytes:
 
 
 def read_command(kind: bytes, path: bytes, data: bytes) -> list[str]:
-    """Check a command of meshcat's protocol as pages will read it.
+    """Check that pages will read a command of meshcat's protocol as it is meant.
 
     Args:
         kind: Its name, such as ``set_transform``.

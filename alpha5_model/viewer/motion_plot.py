@@ -114,8 +114,8 @@ def _title(analysis: Analysis) -> str:
     smooth = analysis.smooth
     fluid = f"{len(smooth.time)} samples; fluid {analysis.arm.fluid_density:g} kg/m³"
     if analysis.moving_water is not None:
-        flow = ", ".join(f"{x:g}" for x in analysis.moving_water.current)
-        fluid += f"; current ({flow}) m/s, its effect estimated"
+        current = ", ".join(f"{x:g}" for x in analysis.moving_water.current)
+        fluid += f"; current ({current}) m/s, its effect estimated"
     width = "" if smooth.bandwidth is None else f" {smooth.bandwidth:.3g} Hz"
     constants = analysis.actuators[0].constants
     method = f"{smooth.method}{width}; motor constants: {constants}"
@@ -173,7 +173,7 @@ def _draw_causes(axes: Any, analysis: Analysis, k: int) -> None:
 
 
 def _draw_digits(axes: Any, analysis: Analysis, k: int) -> None:
-    """The band in which the printed digits leave the torque."""
+    """The band of torques that the printed digits allow."""
     from alpha5_model.dynamics.dimensions import has_dimensions
     from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 

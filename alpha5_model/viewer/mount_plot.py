@@ -66,12 +66,13 @@ def _loads(
     arm: Arm, q: ArrayLike, speed: float, angle: FloatArray
 ) -> tuple[_Load, _Load]:
     """Size of the force [N] and of the moment [N m] on the mount."""
-    flow = speed * np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
+    directions = np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
+    currents = speed * directions
     forces = []
     moments = []
     for level in LEVELS:
         wet = arm.with_hydrodynamics(level=level)
-        wrenches = np.array([wet.current_load(q, velocity)[1] for velocity in flow])
+        wrenches = np.array([wet.current_load(q, velocity)[1] for velocity in currents])
         forces.append(np.linalg.norm(wrenches[:, :3], axis=1))
         moments.append(np.linalg.norm(wrenches[:, 3:], axis=1))
     return _Load(*forces), _Load(*moments)

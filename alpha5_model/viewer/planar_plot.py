@@ -117,7 +117,11 @@ def _fill_workspace(axes: Any, space: planar.Workspace) -> None:
 
 
 def _draw_boundary(axes: Any, space: planar.Workspace) -> list[FloatArray]:
-    """Draw the boundary, and what has no area thicker; returns its lines (N, 2)."""
+    """Draw the boundary, with thicker lines for parts without area.
+
+    Returns:
+        Its lines, (N, 2) each.
+    """
     lines = []
     for curve in space.curves:
         line = polyline(curve, _CHORD)

@@ -12,11 +12,9 @@ from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.joint_tree import AT_ORIGIN
 from alpha5_model.errors import InputError
 from alpha5_model.viewer.scene import WORLD, Scene
-
-#: Position and unit quaternion of a floating base at the world's origin.
-_AT_ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def named_poses(arm: Arm) -> dict[str, FloatArray]:
@@ -49,7 +47,7 @@ def pose_of(arm: Arm, text: str) -> FloatArray:
 
 def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
     """Joint positions (n,) as q (nq,), with a floating base at the world's origin."""
-    return np.concatenate([_AT_ORIGIN, joints]) if arm.floating_base else joints
+    return np.concatenate([AT_ORIGIN, joints]) if arm.floating_base else joints
 
 
 def link_poses(

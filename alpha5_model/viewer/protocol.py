@@ -1,8 +1,8 @@
 """Requests of other programs to the live viewer, in meshcat's protocol.
 
 A request is a list of frames over ZMQ, such as ``[b"set_transform", path, data]``. Each
-gets one answer, some of them later: ``wait`` when a page is open, ``capture_image``
-when a page has sent its picture.
+gets one answer. Two kinds are answered later: ``wait`` as soon as a page is open, and
+``capture_image`` as soon as a page has sent its picture.
 """
 
 from __future__ import annotations
@@ -48,17 +48,18 @@ class Requests:
         self._live = live
         self._web_url = web_url
         self._request_numbers = itertools.count()
-        #: Who waits until a page is open, by number.
-        self._visits: dict[int, Answer] = {}
-        #: Who waits for a picture, with the packed request to the pages, by number.
+        #: Number of a request -> answer to a program that waits for a page.
+        self._waiting: dict[int, Answer] = {}
+        #: Number of a request -> answer to a program that waits for a picture, and the
+        #: packed request to the pages.
         self._pictures: dict[int, tuple[Answer, bytes]] = {}
 
     def receive(self, frames: list[bytes], send: Callable[[list[bytes]], None]) -> None:
         """Answer a request that came over ZMQ.
 
         Args:
-            frames: The envelope, which leads back to who asked, then the request.
-            send: Sends the same envelope and an answer.
+            frames: The envelope, with the address of the program, then the request.
+            send: Sends the same envelope with an answer.
         """
         start = frames.index(b"", 1) + 1 if b"" in frames[1:] else 1
         envelope = frames[:start]
@@ -103,9 +104,9 @@ class Requests:
                 raise _unknown(request)
 
     def page_opened(self, page: Page) -> None:
-        """Answer who waits for a page, and ask it for the pictures that are wanted."""
-        for number in list(self._visits):
-            answer = self._visits.pop(number)
+        """Answer programs that wait for a page, and ask it for wanted pictures."""
+        for number in list(self._waiting):
+            answer = self._waiting.pop(number)
             answer(b"ok")
         for number in self._pictures:
             self._request_picture(number, page)
@@ -127,10 +128,10 @@ class Requests:
             answer(b"ok")
             return
         number = next(self._request_numbers)
-        self._visits[number] = answer
+        self._waiting[number] = answer
 
         def give_up() -> None:
-            if self._visits.pop(number, None):
+            if self._waiting.pop(number, None):
                 reason = f"no page was opened within {PAGE_PATIENCE:g} s"
                 answer(ERROR + reason.encode())
 

@@ -24,7 +24,7 @@ from alpha5_model.viewer.shapes import Mesh
 LOOK: Any = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 #: Name of a group of things that can be shown and hidden -> its title on the page.
 GROUPS: dict[str, str] = LOOK["groups"]
-#: Groups that have shapes of their own; the other two change how shapes are drawn.
+#: Groups with shapes of their own. The other two change how shapes are drawn.
 DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
 #: Length of an arrow per force [m/N], and of the current's arrow per speed [s].
 ARROWS: dict[str, float] = LOOK["arrows"]
@@ -167,8 +167,8 @@ class Load:
     buoyancy: float
 
 
-class Resistance(NamedTuple):
-    """What resists a current on one strip of a link.
+class StripDrag(NamedTuple):
+    """Drag of one strip of a link.
 
     Attributes:
         middle: Middle of the strip in the link's frame, (3,) [m].
@@ -184,30 +184,30 @@ class Resistance(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Stream:
-    """What a steady current does to one link at rest; estimated.
+    """Added mass and drag of one link, for the forces of a steady current; estimated.
 
     Attributes:
         link: Its name.
-        strips: The resistance of its strips.
-        added_mass: Of its translations, (3, 3) [kg].
+        strips: Drag of its strips.
+        added_mass: Added mass of its translations, (3, 3) [kg].
     """
 
     link: str
-    strips: tuple[Resistance, ...]
+    strips: tuple[StripDrag, ...]
     added_mass: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class Statics:
-    """What the page computes the torque from that holds the arm still.
+    """Numbers from which the page computes the torque that holds the arm still.
 
     Attributes:
         parameters: Base parameters (`alpha5_model.codegen.regrouping`) of the arm
             without the bodies beyond link_4, (41,).
-        share: Change of these per net first moment and net mass of a body in link_4,
-            (41, 4).
-        beyond: Link, and net first moment [kg m] and net mass [kg] in its frame, (4,),
-            of each body beyond link_4.
+        share: Derivatives of these with respect to net first moment and net mass of a
+            body in link_4, (41, 4).
+        beyond: Of each body beyond link_4: its link, and net first moment [kg m] and
+            net mass [kg] in the link's frame, (4,).
     """
 
     parameters: FloatArray
@@ -263,19 +263,19 @@ class Scene:
     Attributes:
         notes: Lines of explanation.
         tree: Joints from the base to the tip.
-        sliders: Names of the joints that can be moved.
-        q: Their positions.
+        sliders: Names of the joints with a slider.
+        q: Positions of these joints.
         poses: Pose of every link in the world at ``q``, (4, 4).
         plane: Lengths and limits, for the inverse kinematics.
         shapes, labels, loads: What to draw.
-        statics: What the torque is computed from that holds the arm still.
+        statics: Numbers for the torque that holds the arm still.
         show: Groups that are shown.
         named_poses: Name -> positions of the sliders.
         motion: A motion to play, or None.
-        current, streams: Velocity of the water, (3,) [m/s], and what it does to the
-            links.
-        target: Where the tcp should be, in base_link, (3,) [m], or None.
-        camera: From where the scene is seen.
+        current: Velocity of the water in the world, (3,) [m/s].
+        streams: Added mass and drag of the links.
+        target: Target of the tcp in base_link, (3,) [m], or None.
+        camera: The camera that sees the scene.
     """
 
     notes: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""The live viewer's server: its page, the poses both ways, and meshcat's protocol.
+"""The live viewer's server: its page, poses in both directions, meshcat's protocol.
 
 The page comes over HTTP, poses and commands over a WebSocket; other programs speak
 meshcat's protocol over ZMQ. All of them share one thread. Each request gets one answer,
@@ -33,7 +33,7 @@ _IDLE = 2.0
 _PING = 20.0
 #: Longest message of a page, a picture [bytes].
 _LARGEST_PICTURE = 32 * 2**20
-#: Largest part of a request that is read to be refused [bytes].
+#: Larger requests are not even read [bytes].
 _LARGEST_READ = 512 * 2**20
 _CONTEXT = zmq.Context()
 
@@ -125,7 +125,7 @@ class Server:
     # ---- called by this program, in any thread
 
     def call(self, change: Callable[[], Result]) -> Result:
-        """Let the server's thread make a change: every page sees changes in one order.
+        """Make a change in the server's thread, so that all pages see the same order.
 
         Raises:
             ViewerError: The viewer is closed, or does not answer.
@@ -145,7 +145,7 @@ class Server:
         return _within(PATIENCE, result)
 
     def ask(self, *request: bytes) -> bytes:
-        """Make a request of meshcat's protocol that a page answers.
+        """Send a request of meshcat's protocol, which a page answers.
 
         Raises:
             ViewerError: The viewer is closed, or no page does what was asked.

@@ -1,4 +1,4 @@
-"""What the page computes torques from: weight, buoyancy and current on bodies."""
+"""Numbers for the torques on the page: weight, buoyancy and current on bodies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import displaced_fluid_model
 from alpha5_model.numbers.hydrodynamics import WATER_DENSITY, DragStrip, hydrodynamics
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.viewer.scene import Load, Resistance, Statics, Stream
+from alpha5_model.viewer.scene import Load, Statics, Stream, StripDrag
 
 
 def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
@@ -28,7 +28,7 @@ def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
         if not (body.mass or fluid.mass):
             continue
         yield Load(
-            # The universe and the free-flyer carry the base.
+            # Bodies of the universe and of the free-flyer belong to the base.
             link=carrier.get(joint, base),
             mass=body.mass,
             com=body.lever.copy(),
@@ -40,7 +40,7 @@ def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
 
 
 def statics_of(arm: Arm, loads: Sequence[Load], base: str) -> Statics:
-    """What the torque is computed from that holds the arm still.
+    """Numbers from which the page computes the torque that holds the arm still.
 
     Args:
         arm: The arm.
@@ -65,7 +65,10 @@ def statics_of(arm: Arm, loads: Sequence[Load], base: str) -> Statics:
 
 
 def _share_of_link_4(parameters: Alpha5Parameters) -> FloatArray:
-    """Base parameters per first moment and mass of a body in link_4, (41, 4)."""
+    """Derivatives of the base parameters for a body in link_4, (41, 4).
+
+    They are taken with respect to its first moment and mass.
+    """
     units = np.zeros((4, 5, 2, 4, 4))
     for component in range(4):
         units[component, 4, 1, component, 3] = 1.0
@@ -74,22 +77,22 @@ def _share_of_link_4(parameters: Alpha5Parameters) -> FloatArray:
 
 
 def streams_of(arm: Arm) -> Iterator[Stream]:
-    """What a current does to each link, at the arm's fluid density."""
+    """Added mass and drag of each link, at the arm's fluid density."""
     gripper = "jaws" if "axis_a" in arm.joint_names else "locked"
     for link, water in hydrodynamics(gripper).items():
-        strips = [_resistance(strip, arm.fluid_density) for strip in water.strips]
+        strips = [_strip_drag(strip, arm.fluid_density) for strip in water.strips]
         translations = water.added_mass[:3, :3]
         added_mass = translations * (arm.fluid_density / WATER_DENSITY)
         yield Stream(link=link, strips=tuple(strips), added_mass=added_mass)
 
 
-def _resistance(strip: DragStrip, fluid_density: float) -> Resistance:
+def _strip_drag(strip: DragStrip, fluid_density: float) -> StripDrag:
     line = strip.end - strip.start
     length = float(np.linalg.norm(line))
-    pressure_on_area = fluid_density / 2 * strip.diameter * length
-    return Resistance(
+    drag_area = fluid_density / 2 * strip.diameter * length
+    return StripDrag(
         middle=(strip.start + strip.end) / 2,
         axis=line / length,
-        across=pressure_on_area * strip.across,
-        along=pressure_on_area * strip.along,
+        across=drag_area * strip.across,
+        along=drag_area * strip.along,
     )

@@ -69,18 +69,18 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     `alpha5_model.errors.ViewerError`.
 
     Attributes:
-        arm: What it shows.
-        scene: What is drawn of it now; its ``q`` is where the pages' sliders are.
+        arm: The arm that it shows.
+        scene: The scene as it is now; its ``q`` are the positions of the sliders.
     """
 
-    __slots__ = ["_listeners", "_news", "_video", "arm", "scene"]
+    __slots__ = ["_listeners", "_page_moves", "_video", "arm", "scene"]
 
     def __init__(self, arm: Arm, scene: Scene, port: int = 0) -> None:
         self.arm = arm
         self.scene = scene
         self._listeners: list[Callable[[FloatArray], object]] = []
         #: Positions to which pages have moved the arm; None ends the thread.
-        self._news: queue.SimpleQueue[FloatArray | None] = queue.SimpleQueue()
+        self._page_moves: queue.SimpleQueue[FloatArray | None] = queue.SimpleQueue()
         self._video: _Video | None = None
         super().__init__(window=Window(port, self))
         for command in scene_commands(scene):
@@ -113,7 +113,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
             live.store_transform(command)
         live.broadcast(pose_message(self.scene), mover)
         if mover and self._listeners:
-            self._news.put(q)
+            self._page_moves.put(q)
 
     def on_change(
         self, callback: Callable[[FloatArray], object]
@@ -134,10 +134,10 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
     def _listen(self) -> None:
         while True:
-            q = self._news.get()
+            q = self._page_moves.get()
             if q is None:
                 return
-            if self._news.empty():
+            if self._page_moves.empty():
                 for callback in self._listeners:
                     self._call_back(callback, q)
 
@@ -195,7 +195,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
                 raise InputError("group", group, f"one of {', '.join(DRAWN)}")
             self.window.send(set_visible(group, visible))
             others = [name for name in self.scene.show if name != group]
-            self._alter(show=(*others, group) if visible else tuple(others))
+            self._change_scene(show=(*others, group) if visible else tuple(others))
 
     def displayVisuals(self, visibility: bool) -> None:
         """Show or hide the bodies."""
@@ -212,25 +212,25 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     def setCameraPreset(self, preset_key: str) -> None:
         """Look from one of `alpha5_model.viewer.scene.VIEWS` at all that is shown."""
         view = choice("view", preset_key, tuple(VIEWS))
-        self._look(**vars(framed(self.scene, view=view).camera))
+        self._move_camera(**vars(framed(self.scene, view=view).camera))
 
     def setCameraTarget(self, target: ArrayLike) -> None:
         """Look at a point of the world, (3,) [m]."""
-        self._look(target=shaped("target", target, (3,)))
+        self._move_camera(target=shaped("target", target, (3,)))
 
     def setCameraPosition(self, position: ArrayLike) -> None:
         """Look from a point of the world, (3,) [m]."""
-        self._look(eye=shaped("position", position, (3,)))
+        self._move_camera(eye=shaped("position", position, (3,)))
 
-    def _look(self, **changes: Any) -> None:
+    def _move_camera(self, **changes: Any) -> None:
         camera = replace(self.scene.camera, **changes)
-        self._alter(camera=camera)
+        self._change_scene(camera=camera)
         command = Command(
             type="camera", eye=camera.eye.tolist(), target=camera.target.tolist()
         )
         self.window.server.call(lambda: self.window.server.live.broadcast(command))
 
-    def _alter(self, **changes: Any) -> None:
+    def _change_scene(self, **changes: Any) -> None:
         """Change fields of the scene, in the server's thread."""
 
         def change() -> None:
@@ -283,5 +283,5 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
     def close(self) -> None:
         """Stop the server and free its port."""
-        self._news.put(None)
+        self._page_moves.put(None)
         self.window.close()

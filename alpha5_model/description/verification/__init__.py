@@ -1,10 +1,10 @@
 """Proof that a URDF of the arm says what the document's tables say.
 
 Every check reads the file anew and compares it with the printed tables by a second
-route: the numbers of the text with the printed digits, the frames that other tools
-compute with the product of Table 1's rows, which the code that made the file does not
-form. If a tool is not installed, its row says ``not run``, which does not count as
-passed.
+route. Numbers in the text are compared with the printed digits. Frames that other tools
+compute are compared with the product of Table 1's rows, which the generator of the file
+does not use. If a tool is not installed, its row says ``not run``, which does not count
+as passed.
 """
 
 from alpha5_model.description.verification.checks import verify_generated, verify_urdf

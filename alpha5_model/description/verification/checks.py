@@ -74,11 +74,10 @@ def verify_urdf(
     """Check a URDF of the arm against the printed tables.
 
     Args:
-        path: The file; whether it has jaws, and the prefix of its names, are read from
-            it.
+        path: The file. It may have jaws, and a prefix of its names.
         corrections: Recorded corrections that it was generated with.
-        samples: Number of random joint positions within the limits; the limits come on
-            top.
+        samples: Number of random joint positions within the limits, in addition to the
+            limits.
 
     Returns:
         One row per check.
@@ -116,7 +115,7 @@ def _check_values(text: Subject, check: str, find: Finder, claim: str) -> FileCh
 
 
 def _check_urdf(text: Subject) -> FileCheck:
-    """Let urdfdom's program read the file."""
+    """Check that urdfdom's program reads the file."""
     # The environment of this Python may not be activated, so its folder is searched
     # too.
     beside = str(Path(sys.executable).parent)

@@ -19,11 +19,11 @@ from alpha5_model.theory.dh.urdf import urdf_model
 FRAME_BOUND = 1e-12
 YOURDFPY_BOUND = 1e-9
 
-# What yourdfpy logs about a file, its row says.
+# yourdfpy logs problems of a file; the row reports them instead.
 logging.getLogger("yourdfpy").addHandler(logging.NullHandler())
 
-#: From the file, names of its frames without prefix, base_link first, and joint
-#: positions (N, 4) to the frames' poses in base_link, N times (F, 4, 4).
+#: A function of a file, the names of F frames without prefix, base_link first, and
+#: joint positions (N, 4). It yields the frames' poses in base_link, N times (F, 4, 4).
 Tool = Callable[[Subject, list[str], FloatArray], Iterator[list[FloatArray]]]
 
 
@@ -39,7 +39,7 @@ def check_frames(
         return text.row(check, "failed", f"no link {', '.join(absent)} to compute")
 
     try:
-        # The file may hold infinite numbers; the row says what they do.
+        # The file may hold infinite numbers, which the comparison reveals.
         with np.errstate(all="ignore"):
             given = np.array(list(compute(text, wanted, q)))
     except ImportError:

@@ -44,8 +44,8 @@ class Subject(UrdfRobot):
 
     Attributes:
         path: The file.
-        prefix: What stands before ``base_link`` in it.
-        expected: What it should say.
+        prefix: Prefix of its names: the text before ``base_link``.
+        expected: The arm that it should describe.
     """
 
     path: Path

@@ -136,7 +136,7 @@ def _inertial_difference(given: UrdfLink, printed: PrintedBody) -> Iterator[str]
 
 
 def _usual_mistake(given: FloatArray, printed: PrintedBody) -> str:
-    """The two mistakes that public models make, by name."""
+    """The name of a mistake that public models make; ``""`` if it is none of them."""
     if _alike(given, _opposite_products(printed.at_com)):
         return " (products of inertia with SolidWorks' sign)"
     if _alike(np.abs(given), np.abs(printed.at_link)):
@@ -149,7 +149,7 @@ def _alike(one: FloatArray, other: FloatArray) -> bool:
 
 
 def _stray_masses(text: Subject) -> Iterator[str]:
-    """Other links that weigh something, and massless frames that do not say so."""
+    """Other links with a mass, and massless frames without an inertial element."""
     heavy = {text.prefix + name for name in BODY_NAMES}
     if text.jaws:
         heavy |= {text.prefix + name for name in JAW_LINKS}
@@ -181,7 +181,7 @@ def _impossible_links(text: Subject) -> Iterator[str]:
                 yield f"{name}: {problem}"
 
 
-#: Check -> what it finds, and what it claims if that is nothing.
+#: Check -> function that yields differences, and the finding if there are none.
 CHECKS: dict[str, tuple[Finder, str]] = {
     "names": (_missing_names, "links and joints of the arm"),
     "joints": (_joint_differences, "parents, axes, types and limits"),
