@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from alpha5_model._support.checks import LARGEST
+from alpha5_model.codegen.dialects import statements
 from alpha5_model.codegen.instructions import Program, Slot, Step
-from alpha5_model.codegen.languages import statements
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS
 
 #: Name of the input that a compiled kernel makes constants of.

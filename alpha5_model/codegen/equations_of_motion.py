@@ -3,8 +3,8 @@
 They are recursive, in the axes of the links, and in terms of the base parameters:
 moving links have first and second moments but no mass
 (`alpha5_model.codegen.regrouping`).
-With the angular velocity omega and the angular acceleration alpha of a link, the matrix
-``U = [alpha]x + [omega]x [omega]x`` gives all accelerations and inertial forces
+With the angular velocity omega of a link and its rate omega_dot, the matrix
+``U = [omega_dot]x + [omega]x [omega]x`` gives all accelerations and inertial forces
 [Khalil2002]: a point r accelerates by ``U r``, first moments h exert ``U h``, second
 moments S exert the moment in ``U S - (U S)^T``.
 
@@ -31,13 +31,13 @@ STILL = SX.zeros(JOINTS)
 
 
 class Motion(NamedTuple):
-    """How a link moves, in its axes, (3, 1) each.
+    """Motion of a link, in its axes, (3, 1) each.
 
     Attributes:
-        velocity: Of its origin relative to the water.
-        acceleration: Of its origin.
+        velocity: Velocity of its origin relative to the water.
+        acceleration: Acceleration of its origin.
         omega: Angular velocity.
-        alpha: Angular acceleration.
+        omega_dot: Angular acceleration.
         rates: U, (3, 3).
         gravity: In the axes of the link.
     """
@@ -45,32 +45,39 @@ class Motion(NamedTuple):
     velocity: SX
     acceleration: SX
     omega: SX
-    alpha: SX
+    omega_dot: SX
     rates: SX
     gravity: SX
 
-    def beyond(self, step: Turn, speed: SX, acceleration: SX) -> Motion:
-        """Motion of the next link, whose joint has a speed and an acceleration."""
+    def beyond(self, step: Turn, joint_speed: SX, joint_acceleration: SX) -> Motion:
+        """Motion of the next link.
+
+        Args:
+            step: The joint between the two links.
+            joint_speed, joint_acceleration: Of this joint.
+        """
         velocity_of_origin = self.velocity + cross(self.omega, step.origin)
         acceleration_of_origin = self.acceleration + self.rates @ step.origin
-        carried_omega = step.outward(self.omega)
-        carried_alpha = step.outward(self.alpha)
+        omega_before = step.outward(self.omega)
+        omega_dot_before = step.outward(self.omega_dot)
 
-        omega = carried_omega + vertcat(0.0, 0.0, speed)
-        alpha = carried_alpha + vertcat(
-            carried_omega[1] * speed, -carried_omega[0] * speed, acceleration
+        omega = omega_before + vertcat(0.0, 0.0, joint_speed)
+        omega_dot = omega_dot_before + vertcat(
+            omega_before[1] * joint_speed,
+            -omega_before[0] * joint_speed,
+            joint_acceleration,
         )
         return Motion(
             velocity=step.outward(velocity_of_origin),
             acceleration=step.outward(acceleration_of_origin),
             omega=omega,
-            alpha=alpha,
-            rates=_rates(omega, alpha),
+            omega_dot=omega_dot,
+            rates=_rates(omega, omega_dot),
             gravity=step.outward(self.gravity),
         )
 
 
-def _rates(omega: SX, alpha: SX) -> SX:
+def _rates(omega: SX, omega_dot: SX) -> SX:
     """U, (3, 3)."""
     x, y, z = vertsplit(omega)
     xx = -x * x
@@ -80,11 +87,11 @@ def _rates(omega: SX, alpha: SX) -> SX:
     xz = x * z
     yz = y * z
 
-    alpha_x, alpha_y, alpha_z = vertsplit(alpha)
+    omega_dot_x, omega_dot_y, omega_dot_z = vertsplit(omega_dot)
     return vertcat(
-        horzcat(yy + zz, xy - alpha_z, xz + alpha_y),
-        horzcat(xy + alpha_z, xx + zz, yz - alpha_x),
-        horzcat(xz - alpha_y, yz + alpha_x, xx + yy),
+        horzcat(yy + zz, xy - omega_dot_z, xz + omega_dot_y),
+        horzcat(xy + omega_dot_z, xx + zz, yz - omega_dot_x),
+        horzcat(xz - omega_dot_y, yz + omega_dot_x, xx + yy),
     )
 
 
@@ -128,7 +135,7 @@ def newton_euler(
         velocity=SX.zeros(3) if current is None else -current,
         acceleration=SX.zeros(3),
         omega=SX.zeros(3),
-        alpha=SX.zeros(3),
+        omega_dot=SX.zeros(3),
         rates=SX.zeros(3, 3),
         gravity=gravity,
     )

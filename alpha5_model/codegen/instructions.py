@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from alpha5_model.codegen.words import LANGUAGES, WORDS
+from alpha5_model.codegen.words import DIALECTS, WORDS
 from alpha5_model.errors import InputError, needing
 
 with needing("making code of the equations", "pip install casadi"):
@@ -18,9 +18,9 @@ with needing("making code of the equations", "pip install casadi"):
 
 #: Operations that make truth values, 0 or 1.
 TRUTHS = ("lt", "le", "and", "or", "not")
-#: CasADi's operations that languages can write.
+#: CasADi's operations that dialects can write.
 OPERATIONS = [
-    name for name in LANGUAGES["double"] if hasattr(casadi, f"OP_{name.upper()}")
+    name for name in DIALECTS["double"] if hasattr(casadi, f"OP_{name.upper()}")
 ]
 _COMMUTATIVE = ("add", "mul")
 #: Instructions that compute nothing.

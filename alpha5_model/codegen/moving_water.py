@@ -102,7 +102,7 @@ def _inertial_load(b: SX, c: SX, first_moments: SX, motion: Motion) -> tuple[SX,
 
     The momentum is ``B v + C omega, C v``. With ``D = 2 C - tr(C)``, the terms
     ``omega x C v + v x C omega`` are ``omega x D v + C (omega x v)``, and
-    ``C alpha + omega x C omega`` turns as second moments ``-D / 2`` do.
+    ``C omega_dot + omega x C omega`` turns as second moments ``-D / 2`` do.
     """
     velocity = motion.velocity
     omega = motion.omega

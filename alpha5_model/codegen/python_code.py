@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from alpha5_model.codegen.dialects import statements
 from alpha5_model.codegen.instructions import Program, Slot
-from alpha5_model.codegen.languages import statements
 
 _MEANING = (
     "Each input is a sequence of its elements, row by row; "
@@ -24,7 +24,7 @@ KERNELS = {{
 }}"""
 
 
-def python_source(programs: Iterable[Program], language: str = "arrays") -> str:
+def python_source(programs: Iterable[Program], dialect: str = "arrays") -> str:
     """A module with one function for each program.
 
     A function returns a tuple of elements for each output. Nothing is written in place:
@@ -34,24 +34,24 @@ def python_source(programs: Iterable[Program], language: str = "arrays") -> str:
 
     Args:
         programs: What to write.
-        language: ``arrays``, or ``numbers`` for Python's own.
+        dialect: ``arrays``, or ``numbers`` for Python's own.
     """
     functions = []
     entries = []
     for program in programs:
-        functions.append(_function(program, language))
+        functions.append(_function(program, dialect))
         entries.append(_entry(program))
 
     table = _TABLE.format(entries="\n".join(entries))
     return "\n\n\n".join([_HEAD, *functions, table]) + "\n"
 
 
-def _function(program: Program, language: str) -> str:
+def _function(program: Program, dialect: str) -> str:
     lines, results = statements(
         program,
-        language,
+        dialect,
         lambda slot, index: f"{slot.name}[{index}]",
-        reuse=language == "arrays",
+        reuse=dialect == "arrays",
     )
     inputs = ", ".join(slot.name for slot in program.inputs)
     outputs = ", ".join(f"({', '.join(elements)},)" for elements in results)

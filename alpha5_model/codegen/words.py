@@ -1,4 +1,4 @@
-"""The tables of words: names of the functions, and how languages write them."""
+"""The tables of words: names of the functions, and their texts in each dialect."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def _table(name: str) -> dict[str, Any]:
 #: ``quantities``: what goes in and comes out; ``functions``: what is computed; by name.
 WORDS = _table("words.toml")
 
-_TABLES = _table("languages.toml")
-#: Language -> its words, by operation. What a language leaves out it writes as C does.
-LANGUAGES: dict[str, dict[str, str]] = {
-    language: {**_TABLES["double"], **own} for language, own in _TABLES.items()
+_TABLES = _table("dialects.toml")
+#: Dialect -> its words, by operation. Operations that a dialect lacks are as in C.
+DIALECTS: dict[str, dict[str, str]] = {
+    dialect: {**_TABLES["double"], **own} for dialect, own in _TABLES.items()
 }

@@ -11,8 +11,8 @@ from alpha5_model.codegen.arm_functions import SUMMARIES, products
 from alpha5_model.codegen.c_library.options import COptions
 from alpha5_model.codegen.c_library.text import numbers, template
 from alpha5_model.codegen.casadi_functions import folded
+from alpha5_model.codegen.dialects import element, statements
 from alpha5_model.codegen.instructions import Program, Slot, program
-from alpha5_model.codegen.languages import element, statements
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS
 from alpha5_model.description.origin import provenance
 from alpha5_model.dynamics.arm import Arm

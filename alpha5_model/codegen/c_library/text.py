@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model.codegen.languages import constant
+from alpha5_model.codegen.dialects import constant
 
 
 def template(name: str, **values: Any) -> str:

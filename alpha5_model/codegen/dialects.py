@@ -1,7 +1,9 @@
-"""The instructions of a program as statements of a language.
+"""The instructions of a program as statements of a dialect.
 
-`languages.toml` holds the words of each language; what goes around the statements is
-where a file of that language is written.
+A dialect is a language with its type of numbers: C with ``double``, with ``float`` or
+with vectors, JavaScript, Python with arrays or with numbers. `dialects.toml` has the
+words of each dialect. The text around the statements is in the modules that write the
+files, such as `alpha5_model.codegen.python_code`.
 """
 
 from __future__ import annotations
@@ -10,12 +12,12 @@ import math
 from collections.abc import Callable, Sequence
 
 from alpha5_model.codegen.instructions import TRUTHS, Program, Slot, Step
-from alpha5_model.codegen.words import LANGUAGES
+from alpha5_model.codegen.words import DIALECTS
 
 
-def constant(value: float, language: str) -> str:
+def constant(value: float, dialect: str) -> str:
     """A number."""
-    table = LANGUAGES[language]
+    table = DIALECTS[dialect]
     if math.isnan(value):
         return table["nan"]
     text = table["constant"].format(repr(value))
@@ -29,27 +31,27 @@ def element(slot: Slot, index: int) -> str:
 
 def statements(
     program: Program,
-    language: str,
+    dialect: str,
     input_element: Callable[[Slot, int], str],
     reuse: bool = False,
 ) -> tuple[list[str], list[list[str]]]:
-    """A program's statements, and what stands for the elements of each output.
+    """A program's statements, and the text of each element of each output.
 
-    All inputs are read first, so that outputs may take their place. A language with a
+    All inputs are read first, so that outputs may overwrite them. A dialect with a
     statement ``store`` reads and writes each element next to its computation instead,
-    so that fewer registers are held at a time.
+    so that fewer registers are in use at a time.
 
     Args:
         program: What to compute.
-        language: How to write it.
+        dialect: Name of the dialect.
         input_element: Text of an element of an input.
-        reuse: Give names again, and with them memory.
+        reuse: Use the names of registers again, and so their memory.
     """
     steps = program.steps
-    if "store" not in LANGUAGES[language]:
+    if "store" not in DIALECTS[dialect]:
         steps = tuple(sorted(steps, key=lambda step: step.op != "input"))
 
-    writer = _Writer(program, language, input_element, reuse)
+    writer = _Writer(program, dialect, input_element, reuse)
     last_uses = _last_uses(steps)
     for i, step in enumerate(steps):
         done = [register for register in {*step.read} if last_uses[register] == i]
@@ -75,41 +77,46 @@ class _Writer:
 
     Attributes:
         lines: The statements so far.
-        results: What stands for the elements of each output.
+        results: Text of each element of each output.
     """
 
     def __init__(
         self,
         program: Program,
-        language: str,
+        dialect: str,
         input_element: Callable[[Slot, int], str],
         reuse: bool,
     ) -> None:
         self.lines: list[str] = []
         self.results = [[""] * slot.size for slot in program.outputs]
         self._program = program
-        self._language = language
-        self._table = LANGUAGES[language]
+        self._dialect = dialect
+        self._table = DIALECTS[dialect]
         self._input_element = input_element
         self._reuse = reuse
         self._names: dict[int, str] = {}
-        self._truths: set[int] = set()
-        self._free: list[str] = []
+        self._truth_registers: set[int] = set()
+        self._free_names: list[str] = []
 
     def write(self, step: Step, done: Sequence[int]) -> None:
-        """Write a step after which some registers are read no more."""
+        """Write a step.
+
+        Args:
+            step: The step.
+            done: Registers that no later step reads.
+        """
         if step.op == "output":
-            self._hand_out(step)
+            self._write_output(step)
         elif step.op == "const":
             value = float(step.value or 0.0)
-            self._names[step.result] = constant(value, self._language)
+            self._names[step.result] = constant(value, self._dialect)
         else:
             self._compute(step, done)
 
-    def _hand_out(self, step: Step) -> None:
+    def _write_output(self, step: Step) -> None:
         slot, index, register = step.arguments
         text = self._names[register]
-        if register in self._truths:
+        if register in self._truth_registers:
             text = self._table["flag"].format(text)
         self.results[slot][index] = text
 
@@ -123,7 +130,7 @@ class _Writer:
         form = "number"
         if step.op in TRUTHS:
             form = "truth"
-            self._truths.add(step.result)
+            self._truth_registers.add(step.result)
         self.lines.append(self._table[form].format(name, text))
 
     def _expression(self, step: Step) -> str:
@@ -137,8 +144,8 @@ class _Writer:
         """A name for a register: one that is free, or a new one."""
         if self._reuse:
             names = (self._names[one] for one in done)
-            # What does not start with r is a constant.
-            self._free += [name for name in names if name.startswith("r")]
-        name = self._free.pop() if self._free else f"r{register}"
+            # A name that does not start with r is a constant.
+            self._free_names += [name for name in names if name.startswith("r")]
+        name = self._free_names.pop() if self._free_names else f"r{register}"
         self._names[register] = name
         return name
