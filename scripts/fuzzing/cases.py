@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from fuzzing import watch
 from fuzzing.values import Rng, wrong_answers
@@ -51,7 +51,52 @@ class TooLongError(Exception):
 
 
 def outcome(case: Case, endless: frozenset[str] = frozenset()) -> str:
-    """``"ok"``, ``"refused"``, or what is wrong; parts named in ``endless`` need not be finite."""
+    """``"ok"``, ``"refused"``, or what is wrong.
+
+    Args:
+        case: Is called.
+        endless: Parts of the answer that need not be finite.
+    """
+    try:
+        run = _watched(case)
+    except (Exception, SystemExit) as error:
+        return f"{type(error).__name__}: {error}"
+
+    foreign = [w for w in run.caught if not _own(w.category)]
+    if run.misdeeds:
+        return f"did what no file may make it do: {run.misdeeds[0]}"
+    if case.size is not None and run.spent > LIMIT_OF_FILES * max(1.0, case.size / 1e5):
+        return f"{run.spent:.1f} s for {case.size} bytes"
+    if foreign:
+        return f"{foreign[0].category.__name__}: {foreign[0].message}"
+    if isinstance(run.answer, Alpha5Error):
+        return _judged(run.answer)
+    if case.hopeless:
+        return "accepted what has no meaning"
+    if case.told and not run.caught:
+        return "accepted what is not plausible without a word"
+    wrong = list(wrong_answers(run.answer, endless))
+    return f"not finite: {', '.join(wrong[:3])}" if wrong else "ok"
+
+
+class _Run(NamedTuple):
+    """What happened during a call.
+
+    Attributes:
+        answer: The result, or the package's refusal.
+        spent: Processor time [s].
+        caught: Warnings.
+        misdeeds: What no input may make the package do.
+    """
+
+    answer: Any
+    spent: float
+    caught: list[warnings.WarningMessage]
+    misdeeds: list[str]
+
+
+def _watched(case: Case) -> _Run:
+    """Make the call; raises any error that is not the package's own."""
     with warnings.catch_warnings(record=True) as caught, watch.watching() as misdeeds:
         warnings.simplefilter("always")
         warnings.filterwarnings("ignore", "(overflow|underflow)", RuntimeWarning)
@@ -62,25 +107,10 @@ def outcome(case: Case, endless: frozenset[str] = frozenset()) -> str:
             answer: Any = case.call(**case.arguments)
         except Alpha5Error as error:
             answer = error
-        except (Exception, SystemExit) as error:
-            return f"{type(error).__name__}: {error}"
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0)
         spent = time.process_time() - begun
-    if misdeeds:
-        return f"did what no file may make it do: {misdeeds[0]}"
-    if case.size is not None and spent > LIMIT_OF_FILES * max(1.0, case.size / 1e5):
-        return f"{spent:.1f} s for {case.size} bytes"
-    if foreign := [w for w in caught if not _own(w.category)]:
-        return f"{foreign[0].category.__name__}: {foreign[0].message}"
-    if isinstance(answer, Alpha5Error):
-        return _judged(answer)
-    if case.hopeless:
-        return "accepted what has no meaning"
-    if case.told and not caught:
-        return "accepted what is not plausible without a word"
-    wrong = list(wrong_answers(answer, endless))
-    return f"not finite: {', '.join(wrong[:3])}" if wrong else "ok"
+    return _Run(answer=answer, spent=spent, caught=caught, misdeeds=misdeeds)
 
 
 def _own(category: type[Warning]) -> bool:
@@ -95,11 +125,9 @@ def _judged(error: Alpha5Error) -> str:
         again = pickle.loads(pickle.dumps(error))
     except Exception as problem:
         return f"{type(error).__name__} does not pickle: {problem}"
-    return (
-        "refused"
-        if str(again) == str(error)
-        else f"{type(error).__name__} changes in a pickle"
-    )
+    if str(again) != str(error):
+        return f"{type(error).__name__} changes in a pickle"
+    return "refused"
 
 
 def _alarm(number: int, frame: FrameType | None) -> NoReturn:

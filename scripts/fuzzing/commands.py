@@ -1,4 +1,4 @@
-"""The command line, in this process: options of every sort, output in a folder of its own."""
+"""The command line, in this process: options of every sort, its own folder."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from fuzzing import hostile
 from fuzzing.cases import Case, Target
@@ -22,10 +22,43 @@ from alpha5_model.errors import Alpha5Error
 
 #: In place of any value.
 BAD = (
-    "", " ", "x", "nan", "inf", "-inf", "1e400", "1e308", "-1e308", "1e-320", "-1", "0", "1.5", "2**3", "9" * 400, "1e9999999", "0 0", "0 0 nan",
-    "1 2 3 4", "a,b", "a=b", "=", "\udcff", "é", "a\0b", "a\nb", "x" * 5000, "--", "-", "[red]", "${1/0}", "true", "None", "../..", "\x1b[31m",
-)  # fmt: skip
-#: Paths below the working directory, which lies in the fuzz's own folder; made in `_furnish`.
+    "",
+    " ",
+    "x",
+    "nan",
+    "inf",
+    "-inf",
+    "1e400",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "-1",
+    "0",
+    "1.5",
+    "2**3",
+    "9" * 400,
+    "1e9999999",
+    "0 0",
+    "0 0 nan",
+    "1 2 3 4",
+    "a,b",
+    "a=b",
+    "=",
+    "\udcff",
+    "é",
+    "a\0b",
+    "a\nb",
+    "x" * 5000,
+    "--",
+    "-",
+    "[red]",
+    "${1/0}",
+    "true",
+    "None",
+    "../..",
+    "\x1b[31m",
+)
+#: Paths below the working directory, which `_furnish` makes in the fuzz's own folder.
 URDFS = (
     "arm.urdf",
     "arm.urdf",
@@ -65,82 +98,172 @@ def _out(*endings: str) -> tuple[str, ...]:
     return tuple(name + ending for name in names for ending in endings)
 
 
-_TABLE, _PICTURE = (
-    _out(".csv", ".json", ".csv", ".txt"),
-    _out(".png", ".svg", ".png", ".bmp"),
-)
+_TABLE = _out(".csv", ".json", ".csv", ".txt")
+_PICTURE = _out(".png", ".svg", ".png", ".bmp")
 _NUMBER = ("0.3", "-0.1", "1.2", "0", "3")
 _TRIPLE = ("0 0 -9.81", "0 9.81 0", "0,0,1")
 _FLUID = ("sea", "fresh", "air", "1025", "0", "1.025", "1e5", "-3")
 _PAYLOAD = ("0.2", "0.2 0 0 0.05", "500", "-1", "250g", "0.2 0 0 20")
 _JSON: dict[str, tuple[str, ...]] = {"--json": ()}
-#: Command -> options that are always there, the empty name for arguments, each once per tuple of values; then
-#: options that may be there, flags with no values.
-COMMANDS: dict[str, tuple[tuple[tuple[str, tuple[str, ...]], ...], dict[str, tuple[str, ...]]]] = {
-    "ik": ((("", ("0.3", "0.25")), ("", ("0.1", "-0.05")), ("", ("0.1", "0"))), {"--wrist": _NUMBER, **_JSON}),
+#: An option and its values; the empty name stands for an argument.
+Option = tuple[str, tuple[str, ...]]
+#: Command -> options that are always there, and options that may be there; flags have
+#: no values.
+COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
+    "ik": (
+        (("", ("0.3", "0.25")), ("", ("0.1", "-0.05")), ("", ("0.1", "0"))),
+        {"--wrist": _NUMBER, **_JSON},
+    ),
     "torque": (
         (("--q", _NUMBER), ("", _NUMBER), ("", _NUMBER), ("", _NUMBER)),
-        {"--fluid": _FLUID, "--gravity": _TRIPLE, "--constants": ("printed", "torque", "voltage"), "--degrees": (), "--payload": _PAYLOAD, "--mount": _TRIPLE, **_JSON},
+        {
+            "--fluid": _FLUID,
+            "--gravity": _TRIPLE,
+            "--constants": ("printed", "torque", "voltage"),
+            "--degrees": (),
+            "--payload": _PAYLOAD,
+            "--mount": _TRIPLE,
+            **_JSON,
+        },
     ),
     "fk": ((("", _NUMBER), ("", _NUMBER), ("", _NUMBER), ("", _NUMBER)), {**_JSON}),
-    "sweep": ((("", ("study.toml", "study.toml", "damaged.toml", "arm.urdf", "none")), ("--output", _out(""))), {**_JSON}),
+    "sweep": (
+        (
+            ("", ("study.toml", "study.toml", "damaged.toml", "arm.urdf", "none")),
+            ("--output", _out("")),
+        ),
+        {**_JSON},
+    ),
     "workspace": ((), {"--plot": _PICTURE, **_JSON}),
-    "dh": ((), {"--urdf": URDFS, "--frame": ("link_2", "tcp"), "--link": ("0 0.1 0.2 1.5 0", "0 0 1 0 1"), "--": _NUMBER, **_JSON}),
-    "planar": ((("", _NUMBER), ("", _NUMBER), ("", _NUMBER)), {"--joints": ("RRR", "RPR"), "--limits": ("0 1", "none"), "--radius": _NUMBER, "--plot": _PICTURE, **_JSON}),
+    "dh": (
+        (),
+        {
+            "--urdf": URDFS,
+            "--frame": ("link_2", "tcp"),
+            "--link": ("0 0.1 0.2 1.5 0", "0 0 1 0 1"),
+            "--": _NUMBER,
+            **_JSON,
+        },
+    ),
+    "planar": (
+        (("", _NUMBER), ("", _NUMBER), ("", _NUMBER)),
+        {
+            "--joints": ("RRR", "RPR"),
+            "--limits": ("0 1", "none"),
+            "--radius": _NUMBER,
+            "--plot": _PICTURE,
+            **_JSON,
+        },
+    ),
     "trajectory": (
         (("", RECORDINGS),),
-        {"--output": _TABLE, "--plot": _PICTURE, "--fluid": _FLUID, "--gravity": _TRIPLE, "--gripper": ("auto", "locked", "jaws"),
-         "--payload": _PAYLOAD, "--prefix": ("left_", ""), "--topic": ("/x",), "--smoothing": ("spline", "savgol", "interpolate"), "--bandwidth": ("2", "0.1", "1e-100"), "--velocities": ("auto", "file", "positions"),
-         "--constants": ("printed", "torque"), "--supply-voltage": ("24",), "--current-limit": ("1",), "--screw-lead": ("0.001",), **_JSON},
+        {
+            "--output": _TABLE,
+            "--plot": _PICTURE,
+            "--fluid": _FLUID,
+            "--gravity": _TRIPLE,
+            "--gripper": ("auto", "locked", "jaws"),
+            "--payload": _PAYLOAD,
+            "--prefix": ("left_", ""),
+            "--topic": ("/x",),
+            "--smoothing": ("spline", "savgol", "interpolate"),
+            "--bandwidth": ("2", "0.1", "1e-100"),
+            "--velocities": ("auto", "file", "positions"),
+            "--constants": ("printed", "torque"),
+            "--supply-voltage": ("24",),
+            "--current-limit": ("1",),
+            "--screw-lead": ("0.001",),
+            **_JSON,
+        },
     ),
     "generate": (
         (),
-        {"--output": _out(".urdf", "", ".xml"), "--format": ("urdf", "mjcf", "sdf"), "--gripper": ("locked", "jaws"), "--prefix": ("a_",), "--parent": ("rov",),
-         "--xyz": _TRIPLE, "--rpy": _TRIPLE, "--mesh-uri": ("relative", "package", "file"), "--collision": ("none",), "--corrections": ("", "base_frame"),
-         "--fluid": _FLUID, "--actuators": ("motor",), "--dh-frames": (), "--ros2-control": (), "--drag": ()},
+        {
+            "--output": _out(".urdf", "", ".xml"),
+            "--format": ("urdf", "mjcf", "sdf"),
+            "--gripper": ("locked", "jaws"),
+            "--prefix": ("a_",),
+            "--parent": ("rov",),
+            "--xyz": _TRIPLE,
+            "--rpy": _TRIPLE,
+            "--mesh-uri": ("relative", "package", "file"),
+            "--collision": ("none",),
+            "--corrections": ("", "base_frame"),
+            "--fluid": _FLUID,
+            "--actuators": ("motor",),
+            "--dh-frames": (),
+            "--ros2-control": (),
+            "--drag": (),
+        },
     ),
-    "compare": ((("", URDFS), ("--samples", ("3",))), {"--map": ("axis_e=axis_e", "axis_e=x"), "--plot": _PICTURE, **_JSON}),
-    "check": ((("--urdf", URDFS),), {"--corrections": ("", "base_frame", "link3_cob"), **_JSON}),
+    "compare": (
+        (("", URDFS), ("--samples", ("3",))),
+        {"--map": ("axis_e=axis_e", "axis_e=x"), "--plot": _PICTURE, **_JSON},
+    ),
+    "check": (
+        (("--urdf", URDFS),),
+        {"--corrections": ("", "base_frame", "link3_cob"), **_JSON},
+    ),
     "view": (
         (("--image", _PICTURE), ("--size", ("64x48",))),
-        {"--pose": ("home", "stow", "1,1,1,1,0"), "--target": ("0.3,0,0.1",), "--motion": RECORDINGS, "--show": ("bodies", "frames,com"), "--gripper": ("locked", "jaws"),
-         "--fluid": _FLUID, "--html": _out(".html")},
+        {
+            "--pose": ("home", "stow", "1,1,1,1,0"),
+            "--target": ("0.3,0,0.1",),
+            "--motion": RECORDINGS,
+            "--show": ("bodies", "frames,com"),
+            "--gripper": ("locked", "jaws"),
+            "--fluid": _FLUID,
+            "--html": _out(".html"),
+        },
     ),
-}  # fmt: skip
+}
 
 
 def _furnish(folder: Path, rng: Rng) -> Path:
-    """The working directory with what the paths lead to, two folders deep: ``../..`` is still ours."""
+    """The working directory with what the paths lead to.
+
+    It is two folders deep, so that ``../..`` is still ours.
+    """
     work = folder / "deep" / "work"
     if not work.exists():
-        (work / "folder").mkdir(parents=True)
-        (work / "locked").mkdir(mode=0o500)
-        (work / "empty").touch()
-        (work / "link.csv").symlink_to("motion.csv")
-        for end in ("", ".csv", ".json", ".png", ".svg", ".urdf", ".html"):
-            (work / f"loop{end}").symlink_to(f"loop{end}")
-            (work / f"dangling{end}").symlink_to(f"nowhere{end}")
+        _make_folders_and_links(work)
+
     arm = Path(a5.URDF_PATH).read_text(encoding="utf-8")
-    rows = "".join(
-        f"{k * 0.05:.2f},{3 + 0.01 * k},1.{k:02d},1,0.5\n" for k in range(40)
-    )
-    motion = "time_secs,axis_e_pos,axis_d_pos,axis_c_pos,axis_b_pos\n" + rows
-    for name, text in (
-        ("arm.urdf", arm),
-        ("motion.csv", motion),
-        ("study.toml", STUDY),
-    ):
+    motion = _motion()
+    good = {"arm.urdf": arm, "motion.csv": motion, "study.toml": STUDY}
+    for name, text in good.items():
+        ending = name.partition(".")[2]
         (work / name).write_text(text, encoding="utf-8")
-        (work / f"damaged.{name.partition('.')[2]}").write_bytes(damage(rng, text))
+        (work / f"damaged.{ending}").write_bytes(damage(rng, text))
+
     trapped = hostile.trapped_xml(rng, arm)
-    tables = {
+    bad = {
+        "trapped.urdf": trapped,
+        "trapped.xacro": trapped,
         "trapped.csv": hostile.table_of_anything(rng),
         "torques.csv": motion.replace("axis", "tau_axis"),
     }
-    texts = {"trapped.urdf": trapped, "trapped.xacro": trapped, **tables}
-    for name, text in texts.items():
+    for name, text in bad.items():
         (work / name).write_text(text, encoding="utf-8", errors="replace")
     return work
+
+
+def _make_folders_and_links(work: Path) -> None:
+    (work / "folder").mkdir(parents=True)
+    (work / "locked").mkdir(mode=0o500)
+    (work / "empty").touch()
+    (work / "link.csv").symlink_to("motion.csv")
+    for end in ("", ".csv", ".json", ".png", ".svg", ".urdf", ".html"):
+        (work / f"loop{end}").symlink_to(f"loop{end}")
+        (work / f"dangling{end}").symlink_to(f"nowhere{end}")
+
+
+def _motion() -> str:
+    """A recording of two seconds."""
+    lines = ["time_secs,axis_e_pos,axis_d_pos,axis_c_pos,axis_b_pos"]
+    for k in range(40):
+        lines.append(f"{k * 0.05:.2f},{3 + 0.01 * k},1.{k:02d},1,0.5")
+    return "\n".join(lines) + "\n"
 
 
 def _of(command: str) -> Target:
@@ -148,23 +271,29 @@ def _of(command: str) -> Target:
     few = 2 / (len(sometimes) + 1)
 
     def target(rng: Rng, folder: Path) -> Case:
+        chosen = [option for option in sometimes.items() if rng.random() < few]
         arguments = [command]
-        for option, values in (
-            *always,
-            *((o, v) for o, v in sometimes.items() if rng.random() < few),
-        ):
-            repeated = {"--limits": 3, "--": 4}.get(option, 1)
-            arguments += [option] if option else []
-            for k in range(repeated if values else 0):
-                arguments += [option] if k and option != "--" else []
-                arguments.append(
-                    str(pick(rng, BAD if rng.integers(15) == 0 else values))
-                )
+        for name, values in (*always, *chosen):
+            arguments += _written(rng, name, values)
         if rng.integers(20) == 0:
-            arguments.insert(int(rng.integers(1, len(arguments) + 1)), pick(rng, BAD))
-        return Case(_run(_furnish(folder, rng)), {"args": arguments})
+            place = int(rng.integers(1, len(arguments) + 1))
+            arguments.insert(place, pick(rng, BAD))
+        work = _furnish(folder, rng)
+        return Case(_run(work), {"args": arguments})
 
     return target
+
+
+def _written(rng: Rng, option: str, values: tuple[str, ...]) -> list[str]:
+    """An option with drawn values; some options are repeated."""
+    repetitions = {"--limits": 3, "--": 4}.get(option, 1)
+    words = [option] if option else []
+    for k in range(repetitions if values else 0):
+        if k and option != "--":
+            words.append(option)
+        known = BAD if rng.integers(15) == 0 else values
+        words.append(str(pick(rng, known)))
+    return words
 
 
 class RefusedError(Alpha5Error):
@@ -172,49 +301,84 @@ class RefusedError(Alpha5Error):
 
 
 def _run(folder: Path) -> Callable[[list[str]], Any]:
+    """Runs a command in a folder and judges what it says."""
+
     def call(args: list[str]) -> Any:
-        out = io.TextIOWrapper(io.BytesIO(), "utf-8")
-        home, stderr = Path.cwd(), os.dup(2)
-        os.chdir(folder)
-        # The descriptor too: libraries in C++ write there.
-        with tempfile.TemporaryFile("w+") as err:
-            os.dup2(err.fileno(), 2)
-            try:
-                with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-                    status = main(args=args)
-            finally:
-                os.dup2(stderr, 2)
-                os.close(stderr)
-                os.chdir(home)
-            err.seek(0)
-            complaint = err.read()
-        out.flush()
-        shown = out.buffer.getvalue().decode()  # type: ignore[attr-defined]
-        said = complaint.splitlines(keepends=True)
-        complaint = "".join(
-            line for line in said if not line.startswith("alpha5: warning: ")
-        )
-        lines = complaint.strip("\n").splitlines()
+        said = _said(folder, args)
+        complaint = _without_lines(said.complaint, "alpha5: warning: ")
         # What else there is to say makes way for a file on standard output.
-        aside = status != 2 and "-" in args
-        if (
-            status not in (0, 1, 2)
-            or (status == 2) != complaint.startswith("alpha5: ")
-            or (not aside and len(lines) != (status == 2))
-        ):
-            raise RuntimeError(f"status {status} with {complaint!r}")
-        if "Traceback" in complaint + shown:
-            raise RuntimeError("a traceback")
-        if status < 2 and "--json" in args and args[0] != "generate":
-            text = "".join(
-                x for x in complaint.splitlines(True) if not x.startswith("wrote ")
-            )
-            return json.loads(text if aside else shown, parse_constant=_refuse)
-        if status == 2:
+        aside = said.status != 2 and "-" in args
+        _check_what_it_says(said, complaint, aside)
+        if said.status < 2 and "--json" in args and args[0] != "generate":
+            text = _without_lines(complaint, "wrote ") if aside else said.answer
+            return json.loads(text, parse_constant=_refuse)
+        if said.status == 2:
             raise RefusedError(complaint.strip())
         return None
 
     return call
+
+
+class _Said(NamedTuple):
+    """What a command says.
+
+    Attributes:
+        status: Its exit status.
+        answer: On standard output.
+        complaint: On standard error.
+    """
+
+    status: int
+    answer: str
+    complaint: str
+
+
+def _said(folder: Path, args: list[str]) -> _Said:
+    """What a command says in a folder."""
+    out = io.TextIOWrapper(io.BytesIO(), "utf-8")
+    home = Path.cwd()
+    stderr = os.dup(2)
+    os.chdir(folder)
+    # The descriptor too: libraries in C++ write there.
+    with tempfile.TemporaryFile("w+") as err:
+        os.dup2(err.fileno(), 2)
+        try:
+            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+                status = main(args=args)
+        finally:
+            os.dup2(stderr, 2)
+            os.close(stderr)
+            os.chdir(home)
+        err.seek(0)
+        complaint = err.read()
+    out.flush()
+    answer = out.buffer.getvalue().decode()  # type: ignore[attr-defined]
+    return _Said(status=status, answer=answer, complaint=complaint)
+
+
+def _without_lines(text: str, start: str) -> str:
+    """A text without the lines that start so."""
+    lines = text.splitlines(keepends=True)
+    return "".join(line for line in lines if not line.startswith(start))
+
+
+def _check_what_it_says(said: _Said, complaint: str, aside: bool) -> None:
+    """Raise an error unless status and complaint fit: one line if it is 2, else none.
+
+    Args:
+        said: By the command.
+        complaint: Without warnings.
+        aside: Whether other lines may be on standard error.
+    """
+    refused = said.status == 2
+    lines = complaint.strip("\n").splitlines()
+    is_known = said.status in (0, 1, 2)
+    is_named = refused == complaint.startswith("alpha5: ")
+    is_short = aside or len(lines) == refused
+    if not (is_known and is_named and is_short):
+        raise RuntimeError(f"status {said.status} with {complaint!r}")
+    if "Traceback" in complaint + said.answer:
+        raise RuntimeError("a traceback")
 
 
 def _refuse(constant: str) -> None:

@@ -1,7 +1,8 @@
-"""The same numbers in arrays of other forms: misaligned, mapped, packed, swapped, strided, of another type.
+"""The same numbers in arrays of other forms: misaligned, mapped, packed, strided, ...
 
-A function must answer with the same bits as for an aligned, contiguous copy of float64, or refuse both. What
-is more than numbers (a subclass, an array of objects) may be refused alone. No argument may be changed.
+A function must answer with the same bits as for an aligned, contiguous copy of float64,
+or refuse both. What is more than numbers (a subclass, an array of objects) may be
+refused alone. No argument may be changed.
 """
 
 from __future__ import annotations
@@ -185,7 +186,7 @@ PLAIN: dict[str, Form] = {
 }
 #: Forms that may be refused, whatever the aligned copy does.
 ODD: dict[str, Form] = {"subclass": subclass, "objects": objects}
-#: Functions that compute in the type which they are given, and check nothing: arrays of float64 only.
+#: Functions that compute in the type of their input, unchecked: they get float64.
 IN_THEIR_TYPE = ("jax.", "a5.planar.Arc.", "a5.planar.Segment.", "a5.workspace.Arc.")
 FLOAT64 = {
     name: form
@@ -210,7 +211,7 @@ def in_forms(
     plain: dict[str, Form] = PLAIN,
     odd: dict[str, Form] = ODD,
 ) -> Target:
-    """A target that asks the same of arrays in some form and of their aligned copies."""
+    """A target that computes with arrays in some form and with their aligned copies."""
 
     def target(rng: Rng, folder: Path) -> Case:
         case = draw(rng, False)
@@ -225,25 +226,46 @@ def in_forms(
             strict &= forms is plain
 
         def call(**given: Any) -> Any:
-            usual = {k: aligned(v) if k in names else v for k, v in given.items()}
-            before = {name: list(bits(usual[name])) for name in names}
-            expected = _answer(case.call, usual)
-            found = _answer(case.call, given)
-            if isinstance(found, Alpha5Error) and (
-                isinstance(expected, Alpha5Error) or not strict
-            ):
-                raise found
-            wanted, got = list(bits(expected)), list(bits(found))
-            if wanted != got:
-                raise DifferentError(_apart(wanted, got))
-            changed = [k for k in names if list(bits(aligned(given[k]))) != before[k]]
-            if changed:
-                raise DifferentError(f"changed its argument {changed[0]}")
-            return found
+            return _compared(case.call, given, names, strict)
 
         return Case(call, given)
 
     return target
+
+
+def _compared(
+    call: Callable[..., Any], given: dict[str, Any], names: list[str], strict: bool
+) -> Any:
+    """The answer to arguments, if it is the same as to their aligned copies.
+
+    Args:
+        call: Is called with both.
+        given: Arguments.
+        names: Of those that are arrays.
+        strict: Whether only one of the two may not be refused.
+
+    Raises:
+        DifferentError: The answers differ, or an argument has changed.
+    """
+    usual = dict(given)
+    for name in names:
+        usual[name] = aligned(given[name])
+    before = {name: list(bits(usual[name])) for name in names}
+
+    expected = _answer(call, usual)
+    found = _answer(call, given)
+    may_refuse = isinstance(expected, Alpha5Error) or not strict
+    if isinstance(found, Alpha5Error) and may_refuse:
+        raise found
+
+    wanted = list(bits(expected))
+    got = list(bits(found))
+    if wanted != got:
+        raise DifferentError(_apart(wanted, got))
+    for name in names:
+        if list(bits(aligned(given[name]))) != before[name]:
+            raise DifferentError(f"changed its argument {name}")
+    return found
 
 
 def _array(value: Any) -> bool:
@@ -275,7 +297,10 @@ def _shown(entry: Any) -> str:
 
 @contextmanager
 def poisoned() -> Iterator[None]:
-    """New arrays of NumPy's are filled: what is never written is no answer, and never twice the same."""
+    """New arrays of NumPy's are filled, with other numbers each time.
+
+    What a function never writes then differs between two calls.
+    """
     plain = {name: getattr(np, name) for name in ("empty", "empty_like")}
 
     def filled(name: str) -> Callable[..., np.ndarray]:
@@ -308,7 +333,18 @@ def bits(result: Any, place: str = "") -> Iterator[tuple[Any, ...]]:
     elif isinstance(result, tuple | list):
         for k, value in enumerate(result):
             yield from bits(value, f"{place}[{k}]")
-    elif isinstance(result, pin.SE3):
+    elif isinstance(result, _PINOCCHIO):
+        yield from _bits_of_pinocchio(result, place)
+    elif not callable(result):
+        yield from _bits_of_object(result, place)
+
+
+_PINOCCHIO = (pin.SE3, pin.Force, pin.Motion, pin.Model, pin.Data)
+
+
+def _bits_of_pinocchio(result: Any, place: str) -> Iterator[tuple[Any, ...]]:
+    """Numbers of an object of Pinocchio's; none of its scratch memory, `pin.Data`."""
+    if isinstance(result, pin.SE3):
         yield from bits_of_array(result.homogeneous, place)
     elif isinstance(result, pin.Force | pin.Motion):
         yield from bits_of_array(result.vector, place)
@@ -317,19 +353,29 @@ def bits(result: Any, place: str = "") -> Iterator[tuple[Any, ...]]:
             np.append(x.mass, [*x.lever, *x.inertia.ravel()]) for x in result.inertias
         ]
         yield from bits_of_array(np.array(bodies), f"{place}.inertias")
-    elif isinstance(result, pin.Data) or callable(result):
-        pass
-    elif hasattr(result, "dtype") or hasattr(result, "__array__"):
+
+
+def _bits_of_object(result: Any, place: str) -> Iterator[tuple[Any, ...]]:
+    """An array, the attributes of a record, what an iterator gives, or a word."""
+    if hasattr(result, "dtype") or hasattr(result, "__array__"):
         yield from bits_of_array(np.asarray(result), place)
     elif hasattr(result, "__dict__"):
-        own = {k: v for k, v in vars(result).items() if not k.startswith("_")}
-        yield from bits(own, f"{place}{type(result).__name__}")
-        if hasattr(result, "_model"):
-            yield from bits(result._model, f"{place}.model")
+        yield from _bits_of_attributes(result, place)
     elif hasattr(result, "__iter__"):
         yield from bits(list(result), place)
     else:
         yield place, repr(result)
+
+
+def _bits_of_attributes(result: Any, place: str) -> Iterator[tuple[Any, ...]]:
+    """Public attributes of an object, and its model."""
+    own = {}
+    for name, value in vars(result).items():
+        if not name.startswith("_"):
+            own[name] = value
+    yield from bits(own, f"{place}{type(result).__name__}")
+    if hasattr(result, "_model"):
+        yield from bits(result._model, f"{place}.model")
 
 
 def bits_of_array(array: np.ndarray, place: str) -> Iterator[tuple[Any, ...]]:

@@ -1,29 +1,41 @@
-"""Inputs at random to the package, its readers and its command line: each is answered or refused in one line.
+"""Send random inputs to the package, its readers and its command line.
 
-    python scripts/fuzzing/fuzz.py                              # 200 000 inputs, counts per target
-    python scripts/fuzzing/fuzz.py --count 2000 --seed 7 api    # one part: api, forms, texts or commands
+Each input must be answered, or refused in one line.
+
+    python scripts/fuzzing/fuzz.py                     # 200 000 inputs of all parts
+    python scripts/fuzzing/fuzz.py --count 2000 api    # of one part
     python scripts/fuzzing/fuzz.py "alpha5 dh" --seed 7 --first 31 --count 1
 
 The parts are
 
 - api: every public function with arguments of any sort,
-- forms: the same functions with good numbers in arrays that are misaligned, memory-mapped, packed, swapped,
-  strided or of another type, on the compiled kernels and on NumPy's,
-- texts: URDF, xacro, recordings, studies and tables, damaged, hostile or made up; names of columns; quantities,
+- forms: the same functions with good numbers in arrays that are misaligned,
+  memory-mapped, packed, swapped, strided or of another type, on the compiled kernels
+  and on NumPy's,
+- texts: URDF, xacro, recordings, studies and tables, damaged, hostile or made up; names
+  of columns; quantities,
 - commands: the command line.
 
-A failure is any error outside of the package's tree, a refusal of more than one line or one that a pickle
-changes, NaN in an answer, an answer to what has no meaning (masked, complex, infinite), an answer whose bits
-depend on where the numbers lie, a changed argument, a warning that is not the package's own, a program
-started or another file opened for a file's sake, more than half a minute of processor time, or than 2 s for each 100 kB of a
-file. Each prints the line that repeats it; status 1 if there is one. Files are read from and written into a
-temporary folder.
+These are failures:
+
+- an error outside of the package's tree,
+- a refusal of more than one line, or one that a pickle changes,
+- NaN in an answer, or an answer to an input without meaning (masked, complex,
+  infinite),
+- an answer whose bits depend on where the numbers lie, or a changed argument,
+- a warning that is not the package's own,
+- a program started or another file opened because a file says so,
+- more than half a minute of processor time, or than 2 s for each 100 kB of a file.
+
+Each failure prints the line that repeats it; the status is 1 if there is one. Files are
+read from and written into a temporary folder.
 """
 
 from __future__ import annotations
 
 import argparse
 import faulthandler
+import itertools
 import os
 import sys
 import tempfile
@@ -52,7 +64,7 @@ PARTS: dict[str, dict[str, Target]] = {
 }
 #: Share of the inputs; a call is quick, a command takes its time.
 SHARES = {"api": 0.4, "forms": 0.45, "texts": 0.12, "commands": 0.03}
-#: Share within a part, where it is not 1: what computes for long, and what is most often called.
+#: Start of a target's name -> its weight within its part, if that is not 1.
 WEIGHTS = {
     "jax.": 0.1,
     "a5.identify": 0.05,
@@ -64,8 +76,8 @@ WEIGHTS = {
 CHUNK = 400
 #: Share of the forms that the kernels in NumPy answer.
 NUMPY_SHARE = 0.25
-#: Target -> parts of its answer that may be NaN or infinite, as documented: branches that do not exist, limits
-#: that are none, what the motor cannot do, a volume of no digits.
+#: Target -> parts of its answer that may be NaN or infinite, as documented: branches
+#: that do not exist, absent limits, what the motor cannot do, a volume of no digits.
 ENDLESS = {
     "a5.inverse_kinematics": frozenset({"q"}),
     "a5.inverse_kinematics_pose": frozenset({"q", "rotation_error"}),
@@ -88,7 +100,15 @@ ENDLESS = {
 
 
 class Job(NamedTuple):
-    """Inputs of one target, by their numbers."""
+    """Inputs of one target.
+
+    Attributes:
+        part: Of `PARTS`.
+        name: Of the target.
+        seed: Of all inputs.
+        numbers: Of the inputs.
+        kernels: Value of ``ALPHA5_KERNELS``.
+    """
 
     part: str
     name: str
@@ -98,7 +118,13 @@ class Job(NamedTuple):
 
 
 class Done(NamedTuple):
-    """What came of a job: counts of ``ok``, ``refused`` and ``failed``, and a line for each failure."""
+    """The result of a job.
+
+    Attributes:
+        job: The job.
+        counts: Of ``ok``, ``refused`` and ``failed``.
+        failures: A line for each.
+    """
 
     job: Job
     counts: Counter[str]
@@ -119,13 +145,19 @@ def chosen(names: Sequence[str]) -> dict[str, tuple[str, float]]:
 
 
 def weight(name: str) -> float:
-    """Of a target within its part."""
+    """The weight of a target within its part."""
     bare = name.removeprefix("forms ")
-    return next((w for start, w in WEIGHTS.items() if bare.startswith(start)), 1.0)
+    for start, known in WEIGHTS.items():
+        if bare.startswith(start):
+            return known
+    return 1.0
 
 
 def jobs(names: Sequence[str], count: int, seed: int, first: int) -> list[Job]:
-    """All of the work, in pieces."""
+    """All of the work, in pieces of at most `CHUNK` inputs.
+
+    The last inputs of each target of ``forms`` run on the kernels in NumPy.
+    """
     made: list[Job] = []
     forced = os.environ.get("ALPHA5_KERNELS", "")
     for name, (part, share) in chosen(names).items():
@@ -133,19 +165,31 @@ def jobs(names: Sequence[str], count: int, seed: int, first: int) -> list[Job]:
         end = first + wanted
         on_numpy = round(wanted * NUMPY_SHARE) if part == "forms" and not forced else 0
         for start in range(first, end, CHUNK):
-            numbers = range(start, min(start + CHUNK, end))
-            split = max(numbers.start, min(numbers.stop, end - on_numpy))
-            for piece, kernels in (
-                (range(numbers.start, split), forced),
-                (range(split, numbers.stop), "numpy"),
-            ):
-                if piece:
-                    made.append(Job(part, name, seed, piece, kernels))
+            stop = min(start + CHUNK, end)
+            split = max(start, min(stop, end - on_numpy))
+            pieces = ((range(start, split), forced), (range(split, stop), "numpy"))
+            for numbers, kernels in pieces:
+                if numbers:
+                    made.append(
+                        Job(
+                            part=part,
+                            name=name,
+                            seed=seed,
+                            numbers=numbers,
+                            kernels=kernels,
+                        )
+                    )
     return made
 
 
 def work(job: Job, mark: Path | None = None) -> Done:
-    """One job, in this process; ``mark`` keeps what is being tried, should it end the process."""
+    """Do a job in this process.
+
+    Args:
+        job: What to do.
+        mark: File for the line that repeats the current input, which may end the
+            process.
+    """
     failures: list[str] = []
     with tempfile.TemporaryDirectory() as folder:
         target = PARTS[job.part][job.name]
@@ -158,7 +202,7 @@ def work(job: Job, mark: Path | None = None) -> Done:
             failures.append,
             mark=mark,
         )
-    return Done(job, counts, failures)
+    return Done(job=job, counts=counts, failures=failures)
 
 
 def fuzz(
@@ -170,22 +214,32 @@ def fuzz(
     failed: Callable[[str], None],
     mark: Path | None = None,
 ) -> Counter[str]:
-    """Counts of ``ok``, ``refused`` and ``failed``; each failure is told with what repeats it."""
+    """Counts of ``ok``, ``refused`` and ``failed``.
+
+    Args:
+        target: Draws the inputs.
+        name: Of the target.
+        seed: Of all inputs.
+        numbers: Of the inputs.
+        folder: To read from and write into.
+        failed: Is called with a line for each failure.
+        mark: See `work`.
+    """
     counts: Counter[str] = Counter()
     endless = ENDLESS.get(name.removeprefix("forms "), frozenset())
     kernels = os.environ.get("ALPHA5_KERNELS", "")
     before = f"ALPHA5_KERNELS={kernels} " if kernels else ""
     for number in numbers:
-        again = f'{before}scripts/fuzzing/fuzz.py "{name}" --seed {seed} --first {number} --count 1'
+        options = f"--seed {seed} --first {number} --count 1"
+        again = f'{before}scripts/fuzzing/fuzz.py "{name}" {options}'
         if mark is not None:
             mark.write_text(again, encoding="utf-8")
         rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
         case = target(rng, folder)
         result = outcome(case, endless)
         if result not in ("ok", "refused"):
-            shown = ", ".join(
-                f"{key}={value!r}" for key, value in case.arguments.items()
-            )
+            arguments = [f"{key}={value!r}" for key, value in case.arguments.items()]
+            shown = ", ".join(arguments)
             failed(ascii(f"{result[:300]} | {again} | {shown[:600]}")[1:-1])
             result = "failed"
         counts[result] += 1
@@ -194,13 +248,10 @@ def fuzz(
     return counts
 
 
-def _begin() -> None:
-    """In each process: a crash says where."""
-    faulthandler.enable()
-
-
 def run(every: list[Job], folder: Path) -> Iterator[Done]:
-    """Results in the order of the jobs, of as many processes as there are processors for us."""
+    """Results in the order of the jobs, of as many processes as there are processors
+    for us.
+    """
     if len(every) == 1 and every[0].kernels == os.environ.get("ALPHA5_KERNELS", ""):
         yield work(every[0])
         return
@@ -210,7 +261,8 @@ def run(every: list[Job], folder: Path) -> Iterator[Done]:
         mine = [job for job in every if job.kernels == kernels]
         marks = [folder / f"mark-{kernels}-{k}" for k in range(len(mine))]
         workers = min(len(mine), len(os.sched_getaffinity(0)))
-        pool = ProcessPoolExecutor(workers, get_context("spawn"), _begin)
+        # With the fault handler, a crash says where it happened.
+        pool = ProcessPoolExecutor(workers, get_context("spawn"), faulthandler.enable)
         with pool:
             try:
                 yield from pool.map(work, mine, marks)
@@ -218,7 +270,8 @@ def run(every: list[Job], folder: Path) -> Iterator[Done]:
                 for mark in marks:
                     if mark.exists():
                         line = f"a process ended | {mark.read_text(encoding='utf-8')}"
-                        yield Done(mine[0], Counter(failed=1), [line])
+                        counts = Counter(failed=1)
+                        yield Done(job=mine[0], counts=counts, failures=[line])
     os.environ.pop("ALPHA5_KERNELS")
     if before is not None:
         os.environ["ALPHA5_KERNELS"] = before
@@ -226,8 +279,10 @@ def run(every: list[Job], folder: Path) -> Iterator[Done]:
 
 def told(name: str, counts: Counter[str]) -> str:
     """A line of counts."""
-    ok, refused, failed = (counts[key] for key in ("ok", "refused", "failed"))
-    return f"{name:50s} {ok:7d} ok {refused:7d} refused {failed:5d} failed"
+    return (
+        f"{name:50s} {counts['ok']:7d} ok {counts['refused']:7d} refused "
+        f"{counts['failed']:5d} failed"
+    )
 
 
 def main() -> int:
@@ -244,10 +299,25 @@ def main() -> int:
     options = parser.parse_args()
     every = jobs(options.names, options.count, options.seed, options.first)
     if not every:
-        parser.error(
-            f"choose from {', '.join((*PARTS, *(n for t in PARTS.values() for n in t)))}"
-        )
+        known = itertools.chain(PARTS, *PARTS.values())
+        parser.error(f"choose from {', '.join(known)}")
     os.environ["MPLBACKEND"] = "agg"
+
+    by_part = _counted(every)
+    print()
+    for part, counts in by_part.items():
+        if counts:
+            print(told(part, counts))
+    total = sum(by_part.values(), Counter[str]())
+    print(
+        f"{total.total()} inputs: {total['ok']} ok, {total['refused']} refused, "
+        f"{total['failed']} failed"
+    )
+    return 1 if total["failed"] else 0
+
+
+def _counted(every: list[Job]) -> dict[str, Counter[str]]:
+    """Counts of each part; prints failures, and the counts of each target."""
     by_target: dict[str, Counter[str]] = {}
     by_part: dict[str, Counter[str]] = {part: Counter() for part in PARTS}
     left = Counter(job.name for job in every)
@@ -261,15 +331,7 @@ def main() -> int:
             left[name] -= 1
             if left[name] == 0:
                 print(told(name, by_target[name]), flush=True)
-    print()
-    for part, counts in by_part.items():
-        if counts:
-            print(told(part, counts))
-    total = sum(by_part.values(), Counter[str]())
-    print(
-        f"{total.total()} inputs: {total['ok']} ok, {total['refused']} refused, {total['failed']} failed"
-    )
-    return 1 if total["failed"] else 0
+    return by_part
 
 
 if __name__ == "__main__":

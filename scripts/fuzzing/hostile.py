@@ -1,7 +1,7 @@
-"""Texts that mean harm: URDF, xacro, recordings and studies made up or with traps in them.
+"""Texts that mean harm: URDF, xacro, recordings and studies with traps, or made up.
 
-Every trap would run a program, open a file or expand without end if somebody obeyed it. What it names
-holds the word that `fuzzing.watch` looks for.
+Every trap would run a program, open a file or expand without end if somebody obeyed it.
+What it names holds the word that `fuzzing.watch` looks for.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ import numpy as np
 from fuzzing.values import Rng, pick
 from fuzzing.watch import CANARY
 
-#: Programs and paths, in the words of xacro, ROS, Python, YAML, shells and spreadsheets.
+#: Programs and paths, in the words of xacro, ROS, Python, YAML, shells and
+#: spreadsheets.
 TRAPS = (
     f"${{__import__('os').system('touch {CANARY}')}}",
     f"$(eval __import__('os').system('touch {CANARY}'))",
@@ -66,62 +67,180 @@ DOCTYPES = (
     f'<?xml version="1.0" encoding="{CANARY}"?>',
 )
 #: Short texts that are repeated to no end.
-REPEATED = ("<!--", "<", "<?", "<![CDATA[", "<a>", "<robot>", "&amp;", "]]>", "${", "$(", '<link name="a"/>', '"', ",", "\n", "[", "{", "0 ", "((")  # fmt: skip
+REPEATED = (
+    "<!--",
+    "<",
+    "<?",
+    "<![CDATA[",
+    "<a>",
+    "<robot>",
+    "&amp;",
+    "]]>",
+    "${",
+    "$(",
+    '<link name="a"/>',
+    '"',
+    ",",
+    "\n",
+    "[",
+    "{",
+    "0 ",
+    "((",
+)
 TAGS = (
-    "robot", "link", "joint", "inertial", "mass", "inertia", "origin", "visual", "collision", "geometry", "mesh", "box", "sphere",
-    "cylinder", "material", "color", "texture", "axis", "limit", "mimic", "parent", "child", "dynamics", "transmission", "gazebo", "sensor",
-    "xacro:include", "xacro:macro", "xacro:property", "xacro:arg", "xacro:if", "xacro:call", "include", "xi:include", "group",
-)  # fmt: skip
+    "robot",
+    "link",
+    "joint",
+    "inertial",
+    "mass",
+    "inertia",
+    "origin",
+    "visual",
+    "collision",
+    "geometry",
+    "mesh",
+    "box",
+    "sphere",
+    "cylinder",
+    "material",
+    "color",
+    "texture",
+    "axis",
+    "limit",
+    "mimic",
+    "parent",
+    "child",
+    "dynamics",
+    "transmission",
+    "gazebo",
+    "sensor",
+    "xacro:include",
+    "xacro:macro",
+    "xacro:property",
+    "xacro:arg",
+    "xacro:if",
+    "xacro:call",
+    "include",
+    "xi:include",
+    "group",
+)
 ATTRIBUTES = (
-    "name", "type", "link", "joint", "value", "xyz", "rpy", "filename", "size", "radius", "length", "scale", "rgba", "lower", "upper",
-    "effort", "velocity", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "href", "params", "default", "ns", "xmlns:xacro", "multiplier", "offset",
-)  # fmt: skip
+    "name",
+    "type",
+    "link",
+    "joint",
+    "value",
+    "xyz",
+    "rpy",
+    "filename",
+    "size",
+    "radius",
+    "length",
+    "scale",
+    "rgba",
+    "lower",
+    "upper",
+    "effort",
+    "velocity",
+    "ixx",
+    "ixy",
+    "ixz",
+    "iyy",
+    "iyz",
+    "izz",
+    "href",
+    "params",
+    "default",
+    "ns",
+    "xmlns:xacro",
+    "multiplier",
+    "offset",
+)
 WORDS = (
-    "axis_e", "axis_d", "axis_c", "axis_b", "base_link", "link_0", "link_4", "tcp", "revolute", "continuous", "fixed", "prismatic",
-    "0", "1", "0 0 0", "1 0 0", "0 0 1", "nan nan nan", "1e308 1e308 1e308", "-1", "inf", "1e999", "3.14159", "0.38", "", " ", "é",
-)  # fmt: skip
+    "axis_e",
+    "axis_d",
+    "axis_c",
+    "axis_b",
+    "base_link",
+    "link_0",
+    "link_4",
+    "tcp",
+    "revolute",
+    "continuous",
+    "fixed",
+    "prismatic",
+    "0",
+    "1",
+    "0 0 0",
+    "1 0 0",
+    "0 0 1",
+    "nan nan nan",
+    "1e308 1e308 1e308",
+    "-1",
+    "inf",
+    "1e999",
+    "3.14159",
+    "0.38",
+    "",
+    " ",
+    "é",
+)
 _ATTRIBUTE = re.compile(r'"[^"<>]*"')
 
 
 def trapped_xml(rng: Rng, text: str) -> str:
-    """A valid text with one to three traps: in attributes, as elements, as a document type."""
+    """A valid text with one to three traps.
+
+    They are attributes, elements, document types, or short texts without end.
+    """
     for _ in range(int(rng.integers(1, 4))):
-        way = int(rng.integers(6))
-        if way < 3:
-            found = [*_ATTRIBUTE.finditer(text)]
-            if found:
-                at = pick(rng, found)
-                text = (
-                    text[: at.start()] + quoteattr(pick(rng, TRAPS)) + text[at.end() :]
-                )
-        elif way == 3:
-            at = text.find("<robot")
-            text = text[:at] + pick(rng, DOCTYPES) + text[at:] if at >= 0 else text
-        elif way == 4:
-            places = [m.start() for m in re.finditer(r"</?[a-z]", text)]
-            at = pick(rng, places) if places else 0
-            text = text[:at] + element(rng, 2) + text[at:]
-        else:
-            at = int(rng.integers(len(text) + 1))
-            text = (
-                text[:at] + pick(rng, REPEATED) * int(rng.integers(1, 2000)) + text[at:]
-            )
+        text = _with_trap(rng, text)
     return text
+
+
+def _with_trap(rng: Rng, text: str) -> str:
+    """The text with one trap more."""
+    way = int(rng.integers(6))
+    if way < 3:
+        return _with_trap_in_attribute(rng, text)
+    if way == 3:
+        at = text.find("<robot")
+        return _inserted(text, at, pick(rng, DOCTYPES)) if at >= 0 else text
+    if way == 4:
+        places = [tag.start() for tag in re.finditer(r"</?[a-z]", text)]
+        at = pick(rng, places) if places else 0
+        return _inserted(text, at, element(rng, 2))
+    at = int(rng.integers(len(text) + 1))
+    repetitions = pick(rng, REPEATED) * int(rng.integers(1, 2000))
+    return _inserted(text, at, repetitions)
+
+
+def _inserted(text: str, at: int, more: str) -> str:
+    """A text with more of it at a place."""
+    return text[:at] + more + text[at:]
+
+
+def _with_trap_in_attribute(rng: Rng, text: str) -> str:
+    """The text with a trap for the value of an attribute, if it has any."""
+    found = [*_ATTRIBUTE.finditer(text)]
+    if not found:
+        return text
+    value = pick(rng, found)
+    trap = quoteattr(pick(rng, TRAPS))
+    return text[: value.start()] + trap + text[value.end() :]
 
 
 def element(rng: Rng, depth: int) -> str:
     """An element of any name with anything in it."""
     tag = pick(rng, TAGS)
     names = [pick(rng, ATTRIBUTES) for _ in range(int(rng.integers(5)))]
-    given = {
-        name: pick(rng, TRAPS if rng.integers(6) == 0 else WORDS) for name in names
-    }
+    given = {}
+    for name in names:
+        given[name] = pick(rng, TRAPS if rng.integers(6) == 0 else WORDS)
     attributes = "".join(f" {name}={quoteattr(value)}" for name, value in given.items())
-    inside = (
-        "".join(element(rng, depth - 1) for _ in range(int(rng.integers(4))))
-        if depth
-        else ""
-    )
+
+    children = int(rng.integers(4)) if depth else 0
+    inside = "".join(element(rng, depth - 1) for _ in range(children))
     return f"<{tag}{attributes}>{inside}</{tag}>" if inside else f"<{tag}{attributes}/>"
 
 
@@ -130,32 +249,39 @@ def made_up_xml(rng: Rng) -> str:
     head = pick(rng, DOCTYPES) if rng.integers(6) == 0 else ""
     space = ' xmlns:xacro="http://www.ros.org/wiki/xacro"' if rng.integers(2) else ""
     parts = "".join(element(rng, 3) for _ in range(int(rng.integers(1, 12))))
-    return (
-        f'{head}<robot name="{pick(rng, ("x", "alpha5", ""))}"{space}>{parts}</robot>'
-    )
+    name = pick(rng, ("x", "alpha5", ""))
+    return f'{head}<robot name="{name}"{space}>{parts}</robot>'
+
+
+_JOINT_KINDS = (
+    "revolute",
+    "revolute",
+    "revolute",
+    "continuous",
+    "fixed",
+    "prismatic",
+)
+_BODY = (
+    '<inertial><mass value="0.3"/><inertia ixx="1e-4" ixy="0" ixz="0" '
+    'iyy="1e-4" iyz="0" izz="1e-4"/></inertial>'
+)
 
 
 def chain_of_joints(rng: Rng) -> str:
-    """A tree of links that turn, of any length and any axes: a URDF that can be read."""
+    """A readable URDF: a tree of links that turn, of any length and any axes."""
     count = int(rng.integers(1, 40))
     names = [f"axis_{x}" for x in "edcb"] if rng.integers(2) else []
     parts = ['<link name="l0"/>']
     for k in range(count):
         name = names[k] if k < len(names) else f"j{k}"
         parent = k if rng.integers(5) else int(rng.integers(k + 1))
-        kind = pick(
-            rng,
-            ("revolute", "revolute", "revolute", "continuous", "fixed", "prismatic"),
-        )
-        numbers = [
-            " ".join(f"{x:.4g}" for x in row) for row in rng.normal(0, 0.3, (3, 3))
-        ]
-        body = ""
-        if rng.integers(2):
-            body = '<inertial><mass value="0.3"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial>'
+        kind = pick(rng, _JOINT_KINDS)
+        vectors = rng.normal(0, 0.3, (3, 3))
+        xyz, rpy, axis = (" ".join(f"{x:.4g}" for x in row) for row in vectors)
+        body = _BODY if rng.integers(2) else ""
         parts.append(
             f'<link name="l{k + 1}">{body}</link><joint name="{name}" type="{kind}">'
-            f'<origin xyz="{numbers[0]}" rpy="{numbers[1]}"/><axis xyz="{numbers[2]}"/>'
+            f'<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/>'
             f'<parent link="l{parent}"/><child link="l{k + 1}"/>'
             '<limit lower="-1" upper="2" velocity="1" effort="9"/></joint>'
         )
@@ -264,7 +390,7 @@ def study_of_anything(rng: Rng, text: str) -> str:
 
 
 def garbled(rng: Rng, content: bytes) -> bytes:
-    """Bytes of a container with some of them changed, cut out, doubled or put elsewhere."""
+    """The bytes of a container, some of them changed, cut out or doubled."""
     raw = np.frombuffer(content, np.uint8).copy()
     for _ in range(int(rng.integers(1, 6))):
         start = int(rng.integers(len(raw) or 1))

@@ -1,4 +1,5 @@
-"""Masses, lengths, densities and gravity as no arm has them: impossible ones are refused, odd ones told.
+"""Masses, lengths, densities and gravity as no arm has them: impossible ones are
+refused, odd ones told.
 
 Of each quantity the plausible numbers are answered without a word.
 """
@@ -50,10 +51,15 @@ def _payload(**more: Any) -> Any:
 
 QUANTITIES = {
     "fluid density": Quantity(
-        lambda x: a5.load(fluid_density=x), (990.0, 1035.0), (1.025, 1.0, 0.998), (-1.0, -1025.0)
+        lambda x: a5.load(fluid_density=x),
+        (990.0, 1035.0),
+        (1.025, 1.0, 0.998),
+        (-1.0, -1025.0),
     ),
     "gravity": Quantity(
-        lambda x: a5.load(gravity=(0.0, 0.0, x)), (-9.84, -9.76), (981.0, -981.0, 9810.0)
+        lambda x: a5.load(gravity=(0.0, 0.0, x)),
+        (-9.84, -9.76),
+        (981.0, -981.0, 9810.0),
     ),
     "payload mass": Quantity(
         lambda x: _payload(mass=x), (0.01, 1.5), (500.0, 250.0, 1e4), (-0.1, -500.0)
@@ -68,7 +74,7 @@ QUANTITIES = {
     "vehicle volume": Quantity(
         lambda x: _vehicle(volume=x), (0.010, 0.013), (11.4, 11.5), (-0.01,)
     ),
-}  # fmt: skip
+}
 
 
 def target(rng: Rng, folder: Path) -> Case:

@@ -1,4 +1,4 @@
-"""Files that somebody hands in: URDF, xacro, recordings, bags, studies, tables; damaged, hostile or made up."""
+"""Files that somebody hands in: URDF, recordings, studies, ..., damaged or hostile."""
 
 from __future__ import annotations
 
@@ -51,46 +51,68 @@ NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 def damage(rng: Rng, text: str) -> bytes:
     """The text with one to three things wrong, in some encoding."""
     for _ in range(int(rng.integers(1, 4))):
-        way = int(rng.integers(8))
-        start = int(rng.integers(len(text) + 1))
-        end = min(start + int(rng.integers(1, 60)), len(text))
-        if way < 3 and (numbers := list(NUMBER.finditer(text))):
-            found = pick(rng, numbers)
-            text = text[: found.start()] + pick(rng, NUMBERS) + text[found.end() :]
-        elif way == 3:
-            text = text[:start] + text[end:]
-        elif way == 4:
-            text = text[:end] + text[start:]
-        elif way == 5:
-            text = text[:start] + pick(rng, CHARACTERS) + text[start + 1 :]
-        elif way == 6:
-            lines = text.split("\n")
-            k, j = (int(rng.integers(len(lines))) for _ in range(2))
-            lines[k], lines[j] = lines[j], lines[k] if rng.integers(2) else ""
-            text = "\n".join(lines)
-        elif rng.integers(4) == 0:
-            text = text[:start]
-    content = text.encode(
-        pick(rng, ("utf-8",) * 9 + ("utf-16", "latin-1", "utf-8-sig")), "replace"
-    )
+        text = _changed(rng, text)
+
+    encoding = pick(rng, ("utf-8",) * 9 + ("utf-16", "latin-1", "utf-8-sig"))
+    content = text.encode(encoding, "replace")
     if rng.integers(10) == 0:
-        raw = np.frombuffer(content, np.uint8).copy()
-        raw[rng.integers(len(raw) or 1, size=min(3, len(raw)))] = rng.integers(256)
-        content = raw.tobytes()
+        content = _with_other_bytes(rng, content)
     return content
+
+
+def _changed(rng: Rng, text: str) -> str:
+    """The text with one thing wrong, or as it is."""
+    way = int(rng.integers(8))
+    start = int(rng.integers(len(text) + 1))
+    end = min(start + int(rng.integers(1, 60)), len(text))
+    numbers = list(NUMBER.finditer(text)) if way < 3 else []
+    if numbers:
+        found = pick(rng, numbers)
+        return text[: found.start()] + pick(rng, NUMBERS) + text[found.end() :]
+    if way == 3:
+        return text[:start] + text[end:]
+    if way == 4:
+        return text[:end] + text[start:]
+    if way == 5:
+        return text[:start] + pick(rng, CHARACTERS) + text[start + 1 :]
+    if way == 6:
+        return _with_a_line_moved(rng, text)
+    if rng.integers(4) == 0:
+        return text[:start]
+    return text
+
+
+def _with_a_line_moved(rng: Rng, text: str) -> str:
+    """The text with two lines exchanged, or one moved over the other."""
+    lines = text.split("\n")
+    here = int(rng.integers(len(lines)))
+    there = int(rng.integers(len(lines)))
+    moved = lines[here] if rng.integers(2) else ""
+    lines[here] = lines[there]
+    lines[there] = moved
+    return "\n".join(lines)
+
+
+def _with_other_bytes(rng: Rng, content: bytes) -> bytes:
+    """The content with one byte in up to three places."""
+    raw = np.frombuffer(content, np.uint8).copy()
+    value = rng.integers(256)
+    places = rng.integers(len(raw) or 1, size=min(3, len(raw)))
+    raw[places] = value
+    return raw.tobytes()
 
 
 @cache
 def _urdf(k: int) -> str:
     gripper = ("locked", "jaws")[k % 2]
-    return urdf(
-        Variant(
-            gripper,
-            prefix="left_" * (k // 2 % 2),
-            parent="rov" * (k // 2 % 2),
-            ros2_control=k > 2,
-        )
+    on_vehicle = k // 2 % 2
+    variant = Variant(
+        gripper,
+        prefix="left_" if on_vehicle else "",
+        parent="rov" if on_vehicle else "",
+        ros2_control=k > 2,
     )
+    return urdf(variant)
 
 
 def _recording(rng: Rng) -> str:
@@ -101,10 +123,10 @@ def _recording(rng: Rng) -> str:
     if rng.integers(2):
         names += [f"axis_{j}_vel" for j in "edcb"]
         columns += list(rng.normal(0, 0.1, (4, rows)))
-    lines = [
-        ",".join(names),
-        *(",".join(f"{x:.6g}" for x in row) for row in np.transpose(columns)),
-    ]
+
+    lines = [",".join(names)]
+    for row in np.transpose(columns):
+        lines.append(",".join(f"{x:.6g}" for x in row))
     return "\n".join(lines) + "\n"
 
 
@@ -113,8 +135,14 @@ def _file(
     suffix: str,
     reads: dict[Callable[..., Any], int],
 ) -> Target:
-    """A target that writes a damaged text and has it read by one of the functions, with these weights."""
-    functions = [read for read, weight in reads.items() for _ in range(weight)]
+    """A target that writes a damaged text and has it read by one of the functions.
+
+    Args:
+        text: Draws the text.
+        suffix: Of the file.
+        reads: Function -> its weight.
+    """
+    functions = _repeated(reads)
 
     def target(rng: Rng, folder: Path) -> Case:
         path = folder / f"damaged{suffix}"
@@ -123,6 +151,14 @@ def _file(
         return Case(pick(rng, functions), {"path": path}, size=len(content))
 
     return target
+
+
+def _repeated(reads: dict[Callable[..., Any], int]) -> list[Callable[..., Any]]:
+    """Each function as often as its weight says."""
+    functions: list[Callable[..., Any]] = []
+    for read, weight in reads.items():
+        functions += [read] * weight
+    return functions
 
 
 def _compare(path: Path) -> Any:
@@ -139,7 +175,9 @@ def _frames(path: Path) -> Any:
 
 
 def _analyse(path: Path) -> Any:
-    return a5.trajectory.summary(a5.trajectory.analyse(a5.trajectory.read_motion(path)))
+    motion = a5.trajectory.read_motion(path)
+    analysis = a5.trajectory.analyse(motion)
+    return a5.trajectory.summary(analysis)
 
 
 def _tables(rng: Rng, folder: Path) -> Case:
@@ -156,17 +194,25 @@ def _tables(rng: Rng, folder: Path) -> Case:
 @cache
 def _published() -> tuple[str, str]:
     folder = Path(a5.__file__).parent / "numbers"
-    first, second = (
-        folder / f"{n}.toml" for n in ("reach_alpha_mk2_v7", "supplementary")
-    )
-    return first.read_text(encoding="utf-8"), second.read_text(encoding="utf-8")
+    document = folder / "reach_alpha_mk2_v7.toml"
+    supplementary = folder / "supplementary.toml"
+    return document.read_text("utf-8"), supplementary.read_text("utf-8")
 
 
 def _variant(rng: Rng, folder: Path) -> Case:
     chosen: dict[str, Any] = {
-        "gripper": pick(rng, ("locked", "jaws")), "prefix": "a_", "parent": "rov", "xyz": rng.normal(size=3), "rpy": rng.normal(size=3),
-        "mesh_prefix": "m/", "collision": "none", "dh_frames": True, "ros2_control": True, "ros2_control_plugin": "x/Y", "corrections": (),
-    }  # fmt: skip
+        "gripper": pick(rng, ("locked", "jaws")),
+        "prefix": "a_",
+        "parent": "rov",
+        "xyz": rng.normal(size=3),
+        "rpy": rng.normal(size=3),
+        "mesh_prefix": "m/",
+        "collision": "none",
+        "dh_frames": True,
+        "ros2_control": True,
+        "ros2_control_plugin": "x/Y",
+        "corrections": (),
+    }
     arguments = {name: chosen[name] for name in chosen if rng.integers(3) == 0}
     if arguments:
         name = pick(rng, list(arguments))
@@ -183,8 +229,14 @@ def _hostile(
     text: Callable[[Rng], str | bytes],
     reads: dict[Callable[..., Any], int],
 ) -> Target:
-    """Writes a text under one of the endings and has it read by one of the functions."""
-    functions = [read for read, weight in reads.items() for _ in range(weight)]
+    """A target that writes a text under one of the endings and has it read.
+
+    Args:
+        suffixes: Of the file.
+        text: Draws the text.
+        reads: Function -> its weight.
+    """
+    functions = _repeated(reads)
 
     def target(rng: Rng, folder: Path) -> Case:
         made = text(rng)

@@ -1,6 +1,7 @@
-"""What a file makes this process do: programs started, connections made, other files opened, code run.
+"""What a file makes this process do: start programs, connect, open files, run code.
 
-Python's audit hooks report it. A hook cannot be taken away, so that this one is switched on and off.
+Python's audit hooks report it. A hook cannot be taken away, so this one is switched on
+and off.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -44,19 +46,26 @@ SUSPECT = {
     "os.remove",
 }
 
-_misdeeds: list[str] | None = None
-_installed = False
+#: What has been done that must not be done, for each `watching`, the current one last.
+_watches: list[list[str]] = []
 
 
 def _hook(event: str, args: tuple[Any, ...]) -> None:
-    if _misdeeds is None:
-        return
+    if _watches and _is_misdeed(event, args):
+        _watches[-1].append(f"{event} {str(args)[:200]}")
+
+
+def _is_misdeed(event: str, args: tuple[Any, ...]) -> bool:
     if event == "subprocess.Popen" and Path(str(args[0])).name in OWN_PROGRAMS:
-        return
-    if event in FORBIDDEN or (
-        event in SUSPECT and CANARY in _text(args[0] if args else "")
-    ):
-        _misdeeds.append(f"{event} {str(args)[:200]}")
+        return False
+    if event in FORBIDDEN:
+        return True
+    return event in SUSPECT and CANARY in _text(args[0] if args else "")
+
+
+@cache
+def _install() -> None:
+    sys.addaudithook(_hook)
 
 
 def _text(value: Any) -> str:
@@ -73,12 +82,10 @@ def _text(value: Any) -> str:
 @contextmanager
 def watching() -> Iterator[list[str]]:
     """What is done in the meantime that must not be done."""
-    global _misdeeds, _installed
-    if not _installed:
-        sys.addaudithook(_hook)
-        _installed = True
-    before, _misdeeds = _misdeeds, []
+    _install()
+    misdeeds: list[str] = []
+    _watches.append(misdeeds)
     try:
-        yield _misdeeds
+        yield misdeeds
     finally:
-        _misdeeds = before
+        _watches.pop()
