@@ -1,4 +1,4 @@
-"""Writing: plain files whole or not at all, everything else as it is meant, and never over an input."""
+"""Files are written whole or not at all, pipes as they are, and inputs never."""
 
 from __future__ import annotations
 
@@ -338,13 +338,11 @@ def test_two_file_systems(tmp_path: Path) -> None:
 
 @linux
 def test_standard_output_by_any_name(motion_file: Path) -> None:
-    """A table or picture goes to standard output alone, what is said goes to standard error."""
+    """A table or picture is alone on standard output; the rest is on standard error."""
     folder = motion_file.parent
-    assert (
-        main(["trajectory", str(motion_file), "--output", str(folder / "table.csv")])
-        == 0
-    )
-    table = (folder / "table.csv").read_text()
+    output = str(folder / "table.csv")
+    assert main(["trajectory", str(motion_file), "--output", output]) == 0
+    table = (folder / "table.csv").read_text("utf-8")
     done = shell("alpha5 trajectory motion.csv -o -", folder)
     assert (done.returncode, done.stdout) == (0, table)
     assert "TCP: path" in done.stderr
@@ -381,9 +379,9 @@ def test_a_reader_that_leaves_is_no_error(motion_file: Path) -> None:
         assert not {"Traceback", "Error", "alpha5:"} & set(done.stderr.split())
 
 
-# --- no command writes over what it reads ---------------------------------------------------------
+# --- no command writes over what it reads ---------------------------------------------
 
-#: Command, its input {}, its outputs: option -> suffix; every path that any command takes is here.
+#: Command, its input {}, its outputs: option -> suffix. All paths of all commands.
 COMMANDS = {
     "trajectory": (["trajectory", "{}"], {"--output": ".csv", "--plot": ".png"}),
     "view": (
@@ -520,30 +518,52 @@ def test_formats_and_outputs_from_python(tmp_path: Path) -> None:
         )
 
 
+PARTS_OF_PATHS = (
+    "folder",
+    "file",
+    "link",
+    "loop",
+    "out",
+    "pipe",
+    ".",
+    "..",
+    "",
+    "~",
+    "-",
+    "a b",
+    "ä",
+    "\n",
+    "\0",
+    "x" * 300,
+    "%s",
+    "{}",
+    "*",
+    "\udc80",
+    "file.csv",
+    " ",
+)
+
+
+def random_path_within(folder: Path, rng: random.Random) -> Path:
+    """A path of one to four random parts that stays within a folder."""
+    drawn = "/".join(rng.choice(PARTS_OF_PATHS) for _ in range(rng.randint(1, 4)))
+    # Not folder / drawn, which is at the root if drawn begins with "/".
+    path = Path(f"{folder}/w/{drawn}")
+    outside = not str(os.path.normpath(path)).startswith(f"{folder}/w")
+    if ".." in path.parts and outside:
+        below = "/".join(path.parts[len(folder.parts) + 1 :])
+        path = folder / below.replace("..", ".")
+    return path
+
+
 def test_any_path_ends_in_a_file_or_in_one_error(tmp_path: Path) -> None:
-    """Paths of random parts in a folder of their own: what is no plain file stays what it is."""
+    """Random paths are written or refused; what is no plain file stays what it is."""
     rng = random.Random(7)
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").write_text("x")
     os.mkfifo(tmp_path / "pipe")
-    holder = os.open(tmp_path / "pipe", os.O_RDWR)  # so that nobody waits for a reader
-    parts = [
-        "folder",
-        "file",
-        "link",
-        "loop",
-        "out",
-        "pipe",
-        ".",
-        "..",
-        "",
-        "~",
-        "-",
-        "a b",
-        "ä",
-        "\n",
-    ]
-    parts += ["\0", "x" * 300, "%s", "{}", "*", "\udc80", "file.csv", " "]
+    # With the pipe open for reading, no writer waits for a reader.
+    holder = os.open(tmp_path / "pipe", os.O_RDWR)
     for name, to in (("link", "folder"), ("loop", "loop"), ("out", "folder/made")):
         (tmp_path / name).symlink_to(to)
     kinds = {
@@ -554,23 +574,13 @@ def test_any_path_ends_in_a_file_or_in_one_error(tmp_path: Path) -> None:
     }
     written = 0
     for _ in range(1500):
-        drawn = "/".join(rng.choice(parts) for _ in range(rng.randint(1, 4)))
-        path = Path(
-            f"{tmp_path}/w/{drawn}"
-        )  # never tmp_path / drawn: "/x" would be at the root
-        if ".." in path.parts and not str(os.path.normpath(path)).startswith(
-            f"{tmp_path}/w"
-        ):
-            path = tmp_path / "/".join(path.parts[len(tmp_path.parts) + 1 :]).replace(
-                "..", "."
-            )
+        path = random_path_within(tmp_path, rng)
         with suppress(OutputError):
             atomic_write(path, "0123456789")
             written += 1
-            real = Path(
-                os.path.realpath(path)
-            )  # "file/.." is the folder there, not an error
-            assert real.is_fifo() or real.read_text() == "0123456789"
+            # For realpath, "file/.." is the folder and not an error.
+            real = Path(os.path.realpath(path))
+            assert real.is_fifo() or real.read_text("utf-8") == "0123456789"
         for name, kind in kinds.items():
             assert stat.S_IFMT((tmp_path / name).lstat().st_mode) == kind
         assert path.is_relative_to(tmp_path)

@@ -72,8 +72,11 @@ def test_json_equals_own_newton_euler(capsys, fluid, density):
 
 
 def test_current_is_table_4(capsys):
-    """Actuator 1, driving and back-driven: i = (tau / (Gr eta^(+-1)) + F sign(v)) / K_t, F within 10 %."""
-    k_t, friction, eta, gear = 0.0134, 3.752e-3, 0.86, 1754.4
+    """Actuator 1: i = (tau / (Gr eta^(+-1)) + F sign(v)) / K_t, F within 10 %."""
+    k_t = 0.0134
+    friction = 3.752e-3
+    eta = 0.86
+    gear = 1754.4
     for speed in (0.2, -0.2):
         arguments = ["--q", *text(Q), "--v", "0", repr(speed), "0", "0", "--json"]
         joint = json.loads(run(capsys, *arguments))["joints"][1]

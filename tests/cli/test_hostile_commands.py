@@ -1,8 +1,8 @@
-"""Files that mean harm, through the real command line: no code runs, no other file is read, none takes long.
+"""The command line runs no code of hostile files, reads no other file and is quick.
 
-Each input is answered by a process of its own (`hostile_runner`), in which Python's audit hooks report
-programs, connections and files. The files that must not be read are pipes: whoever opens one, in whatever
-language, waits until he is ended.
+Each input has a process of its own (`hostile_runner`), whose audit hooks report
+programs, connections and files. The files that must not be read are pipes: a process
+that opens one, in any language, waits until it is ended.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -39,52 +40,85 @@ COMMANDS_OF_URDFS = (
 )
 
 
-def cases(folder: Path) -> dict[str, dict[str, Any]]:
-    """Name -> words of the command line, working directory and size of the input."""
-    work, outside = folder / "work", folder / "outside"
-    secret, canary = outside / NAME, work / f"{NAME}-made"
-    work.mkdir()
-    outside.mkdir()
-    for place in (work, outside):
-        for suffix in ("", ".mcap", ".db3", ".yaml"):
-            os.mkfifo(place / f"{NAME}{suffix}")
-    (work / "package.xml").write_text("<package><name>pkg</name></package>")
-    found: dict[str, dict[str, Any]] = {}
+@dataclass(frozen=True)
+class Place:
+    """Folders with files that must not be read, and a file that must not be made."""
 
-    def add(name: str, path: Path, *words: str) -> None:
-        size = sum(p.stat().st_size for p in [path, *path.rglob("*")] if p.is_file())
-        args = [words[0], str(path.relative_to(work)), *words[1:]]
-        if words[-1].startswith("--urdf"):
-            args = [*words, str(path.relative_to(work))]
-        found[name] = {"args": args, "folder": str(work), "size": size}
+    work: Path
+    secret: Path
+    canary: Path
 
-    def written(kind: str, name: str, text: str, suffix: str) -> Path:
-        names = {"SECRET_NAME": NAME, "CANARY_NAME": canary.name}
+    @classmethod
+    def made(cls, folder: Path) -> Place:
+        work = folder / "work"
+        outside = folder / "outside"
+        for place in (work, outside):
+            place.mkdir()
+            for suffix in ("", ".mcap", ".db3", ".yaml"):
+                os.mkfifo(place / f"{NAME}{suffix}")
+        (work / "package.xml").write_text("<package><name>pkg</name></package>")
+        return cls(work=work, secret=outside / NAME, canary=work / f"{NAME}-made")
+
+    def written(self, kind: str, name: str, text: str, suffix: str) -> Path:
+        """The path of a hostile text, in which the words for names are replaced."""
         for word, value in (
-            names | {"SECRET": str(secret), "CANARY": str(canary)}
-        ).items():
+            ("SECRET_NAME", NAME),
+            ("CANARY_NAME", self.canary.name),
+            ("SECRET", str(self.secret)),
+            ("CANARY", str(self.canary)),
+        ):
             text = text.replace(word, value)
-        path = work / f"{kind}_{name.replace(' ', '_')}{suffix}"
+        path = self.work / f"{kind}_{name.replace(' ', '_')}{suffix}"
         path.write_text(text, encoding="utf-8", errors="surrogatepass", newline="")
         return path
 
+    def case(self, path: Path, *words: str) -> dict[str, Any]:
+        """Words of the command line, working directory and size of the input."""
+        size = sum(p.stat().st_size for p in [path, *path.rglob("*")] if p.is_file())
+        args = [words[0], str(path.relative_to(self.work)), *words[1:]]
+        if words[-1].startswith("--urdf"):
+            args = [*words, str(path.relative_to(self.work))]
+        return {"args": args, "folder": str(self.work), "size": size}
+
+
+def cases(folder: Path) -> dict[str, dict[str, Any]]:
+    """Name -> words of the command line, working directory and size of the input."""
+    place = Place.made(folder)
+    return {
+        **cases_of_models(place),
+        **cases_of_recordings(place),
+        **cases_of_studies(place),
+    }
+
+
+def cases_of_models(place: Place) -> dict[str, dict[str, Any]]:
+    found = {}
     for name, text in files.URDFS.items():
-        path = written("urdf", name, text, ".urdf")
+        path = place.written("urdf", name, text, ".urdf")
         for words in COMMANDS_OF_URDFS:
-            add(f"{words[0]} urdf: {name}", path, *words)
+            found[f"{words[0]} urdf: {name}"] = place.case(path, *words)
     for name, text in files.XACROS.items():
-        add(
-            f"compare xacro: {name}",
-            written("xacro", name, text, ".urdf.xacro"),
-            "compare",
-        )
+        path = place.written("xacro", name, text, ".urdf.xacro")
+        found[f"compare xacro: {name}"] = place.case(path, "compare")
+    return found
+
+
+def cases_of_recordings(place: Place) -> dict[str, dict[str, Any]]:
+    found = {}
     for name, text in files.RECORDINGS.items():
-        add(f"trajectory csv: {name}", written("csv", name, text, ".csv"), "trajectory")
-    for name, path in files.bags(work, secret, canary).items():
-        add(f"trajectory bag: {name}", path, "trajectory")
+        path = place.written("csv", name, text, ".csv")
+        found[f"trajectory csv: {name}"] = place.case(path, "trajectory")
+    for name, path in files.bags(place.work, place.secret, place.canary).items():
+        found[f"trajectory bag: {name}"] = place.case(path, "trajectory")
+    return found
+
+
+def cases_of_studies(place: Place) -> dict[str, dict[str, Any]]:
+    found = {}
     for name, text in files.STUDIES.items():
-        path = written("study", name, text, ".toml")
-        add(f"sweep: {name}", path, "sweep", "--output", f"swept_{path.stem}")
+        path = place.written("study", name, text, ".toml")
+        words = ("sweep", "--output", f"swept_{path.stem}")
+        found[f"sweep: {name}"] = place.case(path, *words)
     return found
 
 
@@ -165,7 +199,7 @@ def test_what_has_no_answer_is_refused(results):
 
 
 def test_a_name_is_just_a_name(results):
-    """What looks like a program stands in the answer as it was written, or not at all."""
+    """A name that looks like a program is in the answer as it is, or not at all."""
     for name in files.PROGRAMS:
         assert results[f"compare urdf: program {name}"]["status"] in (0, 1, 2)
     assert results["compare urdf: mesh package"]["status"] == 0
@@ -201,7 +235,10 @@ def test_control_characters_are_written_out():
 
 
 def test_the_runner_sees_what_is_forbidden(tmp_path):
-    """A xacro file that is expanded on request runs a program: otherwise nothing above could fail."""
+    """A xacro file that is expanded on request runs a program, and the runner sees it.
+
+    So the tests above can fail.
+    """
     mark = tmp_path / f"{NAME}-made"
     program = files.PROGRAMS["subclasses"].replace("CANARY", str(mark))
     text = f'<robot name="x" {files.SPACE}><link name="{program}"/></robot>'

@@ -95,9 +95,14 @@ def test_the_filled_loops_have_the_exact_area() -> None:
 
 def test_importing_the_kinematics_loads_numpy_only() -> None:
     script = (
-        "import alpha5_model as a5, sys; a5.inverse_kinematics([.2, 0, .1]); a5.reachable([9, 0, 0]);"
-        "a5.workspace.volume(); a5.inverse_kinematics_path([[.2, 0, .1]]);"
-        "print({'scipy', 'pinocchio', 'matplotlib', 'typer', 'rich'} & set(sys.modules))"
+        "import sys\n"
+        "import alpha5_model as a5\n"
+        "a5.inverse_kinematics([.2, 0, .1])\n"
+        "a5.reachable([9, 0, 0])\n"
+        "a5.workspace.volume()\n"
+        "a5.inverse_kinematics_path([[.2, 0, .1]])\n"
+        "heavy = {'scipy', 'pinocchio', 'matplotlib', 'typer', 'rich'}\n"
+        "print(heavy & set(sys.modules))"
     )
     done = subprocess.run(
         [sys.executable, "-c", script],

@@ -1,6 +1,7 @@
-"""What every command prints, at 80 and 120 columns, piped and on a terminal, against `tests/printed/`.
+"""Every command prints what `tests/printed/` has, piped or on a terminal.
 
-After a change that is meant: ``ALPHA5_UPDATE_PRINTED=1 python -m pytest tests/cli/test_printed_answers.py``, and read the difference.
+After a change that you meant, run this and read the difference:
+``ALPHA5_UPDATE_PRINTED=1 python -m pytest tests/cli/test_printed_answers.py``.
 """
 
 from __future__ import annotations
@@ -128,8 +129,9 @@ def folder_of_a_user() -> None:
 
 
 def printed(arguments: tuple[str, ...], terminal: bool) -> str:
-    """What a command prints, without what rounding makes: digits of 1e-16 are those of a machine."""
-    out, errors = Terminal() if terminal else io.StringIO(), io.StringIO()
+    """What a command prints, with 0 for numbers of about 1e-16, which are rounding."""
+    out = Terminal() if terminal else io.StringIO()
+    errors = io.StringIO()
     with redirect_stdout(out), redirect_stderr(errors):
         main(arguments)
     return re.sub(r"\b\d(\.\d+)?e-1\d\b", "0", out.getvalue() + errors.getvalue())
@@ -145,7 +147,7 @@ def held(name: str, text: str) -> None:
 
 
 def fits(text: str, columns: int) -> None:
-    """No line is longer than the terminal, nothing is cut, units are there and written one way."""
+    """No line is longer than the terminal, nothing is cut, and units have one form."""
     lines = COLOUR.sub("", text).splitlines()
     assert max(map(len, lines)) <= columns
     assert not re.search(r"…|\bN m\b|kg m|\^[23]|(?<!\w)nan\b|None", text)
@@ -278,7 +280,7 @@ def test_on_a_real_terminal(columns: int) -> None:
     assert general.endswith("rank 4") == (columns == 120)
 
 
-# --- one syntax ----------------------------------------------------------------------------------
+# --- one syntax -----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -290,16 +292,25 @@ def test_on_a_real_terminal(columns: int) -> None:
         ("torque --q 1 2 x 0 --a 0", ["torque", "--q", "1 2 x 0", "--a", "0"]),
         ("torque --q 57 1 2 3deg deg", ["torque", "--q", "57deg 1deg 2deg 3deg"]),
         ("torque --q 57 1deg 2 3 deg", ["torque", "--q", "57deg 1deg 2deg 3deg"]),
-        ("ik −250,-1e2 50 mm --wrist 90 deg", ["ik", "-250mm", "-1e2mm", "50mm", "--wrist", "90deg"]),
+        (
+            "ik −250,-1e2 50 mm --wrist 90 deg",
+            ["ik", "-250mm", "-1e2mm", "50mm", "--wrist", "90deg"],
+        ),
         ("ik -.25 -1 5 --json", ["ik", "-.25", "-1", "5", "--json"]),
         ("dh --link 0 1 2 3 0 -0.4 2", ["dh", "--link", "0 1 2 3 0", "-0.4", "2"]),
         ("dh --link 0,1,2,3,0 -0.4 2", ["dh", "--link", "0 1 2 3 0", "-0.4", "2"]),
-        ("planar 5,4 -l -1 1 -l none --radius 3", ["planar", "5", "4", "-l", "-1 1", "-l", "none", "--radius", "3"]),
-        ("trajectory --current 0 1 0 1.csv", ["trajectory", "--current", "0 1 0", "1.csv"]),
+        (
+            "planar 5,4 -l -1 1 -l none --radius 3",
+            ["planar", "5", "4", "-l", "-1 1", "-l", "none", "--radius", "3"],
+        ),
+        (
+            "trajectory --current 0 1 0 1.csv",
+            ["trajectory", "--current", "0 1 0", "1.csv"],
+        ),
         ("view --pose home --size 3x2", ["view", "--pose", "home", "--size", "3x2"]),
         ("torque --q", ["torque", "--q"]),
     ],
-)  # fmt: skip
+)
 def test_vectors_and_units_have_one_syntax(given: str, meant: list[str]) -> None:
     assert one_syntax(given.split()) == meant
 
@@ -382,10 +393,14 @@ def test_torque_of_jaws_payload_and_mount_is_the_arms() -> None:
     arm = a5.load(gripper="jaws", gravity=(0.0, 9.81, 0.0))  # base_link's y points down
     loaded = arm.with_payload(0.5, (0.01, 0, 0.02), volume=1e-4)
     assert repr(loaded) == repr(arm).replace(")", ", payload 0.5 kg)")
-    text = "torque --q 3.1 1.2 1.8 0.3 --gripper jaws --payload 0.5 10mm 0 20mm 1e-4 --mount -90 0 0 deg --json"
+    text = (
+        "torque --q 3.1 1.2 1.8 0.3 --gripper jaws --payload 0.5 10mm 0 20mm 1e-4 "
+        "--mount -90 0 0 deg --json"
+    )
     status, out, said = answer(*text.split())
     assert (status, said) == (0, "")
-    result, q = json.loads(out), [3.1, 1.2, 1.8, 0.3, a5.parameters().joints[4].lower]
+    result = json.loads(out)
+    q = [3.1, 1.2, 1.8, 0.3, a5.parameters().joints[4].lower]
     assert [joint["position"] for joint in result["joints"]] == q
     torque = [joint["torque"] for joint in result["joints"]]
     assert np.abs(torque - loaded.hydrostatic_torque(q)).max() < 1e-12
@@ -394,28 +409,28 @@ def test_torque_of_jaws_payload_and_mount_is_the_arms() -> None:
     force = loaded.base_wrench(q, still, still)
     np.testing.assert_allclose(result["mount"]["force"], force.linear, atol=1e-12)
     assert result["joints"][4]["current"] is None
-    limits = loaded.limits
-    assert limits.lower.tolist() == [joint.lower for joint in a5.parameters().joints]
-    assert limits.upper.tolist() == [joint.upper for joint in a5.parameters().joints]
-    np.testing.assert_array_equal(
-        a5.load(floating_base=True).limits.lower, limits.lower[:4]
-    )
+
+
+def test_limits_of_an_arm_are_those_of_its_joints() -> None:
+    joints = a5.parameters().joints
+    jaws = a5.load(gripper="jaws").with_payload(0.5, (0.01, 0, 0.02), volume=1e-4)
+    assert jaws.limits.lower.tolist() == [joint.lower for joint in joints]
+    assert jaws.limits.upper.tolist() == [joint.upper for joint in joints]
+    floating = a5.load(floating_base=True)
+    np.testing.assert_array_equal(floating.limits.lower, jaws.limits.lower[:4])
 
 
 def test_branches_that_meet_are_marked() -> None:
-    """Stretched, the elbow is the same in both branches of a side; on the way there it is not."""
+    """Only if the arm is stretched, both elbows of a side are the same branch."""
     far = a5.nearest_reachable([1.0, 0.3, 0.2])
     for scale, meet in ((1.0, True), (0.9, False)):
         status, out, _ = answer("ik", *map(repr, (scale * far).tolist()), "--json")
         assert status == 0
-        branches = {b["name"]: b for b in json.loads(out)["branches"]}
-        q = {name: b["q"] for name, b in branches.items() if b["exists"]}
-        for name, other in (
-            ("underarm_flipped", "underarm"),
-            ("overarm_flipped", "overarm"),
-        ):
-            if name in q and other in q:
-                assert (branches[name]["same_as"] == other) == meet
+        branches = {branch["name"]: branch for branch in json.loads(out)["branches"]}
+        for side in ("underarm", "overarm"):
+            flipped = branches[f"{side}_flipped"]
+            if flipped["exists"] and branches[side]["exists"]:
+                assert (flipped["same_as"] == side) == meet
         assert branches["underarm"]["same_as"] is None
 
 

@@ -1,4 +1,4 @@
-"""The JAX functions against Pinocchio: values, JAX's own derivatives, batches, both precisions."""
+"""The JAX functions and their derivatives agree with Pinocchio in both precisions."""
 
 from __future__ import annotations
 
