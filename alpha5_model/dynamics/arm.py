@@ -1,67 +1,47 @@
 """The arm in motion under water: ``M(q) a + C(q, v) v + g(q) = tau + tau_buoyancy(q)``.
 
-This is a thin layer over Pinocchio: every method is one or two of its algorithms, on
-the arm and on the fluid that the arm displaces. Batches run on generated kernels if
-those know the arm (`alpha5_model.dynamics.batch`). The fluid acts by its pressure at
-rest (buoyancy) only. Nothing is published about drag and added mass; they are
-estimated, and `Arm.with_hydrodynamics` returns an arm that has them.
+This is a thin layer over Pinocchio: every method calls one or two of its algorithms, on
+the models of the arm and of the fluid that it displaces
+(`alpha5_model.dynamics.arm_model`). Batches run on generated kernels if those know the
+arm (`alpha5_model.dynamics.batch`). The fluid acts by its pressure at rest (buoyancy)
+only. Nothing is published about drag and added mass; they are estimated, and
+`Arm.with_hydrodynamics` returns an arm that has them.
 
 Thread safety: an arm never changes after it is made, and each thread computes in its
-own pin.Data, so one arm may be used from any number of threads. What a method returns
-belongs to the caller.
+own pin.Data, so one arm may be used from any number of threads. Results belong to the
+caller.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, frozen, instance, listed, real
+from alpha5_model._support.checks import FloatArray
 from alpha5_model.dynamics import mount_load
+from alpha5_model.dynamics.arm_model import ArmModel
 from alpha5_model.dynamics.batch import kernel_rows
-from alpha5_model.dynamics.buoyancy import (
-    Displacement,
-    check_inertias,
-    displaced_fluid_model,
-    net_weight_model,
-)
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
-from alpha5_model.dynamics.fixed_bodies import fixed_bodies, moving_mass
-from alpha5_model.dynamics.joint_tree import (
-    AT_ORIGIN,
-    JointTree,
-    tree_of_model,
-    tree_on_free_flyer,
-)
-from alpha5_model.dynamics.kernel_numbers import kernel_parameters
+from alpha5_model.dynamics.joint_tree import AT_ORIGIN
 from alpha5_model.dynamics.model_changes import added_body, with_payload
 from alpha5_model.dynamics.regression import Regressor, regressor
-from alpha5_model.dynamics.scratch import Scratch
-from alpha5_model.dynamics.states import (
-    Partials,
-    forces,
-    state_check,
-)
-from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.dynamics.states import Partials, forces
+from alpha5_model.errors import InputError
 from alpha5_model.kinematics.approach import ApproachDirections
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
-from alpha5_model.numbers import parameters as records
-from alpha5_model.numbers.fluids import SEA_WATER
-from alpha5_model.numbers.parameters import Alpha5Parameters
 
 if TYPE_CHECKING:
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
     from alpha5_model.water.vehicle import Vehicle
 
-# Bound once: beside a call of 0.3 us the look-up of a module's attribute can be
-# measured.
+# Pinocchio's algorithms, bound once: a call takes 0.3 us, so that looking up the
+# attribute of a module can be measured.
 _Algorithm = Callable[..., FloatArray]
-_Clean = Callable[..., Sequence[FloatArray]]
 _rnea: _Algorithm = pin.rnea
 _aba: _Algorithm = pin.aba
 _crba: _Algorithm = pin.crba
@@ -75,22 +55,7 @@ _jacobian: _Algorithm = pin.computeFrameJacobian
 Forces = Sequence[Any] | None
 
 
-class Limits(NamedTuple):
-    """Limits of an arm's n joints, (n,) each.
-
-    Attributes:
-        lower, upper: Ends of the ranges [rad, and m for axis_a].
-        velocity: Rated speeds [rad/s, m/s].
-        effort: [N m, N]; what every public model copies, no rating is published.
-    """
-
-    lower: FloatArray
-    upper: FloatArray
-    velocity: FloatArray
-    effort: FloatArray
-
-
-class Arm:
+class Arm(ArmModel):
     """An arm in a fluid. Make one with `alpha5_model.load`.
 
     Arguments named q are (nq,), those named v, a, tau are (nv,); with a fixed base both
@@ -102,10 +67,10 @@ class Arm:
     `NonFiniteError`) for input that it cannot use.
 
     Attributes:
-        model: pin.Model of the arm, the caller's to use. The arm computes on a copy of
-            its own, so nothing done to this one changes what the arm's methods return.
-            With jaws it has mimic joints, which not every algorithm of Pinocchio
-            supports: see `alpha5_model.dynamics.jaw_arm`.
+        model: pin.Model of the arm, for the caller. The arm computes on a copy, so
+            changes of this one do not change the results of its methods. With jaws it
+            has mimic joints, which not every algorithm of Pinocchio supports: see
+            `alpha5_model.dynamics.jaw_arm`.
         fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the
             centres of buoyancy.
         displacements: The displaced volumes.
@@ -114,72 +79,6 @@ class Arm:
             that you made of a model of your own.
         floating_base: Whether the first joint is Pinocchio's free-flyer.
     """
-
-    def __init__(
-        self,
-        model: Any,
-        displacements: Iterable[Displacement],
-        fluid_density: float = SEA_WATER,
-        *,
-        parameters: Alpha5Parameters | None = None,
-    ) -> None:
-        if not isinstance(model, pin.Model) or not moving_mass(model):
-            raise InputError("model", model, "a pin.Model with moving masses")
-        self.displacements = tuple(
-            instance("displacements", volume, Displacement)
-            for volume in listed("displacements", displacements, "Displacements")
-        )
-        self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
-        own = records.parameters() if parameters is None else parameters
-        self.parameters = instance("parameters", own, Alpha5Parameters)
-        self.floating_base = model.joints[1].nq == 7
-        check_inertias(model)
-
-        self._model = model.copy()
-        self._fluid = displaced_fluid_model(
-            model, self.displacements, self.fluid_density
-        )
-        self._net = net_weight_model(model, self._fluid)
-        self.model = model.copy()
-        self.fluid_model = self._fluid.copy()
-        self._scratch = Scratch(self._model, self._fluid, self._net, self.model)
-
-        self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
-        self._volume = sum(body.volume for body in self.displacements)
-        self._fixed = fixed_bodies(self._model, self._net)
-        self._clean_q: _Algorithm = state_check(self._model)
-        self._clean_qv: _Clean = state_check(self._model, "v")
-        self._clean_qva: _Clean = state_check(self._model, "v", "a")
-        self._clean_qvtau: _Clean = state_check(self._model, "v", "tau")
-
-    @property
-    def data(self) -> Any:
-        """pin.Data of `model`, the caller's to use: one for each thread.
-
-        No method touches it.
-        """
-        return self._scratch.callers_data
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints that q runs over, base to tip, without the free-flyer."""
-        names = list(self._model.names)[1:]
-        joints = list(self._model.joints)[1:]
-        return tuple(
-            name for name, joint in zip(names, joints, strict=True) if joint.nv == 1
-        )
-
-    @property
-    def limits(self) -> Limits:
-        """What the joints may do, in the order of `joint_names`."""
-        model = self._model
-        n = len(self.joint_names)
-        return Limits(
-            lower=frozen(model.lowerPositionLimit[-n:]),
-            upper=frozen(model.upperPositionLimit[-n:]),
-            velocity=frozen(model.velocityLimit[-n:]),
-            effort=frozen(model.effortLimit[-n:]),
-        )
 
     def forward_kinematics(self, q: ArrayLike, frame: str = "tcp") -> Any:
         """Pose of a frame.
@@ -665,32 +564,12 @@ class Arm:
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         """This arm, afloat, with a vehicle in place of the mount.
 
-        Only the vehicle moves water.
-
-        For an arm that moves water, too:
+        Only the vehicle has added mass and drag. For an arm that has them, too:
         ``arm.with_hydrodynamics().on_vehicle(vehicle)``.
         """
         from alpha5_model.water.arm import HydrodynamicArm
 
         return HydrodynamicArm(self, ()).on_vehicle(vehicle)
-
-    @cached_property
-    def _joint_tree(self) -> JointTree:
-        """The tree in which each joint has coordinates of its own."""
-        return tree_of_model(self._model, self._fluid)
-
-    @cached_property
-    def _floating_tree(self) -> JointTree:
-        """The same tree on a free-flyer, whose six torques load the mount."""
-        if self.floating_base:
-            return self._joint_tree
-        return tree_on_free_flyer(self._joint_tree)
-
-    def _frame(self, name: str) -> int:
-        try:
-            return self._frames[name]
-        except (KeyError, TypeError):
-            raise UnknownNameError("frame", name, self._frames) from None
 
     def _in_base(self, q: ArrayLike) -> FloatArray:
         """q with base_link at the world's origin."""
@@ -704,47 +583,10 @@ class Arm:
         """The arm's kinematics.
 
         Raises:
-            InputError: Other dimensions or limits than those that the inverse
-                kinematics knows.
+            InputError: Dimensions or limits other than the catalogue's, for which the
+                inverse kinematics was made.
         """
         needed_for = "the inverse kinematics"
         check_dimensions(self._model, needed_for)
         check_limits(self._model, needed_for)
         return ArmKinematics(self.parameters)
-
-    @cached_property
-    def _kernel_parameters(self) -> FloatArray | None:
-        return kernel_parameters(self)
-
-    @property
-    def _constructor_arguments(self) -> tuple[Any, ...]:
-        """The positional arguments that make the same arm."""
-        return self._model, self.displacements, self.fluid_density
-
-    def _rebuilt(self, model: Any, displacements: Iterable[Displacement]) -> Self:
-        """An arm like this one, from another model and its volumes.
-
-        Args:
-            model: pin.Model in which each joint has coordinates of its own.
-            displacements: The volumes on its joints.
-        """
-        _, _, *others = self._constructor_arguments
-        return type(self)(model, displacements, *others, parameters=self.parameters)
-
-    def _rebuilt_afloat(self, model: Any, displacements: Iterable[Displacement]) -> Arm:
-        """The same from a model on a free-flyer."""
-        return self._rebuilt(model, displacements)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        rebuild = partial(type(self), parameters=self.parameters)
-        return rebuild, self._constructor_arguments
-
-    def __repr__(self) -> str:
-        base = "floating" if self.floating_base else "fixed"
-        parts = [f"fluid {self.fluid_density:g} kg/m^3"]
-        for frame in self._model.frames:
-            if frame.name.startswith("payload"):
-                parts.append(f"{frame.name} {frame.inertia.mass:g} kg")
-        joints = ", ".join(self.joint_names)
-        contents = ", ".join(parts)
-        return f"{type(self).__name__}({joints}; {base} base, {contents})"

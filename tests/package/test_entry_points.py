@@ -27,7 +27,7 @@ ENTRY_POINTS = {
     "description.urdf": "a generator",
     "description.verification.checks": "verify_urdf",
     "dynamics.actuators": "actuator",
-    "dynamics.arm": "Arm without a record",
+    "dynamics.arm_model": "Arm without a record",
     "dynamics.collision": "without_self_collision",
     "dynamics.dimensions": "for which arm kernels and drawn bodies were made",
     "dynamics.load": "load",

@@ -1,0 +1,182 @@
+"""What an arm consists of: its models, their limits, and memory to compute in.
+
+`alpha5_model.dynamics.arm` adds what an arm computes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property, partial
+from typing import Any, NamedTuple, Self
+
+import pinocchio as pin
+
+from alpha5_model._support.checks import FloatArray, frozen, instance, listed, real
+from alpha5_model.dynamics.buoyancy import (
+    Displacement,
+    check_inertias,
+    displaced_fluid_model,
+    net_weight_model,
+)
+from alpha5_model.dynamics.fixed_bodies import fixed_bodies, moving_mass
+from alpha5_model.dynamics.joint_tree import (
+    JointTree,
+    tree_of_model,
+    tree_on_free_flyer,
+)
+from alpha5_model.dynamics.kernel_numbers import kernel_parameters
+from alpha5_model.dynamics.scratch import Scratch
+from alpha5_model.dynamics.states import state_check
+from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.numbers import parameters as records
+from alpha5_model.numbers.fluids import SEA_WATER
+from alpha5_model.numbers.parameters import Alpha5Parameters
+
+_CheckOfOne = Callable[..., FloatArray]
+_Check = Callable[..., Sequence[FloatArray]]
+
+
+class Limits(NamedTuple):
+    """Limits of an arm's n joints, (n,) each.
+
+    Attributes:
+        lower, upper: Ends of the ranges [rad, and m for axis_a].
+        velocity: Rated speeds [rad/s, m/s].
+        effort: [N m, N]; what every public model copies, no rating is published.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    velocity: FloatArray
+    effort: FloatArray
+
+
+class ArmModel:
+    """The models of an arm and of the fluid that it displaces.
+
+    `alpha5_model.dynamics.arm.Arm` documents the arguments and attributes.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        displacements: Iterable[Displacement],
+        fluid_density: float = SEA_WATER,
+        *,
+        parameters: Alpha5Parameters | None = None,
+    ) -> None:
+        if not isinstance(model, pin.Model) or not moving_mass(model):
+            raise InputError("model", model, "a pin.Model with moving masses")
+        self.displacements = tuple(
+            instance("displacements", volume, Displacement)
+            for volume in listed("displacements", displacements, "Displacements")
+        )
+        self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
+        own = records.parameters() if parameters is None else parameters
+        self.parameters = instance("parameters", own, Alpha5Parameters)
+        self.floating_base = model.joints[1].nq == 7
+        check_inertias(model)
+
+        self._model = model.copy()
+        self._fluid = displaced_fluid_model(
+            model, self.displacements, self.fluid_density
+        )
+        self._net = net_weight_model(model, self._fluid)
+        self.model = model.copy()
+        self.fluid_model = self._fluid.copy()
+        self._scratch = Scratch(self._model, self._fluid, self._net, self.model)
+
+        self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
+        self._volume = sum(body.volume for body in self.displacements)
+        self._fixed = fixed_bodies(self._model, self._net)
+        # Checks of a state, which they return converted.
+        self._clean_q: _CheckOfOne = state_check(self._model)
+        self._clean_qv: _Check = state_check(self._model, "v")
+        self._clean_qva: _Check = state_check(self._model, "v", "a")
+        self._clean_qvtau: _Check = state_check(self._model, "v", "tau")
+
+    @property
+    def data(self) -> Any:
+        """pin.Data of `model`, for the caller: one for each thread.
+
+        No method changes it.
+        """
+        return self._scratch.callers_data
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints that q runs over, base to tip, without the free-flyer."""
+        names = list(self._model.names)[1:]
+        joints = list(self._model.joints)[1:]
+        return tuple(
+            name for name, joint in zip(names, joints, strict=True) if joint.nv == 1
+        )
+
+    @property
+    def limits(self) -> Limits:
+        """Limits of the joints, in the order of `joint_names`."""
+        model = self._model
+        n = len(self.joint_names)
+        return Limits(
+            lower=frozen(model.lowerPositionLimit[-n:]),
+            upper=frozen(model.upperPositionLimit[-n:]),
+            velocity=frozen(model.velocityLimit[-n:]),
+            effort=frozen(model.effortLimit[-n:]),
+        )
+
+    @cached_property
+    def _joint_tree(self) -> JointTree:
+        """The tree in which each joint has coordinates of its own."""
+        return tree_of_model(self._model, self._fluid)
+
+    @cached_property
+    def _floating_tree(self) -> JointTree:
+        """The same tree on a free-flyer, whose six torques load the mount."""
+        if self.floating_base:
+            return self._joint_tree
+        return tree_on_free_flyer(self._joint_tree)
+
+    @cached_property
+    def _kernel_parameters(self) -> FloatArray | None:
+        return kernel_parameters(self)
+
+    @property
+    def _constructor_arguments(self) -> tuple[Any, ...]:
+        """The positional arguments that make the same arm."""
+        return self._model, self.displacements, self.fluid_density
+
+    def _rebuilt(self, model: Any, displacements: Iterable[Displacement]) -> Self:
+        """An arm like this one, from another model and its volumes.
+
+        Args:
+            model: pin.Model in which each joint has coordinates of its own.
+            displacements: The volumes on its joints.
+        """
+        _, _, *others = self._constructor_arguments
+        return type(self)(model, displacements, *others, parameters=self.parameters)
+
+    def _rebuilt_afloat(
+        self, model: Any, displacements: Iterable[Displacement]
+    ) -> ArmModel:
+        """The same from a model on a free-flyer; see `_rebuilt`."""
+        return self._rebuilt(model, displacements)
+
+    def _frame(self, name: str) -> int:
+        try:
+            return self._frames[name]
+        except (KeyError, TypeError):
+            raise UnknownNameError("frame", name, self._frames) from None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        rebuild = partial(type(self), parameters=self.parameters)
+        return rebuild, self._constructor_arguments
+
+    def __repr__(self) -> str:
+        base = "floating" if self.floating_base else "fixed"
+        parts = [f"fluid {self.fluid_density:g} kg/m^3"]
+        for frame in self._model.frames:
+            if frame.name.startswith("payload"):
+                parts.append(f"{frame.name} {frame.inertia.mass:g} kg")
+        joints = ", ".join(self.joint_names)
+        contents = ", ".join(parts)
+        return f"{type(self).__name__}({joints}; {base} base, {contents})"
