@@ -26,13 +26,15 @@ def volume(plane: ArmPlane, limits: bool) -> float:
 def revolved(
     plane: ArmPlane, arcs: Mapping[str, tuple[Arc, ...]], limits: bool = True
 ) -> float:
-    """Volume of what arcs bound, turned through the azimuths of each pose [m^3].
+    """Volume of regions of the half-plane that are revolved about the yaw axis [m^3].
+
+    Each pose turns through the azimuths that it can face.
 
     Args:
         plane: The arm's.
-        arcs: By side.
-        limits: Theta_0 has limits. Then a wedge of azimuths is open to the underarm
-            pose only, and the opposite wedge to the overarm pose only.
+        arcs: Boundaries of the regions, by side.
+        limits: Whether theta_0 has limits. Then only the underarm pose can face one
+            wedge of azimuths, and only the overarm pose the opposite wedge.
     """
     underarm, overarm, both = (first_moment(arcs[side]) for side in SIDES)
     turn = plane.upper[0] - plane.lower[0]

@@ -37,17 +37,19 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 class ArmKinematics:
     """Inverse kinematics, reach and workspace of one arm.
 
+    The arm must have the catalogue's lengths and joint limits, for which the inverse
+    kinematics are generated. Its masses, for example, may differ.
+
     The functions of the same names in `alpha5_model.kinematics.ik`, ``pose``, ``path``,
-    ``reach`` and ``workspace`` are these methods for the catalogue's arm. They document
-    arguments, units and errors.
+    ``reach`` and ``workspace`` are these methods for the catalogue's arm. Their
+    docstrings describe arguments, units and errors.
 
     Attributes:
-        parameters: The arm.
+        parameters: The arm's.
         plane: Its lengths, offsets and limits.
 
     Raises:
-        InputError: The lengths or limits are not those with which the inverse
-            kinematics were generated.
+        InputError: Other lengths or limits than the catalogue's.
     """
 
     def __init__(self, parameters: Alpha5Parameters) -> None:

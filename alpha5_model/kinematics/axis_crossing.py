@@ -1,15 +1,24 @@
-"""Ways along the yaw axis, where theta_0 is free.
+"""Paths of least joint travel through points on the yaw axis, where theta_0 is free.
 
-Between two points off the axis, steps s_k of the other joints and d_k of theta_0 cost
-``sum sqrt(s_k^2 + d_k^2)``. The d_k add up to what lies between the two, so by
-Minkowski's inequality the sum is least if they are in proportion to the s_k: the way is
-straight when s and theta_0 are drawn against each other. A d_k that would pass the
-largest step is that step.
+A stretch of points on the axis lies between a start and an end off the axis, where
+theta_0 is known. The path has one step from the start to the first point, one between
+points, and one to the end. In step k the joints 1 to 3 move by s_k (Euclidean norm) and
+theta_0 turns by d_k, so the travel is
+
+    sum_k sqrt(s_k^2 + d_k^2).
+
+The d_k add up to the known turn of theta_0 from start to end. By Minkowski's inequality
+the sum is least if the d_k are in proportion to the s_k. A d_k that would exceed the
+largest allowed step is that step, and the others share the rest.
+
+So the search has two parts: `_elbow_ways` finds the joints 1 to 3 of least travel, and
+`shared_turn` then spreads the turn of theta_0 over the steps.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -21,23 +30,24 @@ from alpha5_model.kinematics.plane import ArmPlane
 
 
 class _ElbowWays(NamedTuple):
-    """Ways of joints 1 to 3 from S starts through points on the axis.
+    """Ways of joints 1 to 3 from S starts through the points on the axis.
 
     Attributes:
-        positions: Joints 1 to 3 at the start and at each point, (E, 3) each [rad].
-        parents: At each point, from each start, the position before each position,
-            (S, E) each.
-        travel: From each start to each last position, (S, E) [rad]; infinite if no
-            continuous motion leads there.
+        positions: Joints 1 to 3 at the starts, (S, 3), and their E options at each
+            point, (E, 3) each [rad].
+        parents: For each point, from each start: the option of the point before from
+            which each option is reached with least travel, (S, E) each.
+        travel: From each start to each option of the last point, (S, E) [rad];
+            infinite if no continuous motion leads there.
     """
 
     positions: list[FloatArray]
     parents: list[NDArray[np.intp]]
     travel: FloatArray
 
-    def ending_at(self, start: int, last: int) -> list[FloatArray]:
-        """The way from a start to a last position, (3,) each."""
-        chosen = [last]
+    def ending_at(self, start: int, option: int) -> list[FloatArray]:
+        """Joints 1 to 3 from a start to an option of the last point, (3,) each."""
+        chosen = [option]
         for parent in reversed(self.parents):
             chosen.append(int(parent[start, chosen[-1]]))
         chosen.reverse()
@@ -45,20 +55,21 @@ class _ElbowWays(NamedTuple):
 
 
 class _Motion(NamedTuple):
-    """A way of joints 1 to 3, and how far theta_0 turns on it.
+    """A way of joints 1 to 3, and from where to where theta_0 turns on it.
 
     Attributes:
-        joints: Joints 1 to 3 from the start to the end, (L + 1, 3) [rad].
-        size: Euclidean norms of their steps, (L,) [rad].
-        first, last: theta_0 at both ends [rad].
-        needed: The largest step that the motion needs [rad].
+        joints: Joints 1 to 3 at the start, at the points and at the end,
+            (L + 1, 3) [rad].
+        sizes: Euclidean norms of the L steps between them, (L,) [rad].
+        start_yaw, end_yaw: theta_0 at the start and at the end [rad].
+        needed_step: The motion is possible if a joint may step this far [rad].
     """
 
     joints: FloatArray
-    size: FloatArray
-    first: float
-    last: float
-    needed: float
+    sizes: FloatArray
+    start_yaw: float
+    end_yaw: float
+    needed_step: float
 
 
 class _Crossing(NamedTuple):
@@ -66,9 +77,9 @@ class _Crossing(NamedTuple):
 
     Attributes:
         travel: Since the start of the path [rad].
-        motion: What it does on the axis.
-        yaw_steps: The steps of theta_0, (L,) [rad].
-        start: Where in the front it begins.
+        motion: On the axis.
+        yaw_steps: Sizes of the steps of theta_0, (L,) [rad].
+        start: Index in the front of the position where it begins.
     """
 
     travel: float
@@ -78,62 +89,109 @@ class _Crossing(NamedTuple):
 
     def q(self, plane: ArmPlane) -> FloatArray:
         """Joint positions at the points and at the end, (L, 4) [rad]."""
-        first = self.motion.first
-        last = self.motion.last
+        start_yaw = self.motion.start_yaw
+        end_yaw = self.motion.end_yaw
         turned = np.append(0.0, np.cumsum(self.yaw_steps))
-        theta_0 = first + np.copysign(turned, last - first)
-        theta_0[-1] = last
+        theta_0 = start_yaw + np.copysign(turned, end_yaw - start_yaw)
+        theta_0[-1] = end_yaw
         # Rounding may have passed a limit.
         theta_0 = np.clip(theta_0, plane.lower[0], plane.upper[0])
         return np.column_stack([theta_0, self.motion.joints])[1:]
 
 
 def along_axis(points: PathPoints, first: int, stop: int, front: Front) -> Ways:
-    """From a front through points first to stop - 1 on the axis, to point stop.
+    """Ways from a front through the points on the axis to the next point off it.
+
+    Args:
+        points: Of the path.
+        first, stop: The points first to stop - 1 lie on the axis. Point stop lies off
+            it, or the path ends before it.
+        front: Where the arm may be before point first.
+
+    Returns:
+        Ways through the points first to stop, or to stop - 1 if the path ends there.
 
     Raises:
         DiscontinuousPathError: No continuous motion leads there.
     """
-    plane = points.plane
-    # A start beyond the limits of theta_0 is back within them with the first step.
-    yaw = front.q[:, 0]
-    gap = np.nan_to_num(np.abs(np.clip(yaw, plane.lower[0], plane.upper[0]) - yaw))
-    elbows = _elbow_ways(points, range(first, stop), front, gap)
+    first_yaw_step = _steps_into_limits(front.q[:, 0], points.plane)
+    elbows = _elbow_ways(points, range(first, stop), front, first_yaw_step)
 
-    leaves = stop < points.number  # else the path ends on the axis
-    ends = points.options(stop) if leaves else np.full((1, 4), np.nan)
-    crossings: dict[int, _Crossing] = {}
-    least = math.inf
-    for start, elbow in np.argwhere(np.isfinite(elbows.travel)).tolist():
-        way = elbows.ending_at(start, elbow)
-        for j, end in enumerate(ends):
-            motion = _motion(points, way, yaw[start], end)
-            least = min(least, motion.needed)
-            if motion.needed > points.max_step:
-                continue
-            crossing = _crossing(points, front, start, motion, gap[start])
-            if j not in crossings or crossing.travel < crossings[j].travel:
-                crossings[j] = crossing
+    path_goes_on = stop < points.number
+    ends = points.options(stop) if path_goes_on else np.full((1, 4), np.nan)
+    crossings = _best_crossings(points, elbows, ends, front, first_yaw_step)
     if not crossings:
-        raise points.jump(stop, least)
+        raise points.jump(stop, _least_needed_step(points, elbows, ends, front))
 
-    found = list(crossings.values())
-    q = np.array([crossing.q(plane) for crossing in found])
+    q = np.array([crossing.q(points.plane) for crossing in crossings])
     return Ways(
         first=first,
-        q=q if leaves else q[:, :-1],
-        travel=np.array([crossing.travel for crossing in found]),
-        origin=np.array([crossing.start for crossing in found]),
+        q=q if path_goes_on else q[:, :-1],
+        travel=np.array([crossing.travel for crossing in crossings]),
+        origin=np.array([crossing.start for crossing in crossings]),
     )
 
 
+def _steps_into_limits(yaw: FloatArray, plane: ArmPlane) -> FloatArray:
+    """How far each theta_0 (S,) is beyond its limits, 0 if it is free (NaN) [rad].
+
+    The first step must bring it back.
+    """
+    within = np.clip(yaw, plane.lower[0], plane.upper[0])
+    return np.nan_to_num(np.abs(within - yaw))
+
+
+def _best_crossings(
+    points: PathPoints,
+    elbows: _ElbowWays,
+    ends: FloatArray,
+    front: Front,
+    first_yaw_step: FloatArray,
+) -> list[_Crossing]:
+    """The crossing of least travel to each end (E, 4) that one leads to."""
+    best: dict[int, _Crossing] = {}
+    for start, j, motion in _motions(points, elbows, ends, front):
+        if motion.needed_step > points.max_step:
+            continue
+        crossing = _crossing(points, front, start, motion, first_yaw_step[start])
+        if j not in best or crossing.travel < best[j].travel:
+            best[j] = crossing
+    return list(best.values())
+
+
+def _least_needed_step(
+    points: PathPoints, elbows: _ElbowWays, ends: FloatArray, front: Front
+) -> float:
+    """The smallest ``max_step`` [rad] with which some motion leads to an end."""
+    motions = _motions(points, elbows, ends, front)
+    return min((motion.needed_step for _, _, motion in motions), default=math.inf)
+
+
+def _motions(
+    points: PathPoints, elbows: _ElbowWays, ends: FloatArray, front: Front
+) -> Iterator[tuple[int, int, _Motion]]:
+    """Every motion from a start along the axis to an end (E, 4).
+
+    Yields:
+        Index of the start in the front, index of the end, and the motion.
+    """
+    for start, option in np.argwhere(np.isfinite(elbows.travel)).tolist():
+        way = elbows.ending_at(start, option)
+        for j, end in enumerate(ends):
+            yield start, j, _motion(points, way, front.q[start, 0], end)
+
+
 def _crossing(
-    points: PathPoints, front: Front, start: int, motion: _Motion, gap: float
+    points: PathPoints,
+    front: Front,
+    start: int,
+    motion: _Motion,
+    first_yaw_step: float,
 ) -> _Crossing:
     """A motion from a start of the front, with the best steps of theta_0."""
-    turn = abs(motion.last - motion.first)
-    yaw_steps = shared_turn(motion.size, turn, gap, points.max_step)
-    travel_on_axis = np.sqrt(motion.size**2 + yaw_steps**2).sum()
+    turn = abs(motion.end_yaw - motion.start_yaw)
+    yaw_steps = shared_turn(motion.sizes, turn, first_yaw_step, points.max_step)
+    travel_on_axis = np.sqrt(motion.sizes**2 + yaw_steps**2).sum()
     return _Crossing(
         travel=float(front.travel[start] + travel_on_axis),
         motion=motion,
@@ -143,25 +201,29 @@ def _crossing(
 
 
 def _elbow_ways(
-    points: PathPoints, stretch: range, front: Front, gap: FloatArray
+    points: PathPoints, stretch: range, front: Front, first_yaw_step: FloatArray
 ) -> _ElbowWays:
-    """Least travel of joints 1 to 3, point by point.
+    """Ways of least travel of joints 1 to 3, point by point.
 
     Args:
         points: Of the path.
         stretch: Numbers of the points on the axis.
         front: Where the arm may be before.
-        gap: Least first step of theta_0 from each start, (S,) [rad].
+        first_yaw_step: Least first step of theta_0 from each start, (S,) [rad].
+
+    Raises:
+        DiscontinuousPathError: A point that no continuous motion reaches.
     """
     positions = [front.q[:, 1:]]
     parents = []
     travel = np.where(np.eye(len(front.q)), 0.0, np.inf)
     for k in stretch:
-        # Facing a target on the axis and turning the back to it are the same.
+        # On the axis the underarm and the overarm branch are one solution, and
+        # `BRANCHES` lists them side by side: every second option is a repetition.
         options = points.options(k)[::2, 1:]
         size, largest = step_sizes(options - positions[-1][:, None])
         if k == stretch.start:
-            largest = np.maximum(largest, gap[:, None])
+            largest = np.maximum(largest, first_yaw_step[:, None])
         step = np.where(largest <= points.max_step, size, np.inf)
         ways = travel[:, :, None] + step
         reached = np.isfinite(travel).any(axis=0)
@@ -177,67 +239,73 @@ def _elbow_ways(
 def _motion(
     points: PathPoints, way: list[FloatArray], yaw: float, end: FloatArray
 ) -> _Motion:
-    """The motion along a way on the axis to an end (4,), NaN if the path has no more.
+    """The motion along a way on the axis to an end.
 
     Args:
         points: Of the path.
         way: Joints 1 to 3 at the start and at the points.
         yaw: theta_0 at the start [rad]; NaN if it is free.
-        end: Joint position after the axis.
+        end: Joint position after the axis, (4,) [rad]; NaN if the path ends on it.
     """
     plane = points.plane
     joints = np.array([*way, end[1:]])
-    size, largest = step_sizes(np.diff(joints, axis=0))
+    sizes, largest = step_sizes(np.diff(joints, axis=0))
 
+    # theta_0 stays where it is if only one end of the stretch tells it.
     known = [angle for angle in (yaw, end[0]) if not np.isnan(angle)]
-    first = known[0] if known else plane.middle[0]
-    stays = np.clip(first, plane.lower[0], plane.upper[0])
-    last = stays if np.isnan(end[0]) else end[0]
-    turn_of_last_step = abs(last - first) - points.max_step * (len(size) - 1)
+    start_yaw = known[0] if known else plane.middle[0]
+    stays = np.clip(start_yaw, plane.lower[0], plane.upper[0])
+    end_yaw = stays if np.isnan(end[0]) else end[0]
+
+    # The last step is the only one of joints 1 to 3 that was not checked yet. Of
+    # theta_0 it must turn what is left if all other steps are the largest allowed.
+    yaw_of_last_step = abs(end_yaw - start_yaw) - points.max_step * (len(sizes) - 1)
     return _Motion(
         joints=joints,
-        size=size,
-        first=first,
-        last=last,
-        needed=max(float(largest[-1]), turn_of_last_step),
+        sizes=sizes,
+        start_yaw=start_yaw,
+        end_yaw=end_yaw,
+        needed_step=max(float(largest[-1]), yaw_of_last_step),
     )
 
 
-def shared_turn(size: FloatArray, turn: float, first: float, most: float) -> FloatArray:
+def shared_turn(
+    sizes: FloatArray, turn: float, least_first: float, most: float
+) -> FloatArray:
     """Steps of theta_0 that add up to a turn, for the least joint travel.
 
-    That is the sum of ``sqrt(size^2 + step^2)``.
+    The travel is the sum of ``sqrt(size^2 + step^2)``.
 
     Args:
-        size: Steps of the other joints, (N,) [rad].
+        sizes: Of the steps of the other joints, (N,) [rad].
         turn: At most N times ``most`` [rad].
-        first: The first step is at least this [rad].
+        least_first: The first step is at least this [rad].
         most: No step is larger [rad].
 
     Returns:
         (N,) [rad].
     """
-    step = np.zeros(len(size))
+    steps = np.zeros(len(sizes))
     left = turn
-    largest_first = np.argsort(-size)
+    largest_first = np.argsort(-sizes)
     for done, k in enumerate(largest_first):
         rest = largest_first[done:]
-        share = _shares(size[rest])
+        share = _shares(sizes[rest])
         if left * share[0] <= most:
-            step[rest] = left * share
+            steps[rest] = left * share
             break
-        step[k] = most
+        steps[k] = most
         left -= most
 
-    if step[0] < first:
-        others = shared_turn(size[1:], turn - first, 0.0, most)
-        step = np.append(first, others)
-    return step
+    if steps[0] < least_first:
+        others = shared_turn(sizes[1:], turn - least_first, 0.0, most)
+        steps = np.append(least_first, others)
+    return steps
 
 
-def _shares(size: FloatArray) -> FloatArray:
-    """The part of each size in their sum, equal parts of nothing, (N,)."""
-    total = size.sum()
+def _shares(sizes: FloatArray) -> FloatArray:
+    """Each size as a share of their sum, (N,); equal shares if all sizes are 0."""
+    total = sizes.sum()
     if total > 0.0:
-        return np.asarray(size / total)
-    return np.full(len(size), 1 / len(size))
+        return np.asarray(sizes / total)
+    return np.full(len(sizes), 1 / len(sizes))

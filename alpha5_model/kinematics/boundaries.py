@@ -48,10 +48,10 @@ def _boundary(plane: ArmPlane, side: str, limits: bool) -> tuple[Arc, ...]:
 
 
 class _Sweep(NamedTuple):
-    """A motion that draws an arc: one joint of the planar arm is held, the other moves.
+    """A motion that draws an arc: one joint of the planar arm is fixed, the other turns.
 
     Attributes:
-        cause: What holds the joint.
+        cause: Why the joint is fixed.
         first: Direction of the first link.
         second: Angle of the second link to the first.
     """
@@ -68,15 +68,17 @@ def critical_arcs(plane: ArmPlane, side: str, limits: bool = True) -> list[Arc]:
 
 
 def _whole_turns() -> Iterator[_Sweep]:
+    """The sweeps of an arm without limits."""
     turn = (-math.pi, math.pi)
     yield _Sweep(cause="stretched", first=turn, second=(0.0, 0.0))
     yield _Sweep(cause="folded", first=turn, second=(math.pi, math.pi))
 
 
 def _within_limits(plane: ArmPlane) -> Iterator[_Sweep]:
+    """The sweeps of an arm with limits."""
     phi_lower = plane.lower[1] + plane.phi_offset
     phi_upper = plane.upper[1] + plane.phi_offset
-    # The second link's angle to the first is pi - gamma: the greater theta_2, the less.
+    # The second link bends from the first by pi - gamma: less for a greater theta_2.
     bend_at_lower = math.pi - (plane.lower[2] + plane.gamma_offset)
     bend_at_upper = math.pi - (plane.upper[2] + plane.gamma_offset)
 
@@ -115,8 +117,8 @@ def trace(plane: ArmPlane, arcs: Sequence[Arc], contains: Region) -> tuple[Arc, 
     """The boundary of a region of the half-plane that is known to lie on some arcs.
 
     Args:
-        plane: Gives the size of the picture.
-        arcs: If two belong to one circle, the boundary is said to lie on the first.
+        plane: Its longest reach sets the scale of the search.
+        arcs: If two lie on one circle, the boundary there is attributed to the first.
         contains: Which points belong to the region.
 
     Returns:

@@ -1,4 +1,4 @@
-"""The catalogue's arm, of which functions without an arm argument speak."""
+"""The catalogue's arm, which functions without an arm argument use."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 @cache
 def catalogue() -> ArmKinematics:
     """The kinematics of the catalogue's arm."""
-    # Late: one target is solved without all that this imports.
+    # Imported late: solving a single target needs none of it.
     from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 
     return ArmKinematics(parameters())

@@ -16,7 +16,7 @@ from alpha5_model.kinematics.solutions import PoseSolutionArrays, SolutionArrays
 from alpha5_model.kinematics.tolerances import LIMIT_TOLERANCE
 from alpha5_model.numbers.parameters import JointParameters
 
-#: Rotation errors that differ by less are equal: the joint travel decides [rad].
+#: Rotation errors that differ by less count as equal; the joint travel decides [rad].
 TIE = 1e-7
 
 
@@ -68,7 +68,7 @@ def require_solution(
     index = tuple(int(i) for i in np.argwhere(~solved)[0])
     target = solutions.position[index]
     if bool(reachable(plane, target, limits=True, accept=None)):
-        angle = float(np.nanmin(solutions.q[index][:, 3]))  # the same of every branch
+        angle = float(np.nanmin(solutions.q[index][:, 3]))  # the same for all branches
         _check_wrist(angle, wrist)
 
     closest = nearest_reachable(plane, target, limits=True)
@@ -78,6 +78,7 @@ def require_solution(
 
 
 def _check_wrist(angle: float, wrist: JointParameters) -> None:
+    """Raise if a wrist angle is beyond its limits."""
     least = wrist.lower - LIMIT_TOLERANCE
     greatest = wrist.upper + LIMIT_TOLERANCE
     if not least <= angle <= greatest:
@@ -99,7 +100,7 @@ def _reference(q: FloatArray, q_reference: ArrayLike) -> FloatArray:
 def _yaw_of_reference(
     q: FloatArray, q_reference: ArrayLike, free: BoolArray, plane: ArmPlane
 ) -> FloatArray:
-    """Solutions with the reference's theta_0, put into its range, if it is free."""
+    """Solutions whose free theta_0 is the reference's, clipped to its range."""
     reference = _reference(q, q_reference)
     yaw = np.clip(reference[..., 0], plane.lower[0], plane.upper[0])
     turned = q.copy()
@@ -113,7 +114,8 @@ def _nearest(q: FloatArray, q_reference: ArrayLike, valid: BoolArray) -> FloatAr
     reference = _reference(q, q_reference)
     with np.errstate(over="ignore"):
         travel = np.square(q - reference[..., None, :]).sum(axis=-1)
-    travel = np.minimum(travel, np.finfo(np.float64).max)  # however far the reference
+    # A reference so far off that the travel overflows still has a nearest solution.
+    travel = np.minimum(travel, np.finfo(np.float64).max)
     index = np.where(valid, travel, np.inf).argmin(axis=-1)
     chosen = np.take_along_axis(q, index[..., None, None], axis=-2)
     return np.ascontiguousarray(chosen[..., 0, :])

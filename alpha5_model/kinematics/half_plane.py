@@ -1,4 +1,4 @@
-"""A half-plane through the yaw axis, R >= 0 outwards and z up, and who reaches it.
+"""Which pose reaches a half-plane through the yaw axis, R >= 0 outwards and z up.
 
 The arm that faces the half-plane reaches it from its front (underarm). The arm that
 turns away reaches it from its back (overarm, the plane of the arm mirrored).
@@ -30,7 +30,7 @@ def middle_azimuth(plane: ArmPlane, side: str) -> float:
 def azimuth_beyond(
     plane: ArmPlane, azimuth: FloatArray | float, side: str
 ) -> FloatArray:
-    """How far azimuths are beyond the nearest one that a pose can face, (...) [rad]."""
+    """Azimuths minus the nearest ones that a pose can face, (...) [rad]."""
     half = (plane.upper[0] - plane.lower[0]) / 2
     off = wrap(azimuth - middle_azimuth(plane, side))
     return off - np.clip(off, -half, half)

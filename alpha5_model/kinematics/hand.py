@@ -1,9 +1,8 @@
-"""The orientation of the hand, and what the wrist and a free theta_0 can do for it.
+"""The orientation of the hand, which theta_3 and a free theta_0 can change.
 
-What is left of an orientation is split into a turn about the wrist axis and a swing
-across it (swing-twist decomposition, [Dobrowolski2015]). The turn is what theta_3 can
-do, and the swing is what remains: the angle between the wrist axis and where the target
-wants it.
+The rotation from the hand to a target is split into a twist about the wrist axis and a
+swing of that axis (swing-twist decomposition, [Dobrowolski2015]). theta_3 can make the
+twist. The swing remains: the angle between the wrist axis and its target.
 
 References:
     [Dobrowolski2015] Swing-twist decomposition in Clifford algebra, arXiv:1506.05481.
@@ -72,7 +71,7 @@ class Hand(NamedTuple):
 
         turned = q.copy()
         turned[..., 3] = 0.0
-        # Rotation that is left over, in the axes of the tcp.
+        # The rotation from the hand to the target, in the axes of the tcp.
         inverse = np.swapaxes(self.rotation(turned), -1, -2)
         rest = inverse @ rotation[..., None, :, :]
 
@@ -132,7 +131,7 @@ class Hand(NamedTuple):
     def _turn_with_wrist_at(
         self, wrist: float, q: FloatArray, rotation: FloatArray
     ) -> FloatArray:
-        """Turns about z nearest to the rotation left over with a theta_3, (N, 4)."""
+        """Turns about z that come closest to the target with a given theta_3, (N, 4)."""
         at_end = q.copy()
         at_end[..., 3] = wrist
         rest = rotation[:, None] @ np.swapaxes(self.rotation(at_end), -1, -2)

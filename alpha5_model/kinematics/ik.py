@@ -45,9 +45,8 @@ class Solutions(SolutionArrays):
 
     Attributes:
         q: Joint positions, (..., 4, 4): branch axis (`BRANCHES`), joint axis [rad]; NaN
-            if the branch does not reach the target. Each angle is the 2 pi shift that
-            lies in its joint's range, if there is one, else the one nearest to the
-            range's middle.
+            if the branch does not reach the target. Angles are shifted by full turns
+            into the joint's range, or as near to its middle as possible.
         exists: The branch reaches the target, limits aside, (..., 4).
         within_limits: It exists and respects all four joint limits, (..., 4).
         singular: The target lies on the yaw axis, or at the edge of a branch that
@@ -60,8 +59,8 @@ class Solutions(SolutionArrays):
     def best(self, q_reference: ArrayLike) -> FloatArray:
         """The solution within the limits that is nearest to a joint position.
 
-        Nearest is the Euclidean norm of the four joint differences [rad]. On the yaw
-        axis, where theta_0 is free, it is the reference's, moved into its range.
+        Nearest means the least Euclidean norm of the four joint differences [rad]. On
+        the yaw axis theta_0 is free: the reference's is taken, clipped to its range.
 
         Args:
             q_reference: (4,) or (..., 4) [rad].
@@ -107,7 +106,7 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
 def published_inverse_kinematics(position: ArrayLike) -> FloatArray:
     """The two poses that the document solves, by its formulas to the letter.
 
-    No angle is wrapped, no limit checked, and the wrist is not mentioned there;
+    The formulas wrap no angle, check no limit and leave out the wrist.
     `inverse_kinematics` gives all four solutions with flags.
 
     Args:

@@ -55,11 +55,11 @@ def nearest_reachable(
 
 
 class _Feet(NamedTuple):
-    """Candidates for the nearest point of each of N points, of K kinds.
+    """K candidates for the nearest reachable point of each of N points.
 
     Attributes:
-        points: (K, N, 3) [m].
-        squares: Squared distances of the points from them, (K, N) [m^2].
+        points: The candidates, (K, N, 3) [m].
+        squares: Their squared distances from the point, (K, N) [m^2].
     """
 
     points: FloatArray
@@ -76,9 +76,10 @@ def _project(plane: ArmPlane, points: FloatArray, limits: bool) -> FloatArray:
 
 
 def _feet(plane: ArmPlane, points: FloatArray, pose: str, limits: bool) -> _Feet:
-    """Candidates in the half-plane nearest to each point that a pose can turn to.
+    """Candidates in the nearest half-plane that a pose can face.
 
-    They are the point's own foot in that half-plane, and those on the boundary's arcs.
+    They are the foot of the perpendicular from the point to that half-plane, if it is
+    reachable, and the nearest point on each arc of the boundary.
     """
     azimuth = np.arctan2(points[:, 1], points[:, 0])
     if limits:
@@ -99,7 +100,7 @@ def _feet(plane: ArmPlane, points: FloatArray, pose: str, limits: bool) -> _Feet
 
     squares = (foot_radius - radius) ** 2 + (foot_z - z) ** 2 + across**2
     inside = in_half_plane(plane, np.maximum(radius, 0.0), z, pose, limits)
-    squares[0, ~inside] = np.inf
+    squares[0, ~inside] = np.inf  # the point's own foot is out of reach
     feet = np.stack([foot_radius * cos, foot_radius * sin, foot_z], axis=-1)
     return _Feet(points=feet, squares=squares)
 
@@ -109,7 +110,7 @@ def _nearest_on_arc(arc: Arc, points: FloatArray) -> FloatArray:
     offset = points - arc.center
     span = arc.end - arc.start
     along = (np.arctan2(offset[:, 1], offset[:, 0]) - arc.start) % math.tau
-    # Beyond the arc it is the nearer end.
+    # For a point beside the arc it is the nearer end.
     start_is_nearer = along - span >= math.tau - along
     along = np.where(start_is_nearer, 0.0, np.minimum(along, span))
     return arc.points(arc.start + along)

@@ -27,10 +27,11 @@ def inverse_kinematics_path(
     """Joint positions along a path of points, continuous and within the limits.
 
     The sum of the Euclidean joint steps is the least possible. On the yaw axis theta_0
-    turns from its value before to its value after, together with the other joints where
-    they move; with neither before nor after it is the middle of its range. Only if
-    ``max_step`` holds theta_0 back and is also wide enough to change the elbow on the
-    axis, the elbow is chosen by the travel of the other joints alone.
+    turns from its value before the axis to its value after it, in proportion to the
+    steps of the other joints. If the whole path lies on the axis, it is the middle of
+    its range. There is one exception to the least sum: if ``max_step`` limits the turn
+    of theta_0 and still lets the elbow change on the axis, the elbow is chosen by the
+    travel of the other joints alone.
 
     Args:
         positions: tcp in ``base_link``, (N, 3) [m].

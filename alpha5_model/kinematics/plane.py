@@ -34,8 +34,8 @@ class ArmPlane(NamedTuple):
     Attributes:
         a_0, d_0: Shoulder in the plane [m].
         l_1, l_2: The two links [m].
-        azimuth_offset: Azimuth of the plane's r axis less theta_0 [rad].
-        phi_offset, gamma_offset: phi less theta_1, gamma less theta_2 [rad].
+        azimuth_offset: Azimuth of the plane's r axis minus theta_0 [rad].
+        phi_offset, gamma_offset: phi minus theta_1, gamma minus theta_2 [rad].
         lower, upper: Limits of theta_0 ... theta_3, (4,) [rad].
         middle: Middle of each range, (4,) [rad].
         longest, shortest: Distance from shoulder to tcp of the stretched and of the
@@ -63,28 +63,29 @@ class ArmPlane(NamedTuple):
             PublishedDataError: Table 1 is not of the shape that this closed form
                 solves.
         """
-        base, upper, fore, wrist, tip = parameters.dh[:5]
-        alphas = [base.alpha, upper.alpha, fore.alpha]
-        zeros = [upper.d, fore.d, wrist.a, tip.d, tip.a]
-        upright = alphas == [math.pi / 2, math.pi, -math.pi / 2]
-        if not upright or any(zeros) or wrist.d >= 0.0:
+        row_0, row_1, row_2, row_3, row_4 = parameters.dh[:5]
+        twists = [row_0.alpha, row_1.alpha, row_2.alpha]
+        must_be_zero = [row_1.d, row_2.d, row_3.a, row_4.d, row_4.a]
+        twists_fit = twists == [math.pi / 2, math.pi, -math.pi / 2]
+        if not twists_fit or any(must_be_zero) or row_3.d >= 0.0:
             raise PublishedDataError(
                 "Table 1", "not a vertical plane with two links in it"
             )
 
-        l_1 = upper.a
-        l_2 = math.hypot(fore.a, wrist.d)
-        wrist_angle = math.atan2(-wrist.d, fore.a)
+        # The forearm goes a_2 along x_2 and -d_3 across it: l_2 is turned from x_2.
+        l_1 = row_1.a
+        l_2 = math.hypot(row_2.a, row_3.d)
+        forearm_angle = math.atan2(-row_3.d, row_2.a)
 
         joints = parameters.joints[:4]
         return cls(
-            a_0=base.a,
-            d_0=base.d,
+            a_0=row_0.a,
+            d_0=row_0.d,
             l_1=l_1,
             l_2=l_2,
-            azimuth_offset=base.theta_offset,
-            phi_offset=upper.theta_offset,
-            gamma_offset=fore.theta_offset + math.pi - wrist_angle,
+            azimuth_offset=row_0.theta_offset,
+            phi_offset=row_1.theta_offset,
+            gamma_offset=row_2.theta_offset + math.pi - forearm_angle,
             lower=tuple(joint.lower for joint in joints),
             upper=tuple(joint.upper for joint in joints),
             middle=tuple((joint.lower + joint.upper) / 2 for joint in joints),

@@ -1,7 +1,8 @@
 """Inverse kinematics of a whole pose: exact position, closest orientation.
 
-A branch fixes theta_0 to theta_2; what is left of the orientation is a turn about the
-wrist axis (`alpha5_model.kinematics.hand`), and what that leaves is the rotation error.
+A branch fixes theta_0 to theta_2. theta_3 then turns the hand about the wrist axis, as
+close to the orientation as it can (`alpha5_model.kinematics.hand`). The angle that
+remains is the rotation error.
 """
 
 from __future__ import annotations
@@ -44,8 +45,8 @@ class PoseSolutions(PoseSolutionArrays):
     def best(self, q_reference: ArrayLike) -> FloatArray:
         """The solution within the limits with the least rotation error.
 
-        Of equally good ones, the nearest to ``q_reference`` in the Euclidean norm of
-        the joint differences [rad].
+        If several are equally good, the one nearest to ``q_reference`` in the Euclidean
+        norm of the joint differences [rad].
 
         Args:
             q_reference: (4,) or (..., 4) [rad].

@@ -71,7 +71,7 @@ def _rigid(transform: Any) -> FloatArray:
 def _with_best_yaw(
     hand: Hand, q: FloatArray, error: FloatArray, rotation: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """q (N, 4, 4) with the free theta_0 of the least error, and the error (N, 4)."""
+    """q (N, 4, 4) with the theta_0 of the least rotation error, and that (N, 4)."""
     for theta_0 in hand.yaw_candidates(q, rotation):
         trial = q.copy()
         trial[..., 0] = theta_0

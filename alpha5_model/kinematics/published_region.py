@@ -66,23 +66,23 @@ class PublishedErrors:
 @cache
 def published_tori(parameters: Alpha5Parameters) -> tuple[Torus, Torus, Torus]:
     """The three limits of Section 1.2, of an arm of these dimensions."""
-    base, upper, fore, wrist = parameters.dh[:4]
+    row_0, row_1, row_2, row_3 = parameters.dh[:4]
     printed = published().workspace
-    shoulder = (base.a, base.d)
+    shoulder = (row_0.a, row_0.d)
     inner_radius = math.hypot(
-        printed.inner_offset.si + fore.a, printed.inner_length.si + wrist.d
+        printed.inner_offset.si + row_2.a, printed.inner_length.si + row_3.d
     )
     outer = Torus(
         name="outer",
         center=shoulder,
-        radius=upper.a + math.sqrt(wrist.d**2 + fore.a**2),
+        radius=row_1.a + math.sqrt(row_3.d**2 + row_2.a**2),
         inside=True,
     )
     inner = Torus(name="inner", center=shoulder, radius=inner_radius, inside=False)
     downward = Torus(
         name="downward",
-        center=(base.a, base.d - printed.downward_drop.si),
-        radius=-wrist.d,
+        center=(row_0.a, row_0.d - printed.downward_drop.si),
+        radius=-row_3.d,
         inside=False,
     )
     return outer, inner, downward

@@ -14,7 +14,7 @@ from alpha5_model.kinematics.half_plane import POSES, azimuth_beyond
 from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.kinematics.reachable_points import Accept, reachable
 
-#: An azimuth this close to those that a pose can face is one of them [rad].
+#: A pose can face an azimuth if it misses it by less than this [rad].
 _FACED = 1e-6
 
 
@@ -23,9 +23,10 @@ class SampledShare(NamedTuple):
 
     Attributes:
         share: 0 to 1.
-        standard_error: Of the share, 1 sigma; of a binomial with one success and one
-            failure more, so that it is never zero.
-        total: Of what it is the share, exact [m^3], or [m^2] in a half-plane.
+        standard_error: Of the share, 1 sigma; computed with one success and one
+            failure added, so that it is never zero.
+        total: Exact volume of the reachable set [m^3], or its area in a half-plane
+            [m^2].
         samples: Number of points.
     """
 
@@ -86,7 +87,7 @@ def _points_around(
 
 
 def _area(plane: ArmPlane, azimuth: float) -> float:
-    """Area of the half-plane that the poses reach which can face an azimuth [m^2]."""
+    """Area that the poses which can face an azimuth reach in its half-plane [m^2]."""
     facing = []
     for pose in POSES:
         if abs(azimuth_beyond(plane, azimuth, pose)) < _FACED:

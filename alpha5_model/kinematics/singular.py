@@ -22,9 +22,9 @@ class Singularities(NamedTuple):
     """Distance of joint positions from the singular sets.
 
     Attributes:
-        stretched: theta_2 less the angle of the stretched arm, wrapped to [-pi, pi),
+        stretched: theta_2 minus the angle of the stretched arm, wrapped to [-pi, pi),
             (...) [rad].
-        folded: theta_2 less the angle of the folded arm, wrapped to [-pi, pi),
+        folded: theta_2 minus the angle of the folded arm, wrapped to [-pi, pi),
             (...) [rad].
         yaw_axis: Distance of the tcp from the yaw axis in the plane of the arm,
             (...) [m]; positive in front of it.

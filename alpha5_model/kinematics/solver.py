@@ -25,7 +25,7 @@ from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.kinematics.solutions import SolutionArrays
 from alpha5_model.numbers.parameters import parameters
 
-#: Targets in a block: what the kernel writes of them stays in the cache.
+#: Targets in a block: the results of so many stay in the cache.
 BLOCK = 8192
 #: The kernel has no parameters: its numbers are constants.
 _NO_PARAMETERS = np.empty(0)
@@ -72,7 +72,7 @@ def solve(kind: type[Kind], position: ArrayLike, wrist: ArrayLike) -> Kind:
     if solved is not None:
         return solved
 
-    # The kernel of one target does not take other types and shapes, nor bad numbers.
+    # The kernel of one target declined: another type or shape, or a bad number.
     target = float_array("position", position, (3,))
     angle = float_array("wrist", wrist, ())
     try:
@@ -96,7 +96,7 @@ def solve_batch(
     Args:
         position: (..., 3) [m].
         wrist: Broadcasts to (...) [rad].
-        angles: False leaves q to scratch, not to be relied on.
+        angles: False if q is not needed: it then holds arbitrary numbers.
     """
     lead = position.shape[:-1]
     target = np.ascontiguousarray(position.reshape(-1, 3))
@@ -136,7 +136,7 @@ def _solve_block(
     try:
         compute("inverse_kinematics", _NO_PARAMETERS, target, theta_3, q, *numbers)
     except KernelError:
-        # Too large to compute with. Clipped, it is as far out of reach.
+        # Numbers too large to compute with are clipped: still out of reach.
         near = [x.clip(-LARGEST, LARGEST) for x in (target, theta_3)]
         compute("inverse_kinematics", _NO_PARAMETERS, *near, q, *numbers)
     for flag, number in zip(flags, numbers, strict=True):

@@ -1,4 +1,4 @@
-"""How much rounding the inverse kinematics forgives."""
+"""Tolerances of the inverse kinematics for rounding errors."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ AXIS_TOLERANCE = 1e-9
 
 
 class Tolerances(NamedTuple):
-    """What rounding is forgiven, for one scalar type.
+    """The tolerances of one scalar type.
 
     Attributes:
-        edge: Beyond the edge of reach [m]: rounding must not lose a solution.
-        limit: Beyond a joint limit, which is then returned itself [rad].
-        singular: ``singular`` within this distance of the edge of reach [m].
-        axis: On the yaw axis within this distance of it [m].
-        azimuth: Of the azimuth at 1 m from the yaw axis [rad].
-        elbow: Of the two angles of a nearly stretched arm [rad], over the sine of the
-            elbow's angle.
-        least_sine: Of that angle.
+        edge: A target this far beyond the edge of reach is on it [m]: rounding must
+            not lose a solution.
+        limit: An angle this far beyond a joint limit is that limit [rad].
+        singular: A target this close to the edge of reach is ``singular`` [m].
+        axis: A target this close to the yaw axis is on it [m].
+        azimuth: Error of the azimuth at 1 m from the yaw axis [rad].
+        elbow: Error of the two angles of a nearly stretched arm [rad], times the sine
+            of the elbow's angle.
+        least_sine: The sine is taken as at least this.
     """
 
     edge: float

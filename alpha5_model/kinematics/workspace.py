@@ -72,7 +72,7 @@ __all__ = [
 def published_tori() -> tuple[Torus, Torus, Torus]:
     """The three limits of Section 1.2, as printed.
 
-    39.94 mm where Table 1 has 40, and d_3 is negative.
+    They contain 39.94 mm, where Table 1 has 40. d_3 is negative.
     """
     return published_region.published_tori(catalogue().parameters)
 
