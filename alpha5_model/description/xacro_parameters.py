@@ -15,7 +15,7 @@ from alpha5_model.geometry.materials import MATERIALS
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
 #: Fields of a joint that are written if it has them: fingers have no device, and the
-#: joints of the arm follow none.
+#: arm's joints follow no other joint.
 _JOINT_FIELDS = (
     "lower",
     "upper",
@@ -35,6 +35,7 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
     import yaml
 
     arm = arm_bodies(parameters, "locked")
+    # With jaws, link_0 to link_3 are the same: only the wrist, rod and fingers are new.
     jaws = arm_bodies(parameters, "jaws")[4:]
     source = provenance(parameters)
     frames = fixed_frames(parameters)
@@ -44,7 +45,7 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
         "links": _links(arm),
         "joints": _joints(arm),
         "frames": {name: asdict(frame) for name, frame in frames.items()},
-        # link_4's own joint, axis_b, is among the joints of the arm.
+        # The wrist's joint, axis_b, is among the joints of the arm already.
         "jaws": {"links": _links(jaws), "joints": _joints(jaws[1:])},
         "home": _home(parameters),
     }
@@ -87,7 +88,7 @@ def _joint_numbers(joint: JointRange) -> dict[str, float]:
 def _home(parameters: Alpha5Parameters) -> dict[str, float]:
     """Joint positions at which mock hardware starts.
 
-    At zero the arm is out of its limits and in collision.
+    At zero the arm would be beyond its limits and in collision.
     """
     rod = parameters.joints[4]
     positions = (*NAMED_POSES["home"], rod.lower)

@@ -1,6 +1,6 @@
 """Whether an arm has the catalogue's dimensions and limits.
 
-What was made for those refuses other arms.
+Some answers were made for these only and refuse other arms.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from alpha5_model.description.frames import (
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
-#: How far a joint may be from its place [m], and turned from it [rad], for a closed
-#: form or a kernel: what rounding does to the numbers of a file.
+#: How far a joint may be from its place [m], and turned from it [rad], if an answer
+#: needs the catalogue's dimensions exactly: a file may print few digits.
 EXACT = 1e-9
-#: The same for drawn bodies. Primitives enclose them within 3 mm; sets of numbers that
-#: round to the printed ones differ by 2 mm.
+#: The same for answers about drawn bodies. Primitives enclose these within 3 mm, and
+#: sets of numbers that round to the printed ones differ by 2 mm.
 DRAWN = 3e-3
-#: Turns of this arm move a point by at most its reach [m].
+#: Turns an angle into a distance: a turn moves a point of this arm by no more [m/rad].
 _REACH = 0.5
 
 
@@ -47,7 +47,7 @@ def check_dimensions(model: Any, needed_for: str, tolerance: float = EXACT) -> N
 
     Args:
         model: pin.Model of an arm, on any base and with any gripper.
-        needed_for: What answers for the catalogue's dimensions only, for the message.
+        needed_for: What was made for the catalogue's dimensions, for the message.
         tolerance: [m], and at the arm's reach.
 
     Raises:

@@ -18,9 +18,10 @@ from alpha5_model.dynamics.dimensions import check_dimensions, made_for
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
-#: How far a frame may be from where the kernels have it: what rounding does to the
-#: numbers of a URDF.
-_ROUNDING = 1e-14
+#: How far a frame may be from where the kernels have it [m and rad]. Kernels replace
+#: Pinocchio unnoticed, so only the rounding of a URDF's numbers is allowed; what
+#: refuses an arm openly allows `dimensions.EXACT`.
+_SAME_FRAME = 1e-14
 
 
 def arm_parameters(arm: Any) -> FloatArray:
@@ -32,7 +33,7 @@ def arm_parameters(arm: Any) -> FloatArray:
     """
     if arm._kernel_parameters is None:
         if not arm.floating_base and len(arm.joint_names) == 4:
-            check_dimensions(arm._model, "the generated formulas", _ROUNDING)
+            check_dimensions(arm._model, "the generated formulas", _SAME_FRAME)
         raise InputError("arm", arm, "one on a fixed base with its jaws locked")
     return np.array(arm._kernel_parameters)
 
@@ -81,4 +82,4 @@ def _has_the_joints_of(parameters: Alpha5Parameters, model: Any) -> bool:
     ours = [pose(at.xyz, at.rpy) for at in placements]
     theirs = [at.homogeneous for at in list(model.jointPlacements)[1:]]
     theirs.append(model.frames[tip].placement.homogeneous)
-    return bool(np.abs(np.subtract(ours, theirs)).max() < _ROUNDING)
+    return bool(np.abs(np.subtract(ours, theirs)).max() < _SAME_FRAME)

@@ -48,7 +48,7 @@ def _boundary(plane: ArmPlane, side: str, limits: bool) -> tuple[Arc, ...]:
 
 
 class _Sweep(NamedTuple):
-    """A motion that draws an arc: one joint of the planar arm is fixed, the other turns.
+    """A motion along an arc: one joint of the planar arm is fixed, the other turns.
 
     Attributes:
         cause: Why the joint is fixed.

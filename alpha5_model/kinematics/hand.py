@@ -131,7 +131,7 @@ class Hand(NamedTuple):
     def _turn_with_wrist_at(
         self, wrist: float, q: FloatArray, rotation: FloatArray
     ) -> FloatArray:
-        """Turns about z that come closest to the target with a given theta_3, (N, 4)."""
+        """Turns about z that come closest to the target at a given theta_3, (N, 4)."""
         at_end = q.copy()
         at_end[..., 3] = wrist
         rest = rotation[:, None] @ np.swapaxes(self.rotation(at_end), -1, -2)

@@ -20,9 +20,9 @@ class Correction:
     """A departure from the document.
 
     Attributes:
-        name: The name to ask for it by.
-        statement: What the document says, and what the correction says.
-        evidence: Why.
+        name: Its name in ``corrections``.
+        statement: What the document says, and what the correction says instead.
+        evidence: Why the correction is right.
         effect: What it changes in the model.
     """
 
@@ -37,7 +37,7 @@ _RECORDED = Path(__file__).with_suffix(".toml").read_text("utf-8")
 CORRECTIONS = {
     name: Correction(name, **text) for name, text in tomllib.loads(_RECORDED).items()
 }
-#: Applied where nothing else is asked for.
+#: Applied by default.
 DEFAULT_CORRECTIONS: tuple[str, ...] = ("base_frame",)
 
 

@@ -1,4 +1,4 @@
-"""What surrounds the arm: densities of fluids and gravity. NumPy only."""
+"""Densities of fluids, and gravity. NumPy only."""
 
 from __future__ import annotations
 

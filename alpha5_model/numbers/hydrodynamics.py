@@ -1,8 +1,8 @@
 """Added mass and drag strips of each body, in SI units. Estimated, not published.
 
-The sets are ``estimated`` (our own calculation, with low, nominal and high) and
-``supplementary`` (numbers that circulate, by strip theory); both stand in ``numbers/``.
-`alpha5_model.dynamics` computes with them if it is asked to.
+There are two sets, both in ``numbers/``. ``estimated`` is our own calculation, with
+low, nominal and high values. ``supplementary`` are numbers by strip theory that circulate.
+`alpha5_model.water` computes with them.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from alpha5_model.numbers.tables import BODY_NAMES, HydrodynamicRow
 
 LEVELS = ("low", "nominal", "high")
 SETS = ("estimated", "supplementary")
-#: Density of the water that added masses and damping are given for [kg/m^3]; another
-#: fluid scales them.
+#: Added masses and damping are given for water of this density [kg/m^3]; those in
+#: another fluid are in proportion to its density.
 WATER_DENSITY = 1000.0
-#: Relative to the largest product of diagonal entries: how far from symmetric and
-#: definite is still rounding.
+#: How far a matrix may be from symmetric and from positive semidefinite by rounding,
+#: relative to its diagonal entries.
 _ROUNDING = 1e-6
 
 
@@ -78,12 +78,12 @@ class DragStrip:
 
 @dataclass(frozen=True, eq=False)
 class BodyHydrodynamics:
-    """What moving water does to one body, in its frame.
+    """Added mass and drag of one body, in its frame.
 
     Attributes:
         added_mass: Linear before angular, about the frame's origin, (6, 6) [kg, kg m,
             kg m^2], in water of `WATER_DENSITY`.
-        strips: Where it drags.
+        strips: Along which the water drags.
 
     Raises:
         InputError: An added mass that is not symmetric, or has a negative eigenvalue.
@@ -155,7 +155,7 @@ def added_mass(matrix: ArrayLike) -> FloatArray:
 def hydrodynamics(
     gripper: str = "locked", level: str = "nominal", numbers: str = "estimated"
 ) -> dict[str, BodyHydrodynamics]:
-    """Moving water at each body of the arm.
+    """Added mass and drag of each body of the arm.
 
     Args:
         gripper: ``locked`` (link_4 with closed jaws) or ``jaws`` (wrist and fingers,
@@ -164,8 +164,8 @@ def hydrodynamics(
         numbers: ``estimated`` or ``supplementary``.
 
     Returns:
-        Name of the link -> what the water does to it; bodies of which the set knows
-        nothing are left out.
+        Name of the link -> its added mass and drag; links that the set does not contain
+        are left out.
 
     Raises:
         UnknownNameError: No such gripper, level or set.

@@ -1,10 +1,10 @@
 """Conversions and checks of rigid-body inertia: pure functions on arrays.
 
-Conventions: a *tensor* is (..., 3, 3) [kg m^2] with the products of inertia as negative
-integrals, ``I_xy = -(integral of x y dm)``, as URDF, Pinocchio and every textbook
-tensor have it. SolidWorks prints the products with the opposite sign. ``com`` is (...,
-3) [m], ``mass`` (...) [kg]. Other input raises an `InputError`, leading shapes that do
-not broadcast a `ShapeError`.
+Conventions: a *tensor* is (..., 3, 3) [kg m^2]. Its products of inertia are negative
+integrals, ``I_xy = -(integral of x y dm)``, as in URDF, Pinocchio and textbooks.
+SolidWorks prints them with the opposite sign. ``com`` is (..., 3) [m] and ``mass``
+(...) [kg]. Other input raises an `InputError`, and leading shapes that do not broadcast
+raise a `ShapeError`.
 
 References:
     [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically
@@ -47,7 +47,7 @@ def flip_products(inertia: ArrayLike) -> FloatArray:
     Returns:
         (..., 3, 3), the same diagonal, every off-diagonal entry negated.
     """
-    (tensor,) = _together(inertia=inertia)
+    (tensor,) = _broadcastable(inertia=inertia)
     return np.where(np.eye(3, dtype=bool), tensor, -tensor)
 
 
@@ -65,7 +65,7 @@ def point_mass_tensor(mass: ArrayLike, position: ArrayLike) -> FloatArray:
     Returns:
         (..., 3, 3) [kg m^2].
     """
-    m, p = _together(mass=mass, position=position)
+    m, p = _broadcastable(mass=mass, position=position)
     m = m[..., None, None]
     square = np.einsum("...i,...i->...", p, p)[..., None, None]
     return np.asarray(m * (square * np.eye(3) - p[..., :, None] * p[..., None, :]))
@@ -84,7 +84,7 @@ def tensor_at_origin(
     Returns:
         (..., 3, 3) about the origin, same axes [kg m^2].
     """
-    m, c, tensor = _together(mass=mass, com=com, inertia_com=inertia_com)
+    m, c, tensor = _broadcastable(mass=mass, com=com, inertia_com=inertia_com)
     return tensor + point_mass_tensor(m, c)
 
 
@@ -92,7 +92,7 @@ def tensor_at_com(
     mass: ArrayLike, com: ArrayLike, inertia_origin: ArrayLike
 ) -> FloatArray:
     """Parallel-axis theorem, from the origin to the COM; see `tensor_at_origin`."""
-    m, c, tensor = _together(mass=mass, com=com, inertia_origin=inertia_origin)
+    m, c, tensor = _broadcastable(mass=mass, com=com, inertia_origin=inertia_origin)
     return tensor - point_mass_tensor(m, c)
 
 
@@ -109,7 +109,7 @@ def rotate_tensor(rotation_a_to_b: ArrayLike, inertia: ArrayLike) -> FloatArray:
     Raises:
         InputError: ``rotation_a_to_b`` is not a rotation.
     """
-    r, tensor = _together(rotation_a_to_b=rotation_a_to_b, inertia=inertia)
+    r, tensor = _broadcastable(rotation_a_to_b=rotation_a_to_b, inertia=inertia)
     if not is_rotation(r).all():
         raise InputError(
             "rotation_a_to_b", r.tolist(), "rotations: orthonormal, determinant +1"
@@ -120,19 +120,19 @@ def rotate_tensor(rotation_a_to_b: ArrayLike, inertia: ArrayLike) -> FloatArray:
 def combine(
     masses: ArrayLike, coms: ArrayLike, inertias: ArrayLike
 ) -> tuple[float, FloatArray, FloatArray]:
-    """Mass, COM and tensor of rigidly joined bodies; a negative mass takes a body out.
+    """Mass, COM and tensor of rigidly joined bodies; a negative mass removes a body.
 
     Args:
         masses: (N,) [kg].
         coms: (N, 3) [m], in one common frame.
         inertias: (N, 3, 3), each about its own COM, in that frame's axes [kg m^2];
-            those of a body to be taken out negated like its mass.
+            that of a removed body is negated like its mass.
 
     Returns:
         Mass [kg], COM (3,) [m], tensor about that COM (3, 3) [kg m^2].
 
     Raises:
-        InputError: The masses add up to zero: no COM.
+        InputError: The masses add up to zero, so there is no COM.
     """
     (m,) = fitting(masses=(masses, ()))
     n = m.size
@@ -157,7 +157,7 @@ def second_moments(inertia: ArrayLike) -> FloatArray:
     Returns:
         (..., 3, 3) about the same point [kg m^2].
     """
-    (tensor,) = _together(inertia=inertia)
+    (tensor,) = _broadcastable(inertia=inertia)
     trace = np.trace(tensor, axis1=-2, axis2=-1)[..., None, None]
     return np.asarray(trace / 2 * np.eye(3) - tensor)
 
@@ -178,7 +178,7 @@ def pseudo_inertia(
     Returns:
         (..., 4, 4).
     """
-    m, c, tensor = _together(mass=mass, com=com, inertia_com=inertia_com)
+    m, c, tensor = _broadcastable(mass=mass, com=com, inertia_com=inertia_com)
     sigma = second_moments(tensor + point_mass_tensor(m, c))
     out = np.empty((*sigma.shape[:-2], 4, 4))
     out[..., :3, :3] = sigma
@@ -189,7 +189,7 @@ def pseudo_inertia(
 
 def principal_moments(inertia: ArrayLike) -> FloatArray:
     """Eigenvalues of the symmetric part, ascending, (..., 3) [kg m^2]."""
-    (tensor,) = _together(inertia=inertia)
+    (tensor,) = _broadcastable(inertia=inertia)
     symmetric = (tensor + np.swapaxes(tensor, -1, -2)) / 2
     return np.asarray(np.linalg.eigvalsh(symmetric), dtype=np.float64)
 
@@ -200,7 +200,7 @@ def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> FloatArray:
     Raises:
         InputError: A mass not above 0, or a moment of inertia below 0.
     """
-    m, tensor = _together(mass=mass, inertia=inertia)
+    m, tensor = _broadcastable(mass=mass, inertia=inertia)
     diagonal = np.diagonal(tensor, axis1=-2, axis2=-1)
     if not ((m >= 1 / LARGEST).all() and (diagonal >= 0).all()):
         raise InputError(
@@ -218,13 +218,13 @@ def inconsistencies(
 ) -> tuple[str, ...]:
     """What makes one body physically impossible; empty if nothing does.
 
-    Positive mass, a symmetric and positive definite tensor, the triangle inequality of
-    the principal moments, and a positive definite pseudo-inertia [Traversaro2016,
-    Wensing2018]. With the body's outer bounds also: the COM lies inside, and along each
-    axis the variance of the mass is at most ``(max - com)(com - min)`` [Bhatia2000].
-    The bounds find what the triangle inequality cannot: a tensor about the link frame
-    in place of the COM, a COM on the wrong side, a guessed inertia larger than the
-    body.
+    The conditions are a positive mass, a symmetric and positive definite tensor, the
+    triangle inequality of the principal moments, and a positive definite pseudo-inertia
+    [Traversaro2016, Wensing2018]. If the body's outer bounds are given, the COM must
+    also lie inside, and along each axis the variance of the mass must be at most
+    ``(max - com)(com - min)`` [Bhatia2000]. The bounds reveal errors that satisfy the
+    triangle inequality: a tensor about the link frame instead of the COM, a COM on the
+    wrong side, a guessed inertia of a larger body.
 
     Args:
         mass: [kg].
@@ -281,7 +281,7 @@ def _violations(mass: float, tensor: FloatArray, tolerance: float) -> list[str]:
 def _beyond_bounds(
     mass: float, com: FloatArray, tensor: FloatArray, box: FloatArray, tolerance: float
 ) -> list[str]:
-    """Axes along which the COM or the mass is outside of the box, (3, 2)."""
+    """Axes along which the COM, or the spread of mass, does not fit the box (3, 2)."""
     variances = np.zeros(3)
     if mass > 0:
         variances = np.diagonal(second_moments(tensor)) / mass
@@ -307,15 +307,16 @@ def _beyond_bounds(
 def check_possible(
     name: str, mass: float, com: FloatArray, inertia: FloatArray
 ) -> None:
-    """Check one body; one without mass and inertia is possible.
+    """Check that a body can have this mass, COM and inertia.
+
+    A body without any mass and inertia, such as a frame, passes.
 
     Args:
         name: Of the inertia, for the message.
         mass, com, inertia: See `inconsistencies`.
 
     Raises:
-        InputError: No body can have this mass and inertia, or they are no finite real
-            numbers.
+        InputError: No body can have them, or they are not finite real numbers.
     """
     wrong = inconsistencies(mass, com, inertia)
     if wrong and (mass or np.any(inertia)):
@@ -323,8 +324,16 @@ def check_possible(
         raise InputError(name, given, f"a possible body, but {wrong[0]}")
 
 
-def _together(**given: ArrayLike) -> list[FloatArray]:
-    """Arrays whose leading shapes fit; the trailing shapes go by name."""
-    shapes: dict[str, tuple[int, ...]] = {"mass": (), "com": (3,), "position": (3,)}
-    named = {name: (value, shapes.get(name, (3, 3))) for name, value in given.items()}
-    return [bounded(*pair) for pair in zip(named, fitting(**named), strict=True)]
+def _broadcastable(**given: ArrayLike) -> list[FloatArray]:
+    """Checked arrays whose leading axes broadcast.
+
+    Args:
+        given: Arrays by their names in messages. ``mass`` has no trailing axes, ``com``
+            and ``position`` have (3,), all others (3, 3).
+    """
+    trailing: dict[str, tuple[int, ...]] = {"mass": (), "com": (3,), "position": (3,)}
+    expected = {
+        name: (value, trailing.get(name, (3, 3))) for name, value in given.items()
+    }
+    arrays = fitting(**expected)
+    return [bounded(name, array) for name, array in zip(given, arrays, strict=True)]

@@ -1,9 +1,9 @@
 """Link 4 taken apart: wrist, jaw rod and two fingers, together Table 2's link 4.
 
-The document prints link 4 with its jaws closed as one body. The fingers and the rod are
-estimated (their geometry and densities are supplementary values); the wrist is what
-remains, so that with closed jaws mass, first and second moments of the assembly are the
-printed ones whatever the estimate.
+The document prints link 4 as one body, with its jaws closed. The fingers and the rod
+are estimated from supplementary geometry and densities. The wrist is the remainder. So
+with closed jaws the assembly has the printed mass, first and second moments, whatever
+the estimate.
 
 Frames, by their pose in link_4 (wrist axis along -z, tip at negative z):
 
@@ -85,10 +85,10 @@ class Jaws:
 def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     """Take the rod and the fingers out of link 4.
 
-    A finger is a box of the measured length, width and volume, its centre halfway along
-    and halfway between its pivot and the wrist axis. The rod is a cylinder centred at
-    the jaw collar's base with axis_a at 0; when closed, it is axis_a's lower limit
-    beyond it.
+    A finger is a box of the measured length, width and volume. Its centre is halfway
+    along the finger, and halfway between its pivot and the wrist axis. The rod is a
+    cylinder. Its centre is at the base of the jaws' collar with axis_a at 0; with
+    closed jaws it is beyond that by axis_a's lower limit.
 
     Args:
         parameters: The arm's parameters.
@@ -142,12 +142,14 @@ def _finger(
 ) -> JawBody:
     """A finger on the -x side (-1) or the +x side (1) of the wrist axis, a box."""
     jaws = parameters.jaws
-    y = jaws.finger_length
-    z = jaws.finger_width
-    x = volume / (y * z)
+    length = jaws.finger_length  # along y
+    width = jaws.finger_width  # along z, the hinge
+    thickness = volume / (length * width)  # along x
     mass = jaws.finger_density * volume
-    squares = np.diag([y**2 + z**2, x**2 + z**2, x**2 + y**2])
-    centre = frozen([-side * jaws.pivot_offset / 2, -side * y / 2, 0.0])
+    squares = np.diag(
+        [length**2 + width**2, thickness**2 + width**2, thickness**2 + length**2]
+    )
+    centre = frozen([-side * jaws.pivot_offset / 2, -side * length / 2, 0.0])
     pivot_height = jaws.collar_base + jaws.pivot_height
     return JawBody(
         name=name,
@@ -170,7 +172,7 @@ def _finger_joint(name: str, parameters: Alpha5Parameters) -> FingerJoint:
         lower=0.0,
         upper=turn * (rod.upper - rod.lower),
         velocity=turn * rod.velocity,
-        # A finger only follows: it can exert the rod's effort over its lever.
+        # A finger only follows the rod, whose force acts on it by this lever.
         effort=rod.effort / turn,
         leader=rod.name,
         multiplier=turn,

@@ -352,13 +352,21 @@ def parameters(corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> Alpha5Parame
     return _converted(check_corrections(corrections))
 
 
-_converted = cache(lambda corrections: convert(published(), corrections))
+_converted = cache(lambda corrections: parameters_from_tables(published(), corrections))
 
 
-def convert(
+def parameters_from_tables(
     printed: tables.Published, corrections: tuple[str, ...]
 ) -> Alpha5Parameters:
-    """Printed tables to SI units and URDF convention, with the named corrections."""
+    """The arm's parameters from printed tables.
+
+    Printed units become SI units, and the document's sign of products of inertia
+    becomes URDF's.
+
+    Args:
+        printed: The tables.
+        corrections: Checked names of the corrections to apply.
+    """
     extra = printed.supplementary
     links = link_numbers(printed, corrections)
     actuators = printed.table_4.rows
@@ -378,7 +386,10 @@ def convert(
 def link_numbers(
     printed: tables.Published, corrections: tuple[str, ...]
 ) -> list[dict[str, Any]]:
-    """Fields of `LinkParameters` of each link, not checked: no body need have them."""
+    """Fields of `LinkParameters` of each link, not checked.
+
+    So they may be numbers that no body can have.
+    """
     bodies = printed.table_2.rows, printed.table_3.rows, printed.supplementary.bodies
     dh = _dh(printed)
     return [_link(rows, dh, corrections) for rows in zip(*bodies, strict=True)]
@@ -437,7 +448,7 @@ def _split_angle(
 def _link(
     rows: Any, dh: Sequence[DHParameters], corrections: tuple[str, ...]
 ) -> dict[str, Any]:
-    """Fields from its rows of Tables 2 and 3 and its bounds."""
+    """Fields of a link from its rows of Tables 2 and 3 and its bounds."""
     inertial, buoyancy, body = rows
     cob = in_si(buoyancy.cob)
     if body.name == "link_3" and "link3_cob" in corrections:
@@ -458,12 +469,12 @@ def _link(
 
 
 def _record(kind: type[Any], row: Any) -> Any:
-    """A record from the printed row, whose fields have the same names."""
+    """A record in SI units from a printed row with fields of the same names."""
     return kind(**{f.name: in_si(getattr(row, f.name)) for f in fields(kind)})
 
 
 def in_si(value: Any) -> Any:
-    """Numbers in SI units, at any depth; what is no printed number as it is."""
+    """Printed numbers in SI units, in tuples of any depth; other values unchanged."""
     if isinstance(value, tuple):
         return [in_si(item) for item in value]
     if isinstance(value, tables.SourcedQuantity):

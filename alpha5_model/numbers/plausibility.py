@@ -1,12 +1,11 @@
-"""What a quantity of an arm may plausibly be, and the warning about one that is not.
+"""Plausible ranges of the arm's quantities, and the warning about other values.
 
-An impossible value (a negative mass) raises where it is checked. A value that is
-possible, but most likely given in another unit, is worth an `ImplausibleWarning` that
-names the unit which seems meant. The warning is given when an object is made, never by
-a method that computes.
+An impossible value, such as a negative mass, raises an error elsewhere. A value that is
+possible, but was most likely given in another unit, causes an `ImplausibleWarning` that
+names that unit. Objects warn when they are made; methods that compute never warn.
 
-All bounds stand here, each with its reason. They are wide: what a user may mean must
-pass.
+Each range has its reason beside it. The ranges are wide, so that everything passes that
+a user may mean.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from alpha5_model.errors import ImplausibleWarning
 
 @dataclass(frozen=True, kw_only=True)
 class Plausible:
-    """What is plausible of one quantity.
+    """The plausible values of one quantity.
 
     Attributes:
         unit: SI unit.
@@ -80,23 +79,23 @@ MASS = Plausible(
 POSITION = Plausible(
     unit="m", ranges=((0.0, 2.0),), expected="at most 2 on this arm", units=_LENGTHS
 )
-#: Such a buoy lifts with 1000 N: at 0.5 m, five times what the shoulder's motor can
-#: hold.
+#: A buoy of this volume lifts with 1000 N: at 0.5 m, five times what the shoulder's
+#: motor can hold.
 VOLUME = Plausible(
     unit="m^3", ranges=((0.0, 0.1),), expected="at most 0.1 on this arm", units=_VOLUMES
 )
-#: Of a pole of 3.5 m about its middle.
+#: Radius of gyration; a pole of 3.5 m has 1 m about its middle.
 GYRATION = Plausible(
     unit="m",
     ranges=((0.0, 1.0),),
     expected="at most 1 on this arm",
     units={"kg mm^2": 1e-3, "g cm^2": 1e-7**0.5, "g mm^2": 1e-9**0.5},
 )
-#: Of a body as a whole: the lightest foam has 10 kg/m^3, osmium 22590.
+#: Mean density of a body: the lightest foam has 10 kg/m^3, osmium 22590.
 BODY_DENSITY = Plausible(
     unit="kg/m^3", ranges=((10.0, 23000.0),), expected="10 to 23000"
 )
-#: Of a part of one material, from balsa to osmium.
+#: Density of a material, from balsa to osmium.
 SOLID_DENSITY = Plausible(
     unit="kg/m^3",
     ranges=((100.0, 23000.0),),
@@ -117,12 +116,12 @@ VEHICLE_VOLUME = Plausible(
     expected="at most 20 for a vehicle",
     units=_VOLUMES,
 )
-#: Neutral is 1000 kg/m^3: a frame of steel with nothing in it, or a boat, is within a
+#: A neutral vehicle has 1000 kg/m^3. An empty frame of steel, or a boat, is within a
 #: factor of 10.
 VEHICLE_DENSITY = Plausible(
     unit="kg/m^3", ranges=((100.0, 1e4),), expected="100 to 10000 for a vehicle"
 )
-#: Such a vehicle is 5 m long.
+#: The heaviest vehicles are 5 m long.
 VEHICLE_POSITION = Plausible(
     unit="m", ranges=((0.0, 5.0),), expected="at most 5 for a vehicle", units=_LENGTHS
 )
@@ -183,7 +182,7 @@ SCREW_LEAD = Plausible(
 )
 
 _silent: ContextVar[bool] = ContextVar("silent", default=False)
-#: Modules between a caller and the objects that it makes.
+#: Packages whose frames a warning skips: it points at the line that called them.
 _PASSED = ("alpha5_model", "dataclasses", "copy", "contextlib")
 
 
@@ -198,8 +197,8 @@ def check(
     Args:
         name: Of the argument.
         value: A number, or a vector whose length counts, in SI units.
-        plausible: What may be expected.
-        magnitude: What is compared, from the value, if it is not its length.
+        plausible: Its plausible values.
+        magnitude: From the value to the number that is compared; None for its length.
 
     Warns:
         ImplausibleWarning: The value is implausible.
@@ -226,7 +225,7 @@ def check_body(
     prefix: str = "",
     on_vehicle: bool = False,
 ) -> None:
-    """Warn of implausible numbers of a body on the arm, or of the arm's vehicle.
+    """Warn of implausible numbers of a body, of the arm or of its vehicle.
 
     Args:
         mass: [kg].
@@ -234,7 +233,7 @@ def check_body(
         inertia: At the COM, (3, 3) [kg m^2].
         volume: [m^3].
         prefix: Before the names of the quantities in the message.
-        on_vehicle: The body is the vehicle's.
+        on_vehicle: Whether it is the vehicle's body.
 
     Warns:
         ImplausibleWarning: One of them is implausible.
@@ -293,12 +292,12 @@ def _check_inertia(
 def check_gravity(given: ArrayLike, gravity: FloatArray) -> None:
     """Warn of implausible gravity.
 
-    A vector that someone has written, a tuple or a list, that points straight up is
-    most likely meant to point down. One that was computed, as by `gravity_in_base`, may
-    point anywhere.
+    A tuple or list that points straight up was written by hand, and is most likely
+    meant to point down. An array was computed, for example by `gravity_in_base`, and
+    may point anywhere.
 
     Args:
-        given: As it was given.
+        given: The user's argument.
         gravity: The same as an array, (3,) [m/s^2].
 
     Warns:
@@ -315,12 +314,15 @@ def check_gravity(given: ArrayLike, gravity: FloatArray) -> None:
 
 
 def hints(text: str, value: float, plausible: Plausible) -> list[str]:
-    """What to write in place of a number of the command line; empty if it is plausible.
+    """What to write in place of an implausible number on the command line.
 
     Args:
         text: As it was typed.
-        value: What it stands for, in SI units.
-        plausible: What may be expected.
+        value: Its value in SI units.
+        plausible: Its plausible values.
+
+    Returns:
+        Empty if the number is plausible, or is not in the next unit either.
     """
     unit, size = next(iter(plausible.units.items()))
     if plausible.holds(abs(value)) or not plausible.holds(abs(value * size)):
@@ -347,8 +349,8 @@ def _package_of(frame: FrameType) -> str:
 
 
 @contextmanager
-def said() -> Iterator[None]:
-    """Within it no warning is given: the numbers were checked where they came in."""
+def silenced() -> Iterator[None]:
+    """A context without warnings, for numbers that were checked before."""
     token = _silent.set(True)
     try:
         yield

@@ -16,7 +16,7 @@ def published() -> Published:
     Raises:
         PublishedDataError: A data file is malformed; the message names the place.
     """
-    # Late, so that `import alpha5_model` stays light.
+    # Imported late, so that `import alpha5_model` stays light.
     from alpha5_model.numbers.reading import load
 
     return load()

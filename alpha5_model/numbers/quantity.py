@@ -1,4 +1,4 @@
-"""A number as printed: its digits, its unit, and what both mean in SI."""
+"""A number as printed: its digits, its unit, its value and rounding in SI units."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Quantity:
 
     @property
     def rounding(self) -> float:
-        """Half a unit of the last digit, in SI units: what rounding hides."""
+        """Half a unit of the last digit, in SI units: the largest rounding error."""
         exponent = self.value.as_tuple().exponent
         assert isinstance(exponent, int)  # digits, checked by parse
         return self._in_si(Decimal(5).scaleb(exponent - 1))

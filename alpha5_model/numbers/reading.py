@@ -58,7 +58,7 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
 
 
 def earlier_revision() -> tuple[t.EarlierRow, ...]:
-    """Rows of ``earlier_revision.toml``, which are supplementary, see there."""
+    """Rows of ``earlier_revision.toml``; they are supplementary, as it explains."""
     name = "earlier_revision.toml"
     root = _root(name, _text(name)).table("status", "source", "table")
     _status(root["status"])
@@ -70,7 +70,7 @@ def earlier_revision() -> tuple[t.EarlierRow, ...]:
 
 @cache
 def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
-    """The bodies of the estimated or the supplementary file of moving water.
+    """The bodies of the estimated or the supplementary hydrodynamics.
 
     Raises:
         PublishedDataError: As of `parse`; also a matrix that is not symmetric, or an
@@ -81,7 +81,7 @@ def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
 
 
 def parse_hydrodynamics(file: str, text: str) -> dict[str, t.HydrodynamicRow]:
-    """Read the text of a file of moving water."""
+    """Read the text of a file of hydrodynamics."""
     root = _root(file, text).table("units", "bodies")
     _check_units(root["units"], _units(t.HydrodynamicRow) | _units(t.StripRow))
     bodies = root["bodies"]
@@ -154,7 +154,7 @@ def _root(file: str, text: str) -> _Node:
 
 
 def _units(record: type[Any], rod: bool = False) -> dict[str, str]:
-    """Field -> printed unit of a record, of the jaw rod's if asked for."""
+    """Field -> printed unit of a record; ``rod`` selects those of the jaw rod."""
     return {f.name: f.metadata["units"][rod] for f in fields(record) if f.metadata}
 
 
@@ -165,7 +165,14 @@ def _check_units(node: _Node, units: dict[str, str]) -> None:
 
 
 def _record(record: type[Any], node: _Node, rod: bool = False, **known: Any) -> Any:
-    """A record from a table, each field by its type and unit, or from ``known``."""
+    """A record from a table.
+
+    Args:
+        record: Its class; each field is read by its type and unit.
+        node: The table.
+        rod: Whether the units are those of the jaw rod.
+        known: Values of fields that the table does not have.
+    """
     units = _units(record, rod)
     types = {f.name: str(f.type) for f in fields(record) if f.name not in known}
     node.table(*types)
@@ -187,7 +194,7 @@ def _symmetric(node: _Node, unit: str, size: int, word: str) -> t.Matrix:
 
 
 def _added_mass(node: _Node, unit: str) -> t.Matrix:
-    """A 6x6 matrix, each of whose blocks has a unit of its own."""
+    """A symmetric 6x6 matrix whose blocks have different units."""
     rows = []
     for i, row in enumerate(_symmetric(node, "kg", 6, "six")):
         quantities = []

@@ -1,4 +1,4 @@
-"""The tables as frozen records in printed units: the document's, and moving water's."""
+"""Frozen records of all tables, in printed units: the document's and moving water's."""
 
 from __future__ import annotations
 
@@ -39,7 +39,12 @@ ADDED_MASS_UNITS = ("kg", "kg.m", "kg.m^2")
 
 
 def printed(unit: str | None = None, of_rod: str | None = None) -> Any:
-    """A field that is printed in a unit, if any; the jaw rod's may be another."""
+    """A field of a printed row.
+
+    Args:
+        unit: Its printed unit; None for text.
+        of_rod: The unit in the jaw rod's row, if that is another.
+    """
     return field(metadata={} if unit is None else {"units": (unit, of_rod or unit)})
 
 
@@ -77,7 +82,7 @@ class Table(Generic[RowT]):
     Attributes:
         source: Where it stands.
         rows: One record per printed row.
-        origins: Column -> how the document obtained it, quoted; empty where it does not
+        origins: Column -> how the document obtained it, quoted; empty if it does not
             say.
     """
 
@@ -260,7 +265,7 @@ class BodyBounds:
 
 @dataclass(frozen=True, slots=True)
 class Supplementary:
-    """What is not in the document: joints base to tip, jaw geometry, body bounds.
+    """Values that the document does not print: joints, jaw geometry, body bounds.
 
     Attributes:
         joints: Base to tip, the jaw rod last.
@@ -284,7 +289,7 @@ class Published:
         table_2: Masses, COMs and inertias.
         table_3: Volumes and centres of buoyancy.
         table_4: Actuators.
-        supplementary: What the document does not print.
+        supplementary: Values that the document does not print.
     """
 
     table_1: Table[DHRow]
@@ -315,7 +320,7 @@ class StripRow:
 
 @dataclass(frozen=True, slots=True)
 class HydrodynamicRow:
-    """What moving water does to a body; nothing of it is published.
+    """Added mass and drag of a body; no document publishes them.
 
     Attributes:
         name: ``link_0`` to ``link_4`` (closed jaws), ``link_4_open``, ``wrist`` (link 4
@@ -323,7 +328,7 @@ class HydrodynamicRow:
         added_mass: 6x6, linear before angular, about and in the link's frame, for 1000
             kg/m^3.
         added_mass_factor: Of all its entries: low, nominal, high.
-        strips: Where it drags.
+        strips: Along which the water drags.
         status: One of ``STATUSES``.
         source: Who says so.
         method: How it was computed.

@@ -19,7 +19,7 @@ import alpha5_model as a5
 from alpha5_model.description.reading import read_urdf, urdf_shapes
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.verification import verify_urdf
-from alpha5_model.numbers.parameters import convert
+from alpha5_model.numbers.parameters import parameters_from_tables
 from alpha5_model.numbers.reading import parse
 from alpha5_model.studies.sweep.study import read_study
 
@@ -186,7 +186,7 @@ def _tables(rng: Rng, folder: Path) -> Case:
     texts[k] = damage(rng, texts[k]).decode("utf-8", "replace")
 
     def call(document: str, supplementary: str) -> Any:
-        return convert(parse(document, supplementary), ("base_frame",))
+        return parameters_from_tables(parse(document, supplementary), ("base_frame",))
 
     return Case(call, {"document": texts[0], "supplementary": texts[1]})
 
@@ -255,7 +255,7 @@ def _shapes(path: Path) -> Any:
 def _published_tables(path: Path) -> Any:
     """The tables of the documents, from another text."""
     text = path.read_text("utf-8", "replace")
-    return convert(parse(text, _published()[1]), ("base_frame",))
+    return parameters_from_tables(parse(text, _published()[1]), ("base_frame",))
 
 
 @cache

@@ -376,9 +376,9 @@ def test_silence_ends_with_its_block_and_is_of_one_thread() -> None:
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with plausibility.said():
+        with plausibility.silenced():
             a5.load(1.025)
-            with plausibility.said():
+            with plausibility.silenced():
                 a5.load(1.025)
             a5.load(1.025)
             thread = threading.Thread(target=other)

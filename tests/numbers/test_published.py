@@ -386,10 +386,10 @@ def refuse(document: str, supplementary: str, place: str, problem: str) -> None:
 
 
 def test_an_unreadable_expression_is_refused() -> None:
-    from alpha5_model.numbers.parameters import convert
+    from alpha5_model.numbers.parameters import parameters_from_tables
 
     printed = parse(
         DOCUMENT.replace("theta_3 + pi/2", "theta_3 + tau/4"), SUPPLEMENTARY
     )
     with pytest.raises(PublishedDataError, match=r"Table 1, link 3.*'tau/4'"):
-        convert(printed, ())
+        parameters_from_tables(printed, ())

@@ -18,7 +18,7 @@ import reference
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.parameters import convert
+from alpha5_model.numbers.parameters import parameters_from_tables
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.reading import parse
 from alpha5_model.proofs.audit import frames, motors, tori
@@ -53,7 +53,7 @@ def audit_of(document: str) -> dict[str, AuditRow]:
     """The audit of another document."""
     printed = parse(document, SUPPLEMENTARY)
     try:
-        p = convert(printed, ("base_frame",))
+        p = parameters_from_tables(printed, ("base_frame",))
     except InputError:  # no record holds the body that the audit is to judge
         p = a5.parameters()
     return {row.claim: row for row in audit_of_document(printed, p)}
@@ -751,7 +751,10 @@ def test_the_outer_torus_asks_for_the_elbows_limits(
     assert old in tail
     changed = f"{head}[joints.axis_c]{tail.replace(old, new, 1)}"
     printed = parse(DOCUMENT, changed)
-    outer = {r.claim: r for r in tori.audit(printed, convert(printed, ("base_frame",)))}
+    outer = {
+        r.claim: r
+        for r in tori.audit(printed, parameters_from_tables(printed, ("base_frame",)))
+    }
     row = outer["workspace.outer_torus"]
     frames = reference.dh_frames(np.array([0, 0, theta_2, 0]))
     distance = 1000 * np.linalg.norm(frames[5][:3, 3] - frames[1][:3, 3])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from alpha5_model.proofs.comparison.oddity import _elsewhere
+from alpha5_model.proofs.comparison.oddity import misplacement
 
 
 @pytest.mark.parametrize(
@@ -24,4 +24,4 @@ def test_a_body_off_by_50_mm_or_more_is_elsewhere(
 ) -> None:
     direction = np.array([2.0, -1.0, 2.0]) / 3.0
     points = np.multiply.outer(np.array(off), direction)
-    assert _elsewhere(points) == pytest.approx(expected)
+    assert misplacement(points) == pytest.approx(expected)

@@ -1,7 +1,8 @@
 """Tensors with something added: water, or the parallel-axis term of a wrong point.
 
-Both depend on a size that nobody printed. It is recomputed from the numbers: one or
-three unknowns for six numbers of the tensor.
+Both depend on an unknown size: the length of a cylinder of water, or the position of a
+point. It is computed from the tensor, whose six numbers then test the one or three
+unknowns.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from alpha5_model.proofs.comparison.inertials import Inertial
 
 
 class AddedWater(NamedTuple):
-    """Where the mass is from, and where the tensor is from, in words."""
+    """The origin of a mass and of a tensor, in words."""
 
     mass: str
     inertia: str
@@ -73,11 +74,11 @@ class _Cylinder(NamedTuple):
 def added_water(known: BodyHypotheses, subject: Inertial) -> AddedWater | None:
     """Tell whether mass and tensor are printed ones with a cylinder of water added.
 
-    Strip theory gives ``rho pi r^2 L^3 / 3`` about either axis across for a tensor
-    about the cylinder's end (I_Link), ``/ 12`` about its middle (I_COM), and
-    ``rho pi r^2 L`` in the mass. The radius is the body's, so that six of seven numbers
-    test the one unknown, L. The tensor is taken in our frame, or as it is written if
-    its axes are not ours.
+    Strip theory adds ``rho pi r^2 L`` to the mass. To the moments of inertia about both
+    axes across the cylinder it adds ``rho pi r^2 L^3 / 3`` if they are about its end
+    (I_Link), and ``rho pi r^2 L^3 / 12`` if they are about its middle (I_COM). The
+    radius is the body's, so that six of seven numbers test the one unknown, L. The
+    tensor is tried in our frame, and as it is written if its axes are not ours.
     """
     longest = largest_sizes(known.link).max()
     mass_digits = subject.mass_digits
@@ -116,15 +117,15 @@ def _printed_tensors(body: int) -> Iterator[_Printed]:
 
 
 def _moment_across(tensor: FloatArray, axis: int, digits: float) -> float | None:
-    """The moment of a thin rod along an axis about the two others [kg m^2].
+    """Moment of inertia across a thin rod, if a tensor is that of one [kg m^2].
 
     Args:
         tensor: (3, 3) [kg m^2].
-        axis: 0 to 2.
-        digits: How closely it must be that of a rod [kg m^2].
+        axis: Of the rod, 0 to 2.
+        digits: How closely the tensor must be that of a rod [kg m^2].
 
     Returns:
-        None if the tensor is not that of a rod, or is too small to tell.
+        None if it is not, or is too small to tell.
     """
     across = float(np.delete(np.diag(tensor), axis).mean())
     rest = tensor - across * np.diag(np.arange(3) != axis)
@@ -157,9 +158,9 @@ def _sign_in_words(solidworks: bool) -> str:
 
 
 def wrong_point(known: BodyHypotheses, subject: Inertial) -> str | None:
-    """Tell whether a tensor is the printed I_COM, but about another point.
+    """Tell whether a tensor is the printed I_COM, but about another point p.
 
-    The term ``m (|p|^2 1 - p p^T)`` of that point has three unknowns for six numbers.
+    Six numbers of the parallel-axis term ``m (|p|^2 1 - p p^T)`` test three unknowns.
     """
     mass = subject.mass
     tensor = subject.in_our_frame().inertia

@@ -1,4 +1,4 @@
-"""How another model's joint coordinates and base relate to ours."""
+"""How another model's joint coordinates and base frame relate to ours."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.own_arm import AS_IT_IS, DIMENSIONS
 
-#: A smaller zero is no oddity.
+#: A smaller zero counts as ours.
 SAME_ZERO = 0.005  # [rad]
-#: Smaller differences of the axes, and of their angles, are no findings; the angle is
-#: worth 0.03 mm at arm's length.
+#: Smaller differences of axes and of their angles are no findings. The angle moves the
+#: tip by 0.03 mm.
 LENGTH_TOLERANCE, ANGLE_TOLERANCE = 1e-5, 1e-4  # [m], [rad]
 
 
@@ -28,16 +28,16 @@ class Alignment:
         base: transform_theirs_to_ours of the root frames, (4, 4).
         sign: +1 or -1 per joint, (4,).
         zero: Position of the other joint at our zero, (4,) [rad].
-        dimensions: Theirs minus ours, (8,) [m, rad]: the dimensions a_0, a_1, a_2, d_1,
-            alpha_0, alpha_1, alpha_2 and the elbow's tilt beta_1; zero if held.
-        residual: What is left between their axes and ours, root mean square over
-            positions and axes: of the coordinates of the lines (their moment [m] and
-            direction), and of their angle [rad].
+        dimensions: Theirs minus ours, (8,) [m, rad]: a_0, a_1, a_2, d_1, alpha_0,
+            alpha_1, alpha_2 and the elbow's tilt beta_1; zero for those not fitted.
+        residual: How far their axes remain from ours, root mean square over positions
+            and axes: the entries of the lines (moment [m] and direction), and the angle
+            between the lines [rad].
         base_link: Their link whose frame comes closest to our base_link.
-        stands: Pose of that frame in our base_link, (4, 4).
+        stands: Pose of that link's frame in our base_link, (4, 4).
         same_base: Whether that frame was meant to be our base_link.
-        exact: The alignment with all dimensions fitted, also those that the printed
-            digits explain; None in itself.
+        exact: The alignment with all dimensions fitted, even those that differ only by
+            their printed digits; None in such an alignment itself.
     """
 
     base: FloatArray = field(default_factory=lambda: np.eye(4))

@@ -59,7 +59,7 @@ def _reversed(evidence: Evidence, joint: int) -> Finding:
         "reversed",
         where=AXES[joint],
         cost=round(cost, 9),
-        line=evidence.lines[joint],
+        line=evidence.joint_replacements[joint],
     )
 
 
@@ -72,7 +72,7 @@ def _shifted(evidence: Evidence, joint: int) -> Finding:
     cost = evidence.torque_change(evidence.ours.reduced, q)
 
     key = "zero"
-    words = {"shift": math.degrees(zero), "line": evidence.lines[joint]}
+    words = {"shift": math.degrees(zero), "line": evidence.joint_replacements[joint]}
     if joint in (1, 2):
         key = "zero.fitted"
         without = without_zero(evidence.ours, evidence.theirs, alignment, joint)
@@ -83,7 +83,7 @@ def _shifted(evidence: Evidence, joint: int) -> Finding:
 
 
 def _base_is_known(evidence: Evidence) -> bool:
-    """Whether link_0 fits to the base far better than to one turned by the zero."""
+    """Whether link_0 shows that the base is not turned by the shifted zero."""
     alignment = evidence.alignment
     coms, _ = bodies_in_our_frames(evidence.ours, evidence.theirs, alignment)
     ours = evidence.ours.reduced.com[0]
@@ -134,7 +134,7 @@ def _dimension(evidence: Evidence, index: int, change: float) -> Finding:
         ours=ours,
         unit="mm" if is_length else "deg",
         off=np.linalg.norm(shifts, axis=1).max() * 1e3,
-        line=evidence.lines[row + 1],
+        line=evidence.joint_replacements[row + 1],
     )
 
 
@@ -144,11 +144,11 @@ def _dimension(evidence: Evidence, index: int, change: float) -> Finding:
 def findings_of_rest(
     evidence: Evidence, corrections: list[JointCorrection]
 ) -> Iterator[Finding]:
-    """Joints that no other finding mends, and what the number of printed digits does.
+    """Misplaced joints that no other finding corrects, and effects of printed digits.
 
     Args:
         evidence: Both arms.
-        corrections: Corrections of the joints that no other finding mends.
+        corrections: Of joints that no other finding corrects.
     """
     length, angle = evidence.tolerance
     rounded = []
@@ -161,7 +161,7 @@ def findings_of_rest(
 
 
 def _misplaced(correction: JointCorrection) -> Finding:
-    """A joint that stands elsewhere by more than its digits explain."""
+    """A joint that is misplaced by more than its digits explain."""
     return finding(
         "misplaced",
         where=correction.ours.name if correction.ours else "tool",
@@ -171,7 +171,7 @@ def _misplaced(correction: JointCorrection) -> Finding:
 
 
 def _digits(evidence: Evidence, line: str) -> Iterator[Finding]:
-    """What the number of printed digits does to the axes and to the tip.
+    """Effects of the number of printed digits on the axes and on the tip.
 
     Args:
         evidence: Both arms.
@@ -210,5 +210,5 @@ def _small_zeros(evidence: Evidence) -> str:
 
 
 def _fit(alignment: Alignment) -> FloatArray:
-    """What is left between the axes, root mean square [mm] and [deg]."""
+    """Residual of the axes, root mean square [mm] and [deg]."""
     return np.multiply(alignment.residual, (1e3, 180 / math.pi))

@@ -1,8 +1,8 @@
 """Fit another model's joint axes to ours, as lines, by least squares.
 
-Free are the pose of the other base, the zeros of axis_d and axis_c, and the dimensions
-of our arm. A shifted zero of axis_e is a yaw of the base, and one of axis_b a roll of
-the last body: the axes do not show them.
+The unknowns are the pose of the other base, the zeros of axis_d and axis_c, and the
+dimensions of our arm. The axes do not show the other two zeros: a shifted zero of
+axis_e looks like a yaw of the base, and one of axis_b like a roll of the last body.
 """
 
 from __future__ import annotations
@@ -28,51 +28,46 @@ from alpha5_model.proofs.comparison.line_screws import (
     POSE_UNKNOWNS,
     POSITIONS,
     UNKNOWNS,
-    columns_of,
     dimension_screws,
+    line_derivatives,
     zero_screws,
 )
 from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, OwnArm, random_positions
 from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 
-#: Fewer positions tell how well a first guess fits.
+#: Joint positions at which a first guess is judged: fewer than a fit takes.
 GUESS_POSITIONS = 4
-#: Steps of a fit, and how often a step that does not help is cut.
+#: Most steps of a fit, and how often a step that does not help is cut.
 STEPS, CUTS = 50, 20
 
 
 class Linearized(NamedTuple):
-    """Difference of the lines of an alignment, and its derivative.
+    """How far the axes of an alignment are apart, and the derivative of that.
 
     Attributes:
-        alignment: Where they are taken.
+        alignment: The alignment.
         error: Their axes minus ours, (24 * POSITIONS,): for each axis and position the
             moment about our root [m] and the direction.
         jacobian: Derivative by the `UNKNOWNS`, (24 * POSITIONS, 16).
-        square: Sum of the squares of the error.
+        squared_error: Sum of the squares of the error.
     """
 
     alignment: Alignment
     error: FloatArray
     jacobian: FloatArray
-    square: float
+    squared_error: float
 
 
 @dataclass(frozen=True, eq=False)
 class AxisFit:
-    """Our axes and theirs, to be brought together.
+    """Two arms whose joint axes are to coincide."""
 
-    Attributes:
-        ours: Our arm.
-        theirs: The other arm.
-    """
+    our_arm: OwnArm
+    their_arm: FourJointArm
 
-    ours: OwnArm
-    theirs: FourJointArm
-
-    def their_lines(self, alignment: Alignment, q: FloatArray) -> AxisLines:
+    def their_axes(self, alignment: Alignment, q: FloatArray) -> AxisLines:
         """Their axes at our positions q (..., 4), in our root frame and sense."""
-        points, directions = self.theirs.axis_lines(alignment.theirs(q))
+        points, directions = self.their_arm.axis_lines(alignment.theirs(q))
         rotation = rotation_of(alignment.base)
         shift = origin_of(alignment.base)
         return AxisLines(
@@ -85,62 +80,64 @@ class AxisFit:
 
         Args:
             sign: +1 or -1 per joint, (4,).
-            dimensions: Changes of ours, (8,) [m, rad].
+            dimensions: Changes of our arm's dimensions, (8,) [m, rad].
 
-        The first two axes, which cross at a right angle, place the base. A turn about
-        axis_d brings axis_c to its side of the shoulder, and one about axis_c brings
-        the wrist into its direction.
+        The first two axes cross at a right angle: they place the base. A turn about
+        axis_d then brings axis_c to where it stands from the shoulder, and a turn about
+        axis_c brings the wrist axis into its direction.
         """
-        zero = np.zeros(4)
-        ours = z_axes(self.ours.frames(zero, dimensions))
+        at_zero = np.zeros(4)
+        our_axes = z_axes(self.our_arm.frames(at_zero, dimensions))
 
         start = Alignment(sign=sign, dimensions=dimensions)
-        theirs = self.their_lines(start, zero)
-        turn = _base_frame(ours) @ _base_frame(theirs).T
-        shift = foot(ours, 0, 1) - turn @ foot(theirs, 0, 1)
+        their_axes = self.their_axes(start, at_zero)
+        turn = _base_frame(our_axes) @ _base_frame(their_axes).T
+        shift = foot(our_axes, 0, 1) - turn @ foot(their_axes, 0, 1)
         with_base = replace(start, base=transform(turn, shift))
 
-        theirs = self.their_lines(with_base, zero)
-        shoulder = sign[1] * _angle_about(
-            ours.directions[1],
-            start=_upper_arm(theirs),
-            end=_upper_arm(ours),
+        their_axes = self.their_axes(with_base, at_zero)
+        zero_of_axis_d = sign[1] * _angle_about(
+            our_axes.directions[1],
+            start=_upper_arm(their_axes),
+            end=_upper_arm(our_axes),
         )
-        with_shoulder = replace(with_base, zero=np.array([0.0, shoulder, 0.0, 0.0]))
+        zero = np.array([0.0, zero_of_axis_d, 0.0, 0.0])
+        with_axis_d = replace(with_base, zero=zero)
 
-        theirs = self.their_lines(with_shoulder, zero)
-        elbow = sign[2] * _angle_about(
-            ours.directions[2],
-            start=theirs.directions[3],
-            end=ours.directions[3],
+        their_axes = self.their_axes(with_axis_d, at_zero)
+        zero_of_axis_c = sign[2] * _angle_about(
+            our_axes.directions[2],
+            start=their_axes.directions[3],
+            end=our_axes.directions[3],
         )
-        return replace(with_shoulder, zero=np.array([0.0, shoulder, elbow, 0.0]))
+        zero = np.array([0.0, zero_of_axis_d, zero_of_axis_c, 0.0])
+        return replace(with_axis_d, zero=zero)
 
-    def line_error(self, alignment: Alignment) -> float:
-        """Root mean square of the difference of the lines, from fewer positions."""
-        q = random_positions(self.ours.parameters, POSITIONS)[:GUESS_POSITIONS]
-        ours = z_axes(self.ours.frames(q, alignment.dimensions))
-        theirs = self.their_lines(alignment, q)
-        moments = theirs.moments - ours.moments
-        directions = theirs.directions - ours.directions
+    def guess_error(self, alignment: Alignment) -> float:
+        """Root mean square of the difference of the axes, at `GUESS_POSITIONS`."""
+        q = random_positions(self.our_arm.parameters, POSITIONS)[:GUESS_POSITIONS]
+        our_axes = z_axes(self.our_arm.frames(q, alignment.dimensions))
+        their_axes = self.their_axes(alignment, q)
+        moments = their_axes.moments - our_axes.moments
+        directions = their_axes.directions - our_axes.directions
         return math.sqrt(np.square([moments, directions]).mean())
 
     def fit(self, start: Alignment, free: Collection[str]) -> Alignment:
-        """The best alignment near a first one, by Gauss-Newton.
+        """The best alignment near a start, by Gauss-Newton.
 
         Args:
-            start: The first one.
-            free: Those of `UNKNOWNS` that may change.
+            start: The alignment to start from.
+            free: The `UNKNOWNS` that may change.
         """
         columns = [k for k, name in enumerate(UNKNOWNS) if name in free]
         best = self.linearized(start)
         for _ in range(STEPS):
             step = _newton_step(best, columns)
             tried, step = self._cut_until_it_helps(best, step)
-            gain = best.square - tried.square
+            gain = best.squared_error - tried.squared_error
             if gain > 0:
                 best = tried
-            if gain <= 1e-9 * tried.square or np.abs(step).max() < 1e-9:
+            if gain <= 1e-9 * tried.squared_error or np.abs(step).max() < 1e-9:
                 break
 
         zero = wrap(best.alignment.zero)
@@ -149,53 +146,57 @@ class AxisFit:
     def _cut_until_it_helps(
         self, best: Linearized, step: FloatArray
     ) -> tuple[Linearized, FloatArray]:
-        """Take a step, cut until it makes the error no larger; and the step (16,)."""
+        """The result of a step, cut until the error does not grow, and that step."""
         for _ in range(CUTS):
             tried = self.linearized(_changed(best.alignment, step))
-            if best.square - tried.square >= 0:
+            if best.squared_error - tried.squared_error >= 0:
                 break
             step = step / 4
         return tried, step
 
     def linearized(self, alignment: Alignment) -> Linearized:
-        """The difference of the lines and its derivative.
+        """The difference of the axes and its derivative.
 
-        A screw (w, v) moves a line with moment m and direction d by ``w x m + v x d``
-        and ``w x d``.
+        A screw with rotation w and translation v changes the moment m of a line by
+        ``w x m + v x d`` and its direction d by ``w x d``.
         """
-        q = random_positions(self.ours.parameters, POSITIONS)
-        frames = np.moveaxis(self.ours.frames(q, alignment.dimensions), 1, 0)
-        ours = z_axes(frames)  # axis, position
-        theirs = _by_axis(self.their_lines(alignment, q))
-        our_moments = ours.moments
-        their_moments = theirs.moments
+        q = random_positions(self.our_arm.parameters, POSITIONS)
+        # From here on the first index is the axis, the second the position.
+        frames = np.moveaxis(self.our_arm.frames(q, alignment.dimensions), 1, 0)
+        our_axes = z_axes(frames)
+        their_axes = _by_axis(self.their_axes(alignment, q))
+        our_moments = our_axes.moments
+        their_moments = their_axes.moments
 
         moment_errors = their_moments - our_moments
-        direction_errors = theirs.directions - ours.directions
+        direction_errors = their_axes.directions - our_axes.directions
         error = np.concatenate([moment_errors, direction_errors], axis=-1).ravel()
 
         screws = {
             **BASE_SCREWS,
-            **zero_screws(alignment.sign, theirs.directions, their_moments),
-            **dimension_screws(self.ours, frames, alignment.dimensions),
+            **zero_screws(alignment.sign, their_axes.directions, their_moments),
+            **dimension_screws(self.our_arm, frames, alignment.dimensions),
         }
-        # The base and the zeros move their lines, the dimensions move ours.
+        # The first unknowns (base, zeros) move their axes, the dimensions move ours.
+        # The error is theirs minus ours, so ours count with the opposite sign.
         counts = [len(POSE_UNKNOWNS), len(DIMENSIONS)]
-        columns = columns_of(
+        moments = [their_moments, -our_moments]
+        directions = [their_axes.directions, -our_axes.directions]
+        derivatives = line_derivatives(
             list(screws.values()),
-            moments=np.repeat([their_moments, -our_moments], counts, axis=0),
-            directions=np.repeat([theirs.directions, -ours.directions], counts, axis=0),
+            moments=np.repeat(moments, counts, axis=0),
+            directions=np.repeat(directions, counts, axis=0),
         )
         return Linearized(
             alignment=alignment,
             error=error,
-            jacobian=columns.T,
-            square=float(error @ error),
+            jacobian=derivatives.T,
+            squared_error=float(error @ error),
         )
 
 
 def _by_axis(lines: AxisLines) -> AxisLines:
-    """Lines (position, axis, 3), by axis first."""
+    """The lines of positions and axes (N, 4, 3), by axes first (4, N, 3)."""
     return AxisLines(
         points=np.moveaxis(lines.points, 1, 0),
         directions=np.moveaxis(lines.directions, 1, 0),
@@ -203,7 +204,7 @@ def _by_axis(lines: AxisLines) -> AxisLines:
 
 
 def _newton_step(at: Linearized, columns: list[int]) -> FloatArray:
-    """The step (16,) that would make the error least if it were linear."""
+    """The step (16,) that minimizes the error if it is taken as linear."""
     step = np.zeros(len(UNKNOWNS))
     solution = np.linalg.lstsq(at.jacobian[:, columns], at.error, rcond=None)[0]
     step[columns] = -solution
@@ -211,7 +212,7 @@ def _newton_step(at: Linearized, columns: list[int]) -> FloatArray:
 
 
 def _changed(alignment: Alignment, step: FloatArray) -> Alignment:
-    """The alignment, changed by a step (16,) in order of the `UNKNOWNS`."""
+    """The alignment after a step (16,), in the order of the `UNKNOWNS`."""
     rotation = step[:3]
     shift = step[3:6]
     zeros = step[6:8]
@@ -230,18 +231,18 @@ def _changed(alignment: Alignment, step: FloatArray) -> Alignment:
 
 
 def _residual(error: FloatArray) -> tuple[float, float]:
-    """Root mean square of an error: of all coordinates [m], and of the angles [rad]."""
+    """Root mean square of an error: of its entries [m], and of the angles [rad]."""
     directions = error.reshape(-1, 6)[:, 3:]
     squared_angles = np.square(directions).sum(axis=1)
     return math.sqrt(np.square(error).mean()), math.sqrt(squared_angles.mean())
 
 
 def _base_frame(lines: AxisLines) -> FloatArray:
-    """Rotation with z along the first axis and the second in the y-z plane, (3, 3)."""
+    """Axes x, y, z as columns: z along axis_e, axis_d in the y-z plane, (3, 3)."""
     z = lines.directions[0]
     normal = np.cross(lines.directions[1], z)
     length = np.linalg.norm(normal)
-    # If both have one direction, any x across it will do.
+    # If both axes are parallel, any x across them will do.
     x = normal / length if length > 1e-9 else np.linalg.svd(z[None])[2][1]
     return np.stack([x, np.cross(z, x), z], axis=1)
 

@@ -1,4 +1,4 @@
-"""Joint axes as lines in space: their moments, their common normals, their shape."""
+"""Joint axes as lines in space: their moments, common normals, distances and angles."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ X, Y, Z = np.eye(3)
 
 
 class AxisLines(NamedTuple):
-    """Axes as lines.
+    """Joint axes as lines.
 
     Attributes:
-        points: A point on each, (..., 3) [m].
+        points: A point on each line, (..., 3) [m].
         directions: Unit vectors, (..., 3).
     """
 
@@ -45,7 +45,13 @@ def cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def foot(lines: AxisLines, at: int, other: int) -> FloatArray:
-    """Foot of the common normal of two axes (..., N, 3), on the first, (..., 3)."""
+    """Where the common normal of two of the axes meets the first of them, (..., 3) [m].
+
+    Args:
+        lines: The axes, (..., N, 3).
+        at: Index of the first.
+        other: Index of the second.
+    """
     point = lines.points[..., at, :]
     direction = lines.directions[..., at, :]
     other_point = lines.points[..., other, :]
@@ -65,18 +71,19 @@ def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def axis_shape(lines: AxisLines) -> FloatArray:
-    """Shape of four axes (4, 3) that follow each other, (7,).
+    """The numbers that describe how four consecutive axes (4, 3) lie, (7,).
 
     Returns:
-        Distance of each axis from the one before it, (3,), and of the first from the
-        last common normal along the second axis [m]; angle of each axis with the one
-        before it, (3,), up to pi/2 [rad].
+        Distance of each axis from the one before it, (3,) [m]; offset of the elbow
+        along the second axis [m]; angle of each axis with the one before it, (3,), at
+        most pi/2 [rad].
     """
     distances = _distances(lines)
     upper_arm = foot(lines, 2, 3) - foot(lines, 1, 0)
     direction = lines.directions[1]
     offset = upper_arm @ direction
-    # The second and third axis are parallel, or nearly so: they have no common normal.
+    # The second and third axis are parallel, or nearly so: their common normal is not
+    # unique.
     distances[1] = np.linalg.norm(upper_arm - offset * direction)
     return np.array([*distances, abs(offset), *_twists(lines)])
 

@@ -1,4 +1,4 @@
-"""What is odd about the base: its mount, what carries it, how the shoulder stands."""
+"""What is odd about the base: its mount, what it carries, the place of the shoulder."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from alpha5_model.proofs.comparison.findings import finding
 from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 from alpha5_model.proofs.comparison.records import Finding
 
-#: How many of the bodies that the base carries are named.
+#: How many of the foreign links are named, the heaviest first.
 NAMED = 3
 
 
 def findings_of_mount(evidence: Evidence) -> Iterator[Finding]:
-    """Where the root of the other model stands, and what it carries besides the arm."""
+    """Where the root of the other model stands, and which foreign links it carries."""
     yield from _mount(evidence)
     yield from _carried(evidence)
 
@@ -49,9 +49,9 @@ def _mount(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _carried(evidence: Evidence) -> Iterator[Finding]:
-    """What the base carries besides the arm."""
+    """Foreign links, which move with the base and are left out of link_0."""
     masses: dict[str, float] = {}
-    for name in evidence.theirs.carried:
+    for name in evidence.theirs.foreign_links:
         mass = evidence.other.links[name].mass
         if mass:
             masses[name] = mass
@@ -73,7 +73,7 @@ def _carried(evidence: Evidence) -> Iterator[Finding]:
 
 
 def findings_of_shoulder(evidence: Evidence) -> Iterator[Finding]:
-    """Where the link that was meant to be base_link stands below the shoulder."""
+    """A link meant to be base_link that is not where ours is below the shoulder."""
     alignment = evidence.alignment
     if not alignment.same_base:
         return
@@ -81,7 +81,7 @@ def findings_of_shoulder(evidence: Evidence) -> Iterator[Finding]:
     x, y, z = origin_of(alignment.stands) * 1e3
     beside = math.hypot(x, y)
     tilt = math.acos(np.clip(alignment.stands[2, 2], -1.0, 1.0))
-    line = "; ".join(filter(None, evidence.lines[:2]))
+    line = "; ".join(filter(None, evidence.joint_replacements[:2]))
     if beside > length * 1e3 or tilt > angle:
         yield finding(
             "beside",

@@ -15,10 +15,10 @@ from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.own_arm import OwnArm
 from alpha5_model.proofs.comparison.poses import origin_of
 
-#: A frame that lies closer to our base_link than this was meant to be the same one; a
-#: radian of tilt counts as 0.1 m.
+#: A frame this close to our base_link was meant to be base_link; a radian of tilt
+#: counts as 0.1 m.
 SAME_FRAME = 0.05  # [m]
-#: So was a frame in which the COM of link_0 lies as close to ours.
+#: So was a frame in which the COM of link_0 is this close to ours.
 SAME_COM = 0.02  # [m]
 
 
@@ -30,7 +30,7 @@ class _Candidate(NamedTuple):
         pose: Its pose in our root frame, (4, 4).
         distance: How far it is from our base_link [m]; see `distance_from_base`.
         same: Whether it could be meant to be base_link.
-        named: Whether it has such a name.
+        named: Whether its name ends in "base" or "base_link".
     """
 
     name: str
@@ -41,7 +41,7 @@ class _Candidate(NamedTuple):
 
     @property
     def unlikeliness(self) -> tuple[bool, float]:
-        """Sorts the likeliest first: by name, then by distance and direction."""
+        """Key that sorts the likeliest first: by name, then distance and direction."""
         has_name = self.same and self.named
         forward = self.pose[0, 0]
         return not has_name, round(self.distance - 1e-3 * forward, 6)
@@ -52,9 +52,9 @@ def with_base_link(
 ) -> Alignment:
     """The alignment, with the link that comes closest to being our base_link.
 
-    A link is known by its frame; by the COM of link_0 in it, if axis_e stands
-    elsewhere; or by its place and name, if axis_e is upside down. If several frames
-    could be meant, the one with the right name is taken.
+    A link is recognized by its frame, or by the COM of link_0 in its frame if axis_e is
+    misplaced, or by its place and name if axis_e is upside down. If several links
+    qualify, the one with the right name is taken.
     """
     candidates = [
         _candidate(ours, theirs, alignment, name) for name in theirs.base_path
@@ -84,14 +84,14 @@ def _candidate(
 
 
 def _com_error(ours: OwnArm, theirs: FourJointArm, name: str) -> float:
-    """How far link_0's COM is from ours, if a link is base_link [m]."""
+    """How far link_0's COM would be from ours if a link were base_link [m]."""
     to_link: FloatArray = np.asarray(np.linalg.inv(theirs.link_poses[name]), np.float64)
     com = moved(to_link, theirs.com[0])
     return float(np.linalg.norm(com - ours.reduced.com[0]))
 
 
 def distance_from_base(pose: FloatArray) -> float:
-    """Distance of a frame (4, 4) from ours, whatever its yaw [m].
+    """Distance of a frame (4, 4) from our base_link, without its yaw [m].
 
     A radian of tilt counts as 0.1 m.
     """

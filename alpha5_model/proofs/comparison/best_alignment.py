@@ -1,9 +1,9 @@
 """Choose the likeliest of the alignments that bring another model's axes onto ours.
 
-Lines have no direction, so that several alignments fit equally well: an arm upside down
-with every joint reversed, or one whose joint is mounted the wrong way round, with all
-that follows. The axes do not show two of the zeros either, see `axis_fit`. Bodies,
-collision shapes, the base frame and the tool frame decide these.
+Lines have no direction, so several alignments fit equally well. One turns the arm
+upside down with every joint reversed; another mounts one joint the wrong way round,
+with all that follows it. Nor do the axes show two of the zeros, see `axis_fit`. Bodies,
+collision shapes, the base frame and the tool frame decide.
 """
 
 from __future__ import annotations
@@ -28,24 +28,24 @@ from alpha5_model.proofs.comparison.oddity import Judge
 from alpha5_model.proofs.comparison.own_arm import AS_IT_IS, DIMENSIONS, TWISTS, OwnArm
 from alpha5_model.proofs.comparison.placement import body_errors, body_transforms
 
-#: Residual of the closed form beyond which an axis points the other way [m and rad].
-REVERSED = 0.05
-#: How many alignments are fitted, the likeliest of those that fit as lines.
+#: A closed form with a larger error has a wrong sign or twist [m and rad].
+WRONG_START_ERROR = 0.05
+#: How many alignments are fitted: the likeliest of those whose axes coincide.
 FITTED = 8
 
 
 def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
     """Best alignment of another model of this arm.
 
-    Base, signs and the zeros of axis_d and axis_c bring their axes onto ours as well as
-    they can. The dimensions that are then still off by more than the printed digits
-    allow are fitted too: an offset must not look like a shifted zero. Of alignments
-    that fit equally well, the one with the fewest oddities is taken.
+    Base, signs and the zeros of axis_d and axis_c bring their axes as close to ours as
+    possible. Dimensions that are off by more than the printed digits allow are fitted
+    too: a wrong offset must not look like a shifted zero. If several alignments fit
+    equally well, the least odd one is taken (`Judge.oddity`).
     """
-    axes = AxisFit(ours=ours, theirs=theirs)
+    axes = AxisFit(our_arm=ours, their_arm=theirs)
     tolerance = allowed(ours.parameters, theirs)
-    within = np.repeat([tolerance.length, tolerance.angle], 4)
-    judge = Judge(ours=ours, theirs=theirs, within=within)
+    tolerances = np.repeat([tolerance.length, tolerance.angle], 4)
+    judge = Judge(ours=ours, theirs=theirs, tolerances=tolerances)
 
     starts = _close_starts(axes)
     placed = [with_base_link(ours, theirs, start) for start in starts]
@@ -53,37 +53,37 @@ def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
 
     # With all dimensions free the axes coincide: each dimension shows its own error.
     fits = [axes.fit(start, UNKNOWNS) for start in likely]
-    fitted = [with_base_link(ours, theirs, fit) for fit in fits]
-    exact = min(fitted, key=judge.oddity)
+    with_bases = [with_base_link(ours, theirs, fit) for fit in fits]
+    all_free = min(with_bases, key=judge.oddity)
 
-    fit = _with_wrong_dimensions_only(axes, exact, within)
+    fit = _with_wrong_dimensions_only(axes, all_free, tolerances)
     best = with_base_link(ours, theirs, fit)
     return replace(
         _settle_zeros(ours, theirs, best),
-        exact=_settle_zeros(ours, theirs, exact),
+        exact=_settle_zeros(ours, theirs, all_free),
     )
 
 
 def _with_wrong_dimensions_only(
-    axes: AxisFit, exact: Alignment, within: FloatArray
+    axes: AxisFit, all_free: Alignment, tolerances: FloatArray
 ) -> Alignment:
     """The best fit with our dimensions, except those that differ.
 
     Args:
         axes: Both arms.
-        exact: The fit with all dimensions free.
-        within: Changes of the dimensions that are none, (8,) [m, rad].
+        all_free: The fit with all dimensions free.
+        tolerances: Of the dimensions, (8,) [m, rad].
     """
-    wrong = np.abs(exact.dimensions) > within
-    dimensions = np.where(wrong, exact.dimensions, 0.0)
+    wrong = np.abs(all_free.dimensions) > tolerances
+    dimensions = np.where(wrong, all_free.dimensions, 0.0)
     free = {*POSE_UNKNOWNS, *itertools.compress(DIMENSIONS, wrong)}
-    return axes.fit(replace(exact, dimensions=dimensions), free)
+    return axes.fit(replace(all_free, dimensions=dimensions), free)
 
 
 def without_zero(
     ours: OwnArm, theirs: FourJointArm, alignment: Alignment, joint: int
 ) -> float:
-    """Residual [m] of the best fit with the zero of axis_d or axis_c held at ours.
+    """Residual [m] of the best fit if axis_d or axis_c has our zero.
 
     Args:
         ours: Our arm.
@@ -96,63 +96,69 @@ def without_zero(
     held = replace(alignment, zero=zero)
     free = {*POSE_UNKNOWNS, *alignment.changes()}
     free.remove(f"zero of {AXES[joint]}")
-    axes = AxisFit(ours=ours, theirs=theirs)
+    axes = AxisFit(our_arm=ours, their_arm=theirs)
     length, _ = axes.fit(held, free).residual
     return length
 
 
 def _close_starts(axes: AxisFit) -> list[Alignment]:
-    """Alignments with any signs and directions that fit as lines."""
-    starts = [axes.closed_form(sign, twists) for sign, twists in _directions()]
-    errors = [axes.line_error(start) for start in starts]
+    """The alignments in closed form whose axes nearly coincide."""
+    choices = _signs_and_dimensions()
+    starts = [axes.closed_form(sign, dimensions) for sign, dimensions in choices]
+    errors = [axes.guess_error(start) for start in starts]
 
-    # If a direction is reversed no dimension helps.
-    most = max(REVERSED, 2 * min(errors))
+    # With a wrong sign or twist, no fit of the dimensions would help.
+    most = max(WRONG_START_ERROR, 2 * min(errors))
     return [start for start, error in zip(starts, errors, strict=True) if error <= most]
 
 
-def _directions() -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Signs of the joints, (4,), and dimensions, (8,), with any twists turned by pi."""
+def _signs_and_dimensions() -> Iterator[tuple[FloatArray, FloatArray]]:
+    """All choices of signs and of twists that are turned by pi or not.
+
+    Yields:
+        Signs of the joints, (4,), and changes of our dimensions, (8,) [m, rad].
+    """
     for sign in itertools.product((1.0, -1.0), repeat=4):
-        for turned in itertools.product((0.0, math.pi), repeat=3):
+        for twists in itertools.product((0.0, math.pi), repeat=3):
             dimensions = AS_IT_IS.copy()
-            dimensions[TWISTS] = turned
+            dimensions[TWISTS] = twists
             yield np.array(sign), dimensions
 
 
 def _settle_zeros(
     ours: OwnArm, theirs: FourJointArm, alignment: Alignment
 ) -> Alignment:
-    """The alignment with zeros of axis_e and axis_b.
+    """The alignment with the zeros of axis_e and axis_b, which the axes do not show.
 
-    The base frame decides the first one, the last body the second.
+    The base frame decides the zero of axis_e. The last body decides that of axis_b: it
+    is shifted if the body then fits four times better.
     """
-    upright = _without_yaw(alignment) if alignment.same_base else alignment
-    turned = _without_roll(ours, theirs, upright)
-    error = body_errors(ours, theirs, upright)[4]
-    turned_error = body_errors(ours, theirs, turned)[4]
-    best = turned if 4 * turned_error < error else upright
+    with_yaw = _with_base_yaw(alignment) if alignment.same_base else alignment
+    with_roll = _with_wrist_roll(ours, theirs, with_yaw)
+    error = body_errors(ours, theirs, with_yaw)[4]
+    error_with_roll = body_errors(ours, theirs, with_roll)[4]
+    best = with_roll if 4 * error_with_roll < error else with_yaw
     return replace(best, zero=wrap(best.zero))
 
 
-def _without_yaw(alignment: Alignment) -> Alignment:
-    """Their base frame turned into ours about z, by the zero of axis_e."""
-    stands = alignment.stands
-    yaw = math.atan2(stands[1, 0], stands[0, 0])
+def _with_base_yaw(alignment: Alignment) -> Alignment:
+    """The alignment with the yaw of their base frame as a zero of axis_e."""
+    base_link_pose = alignment.stands
+    yaw = math.atan2(base_link_pose[1, 0], base_link_pose[0, 0])
     back = transform(rotation_about(Z, -yaw))
     shift = alignment.sign * [yaw, 0, 0, 0]
     return replace(
         alignment,
         base=back @ alignment.base,
-        stands=back @ stands,
+        stands=back @ base_link_pose,
         zero=alignment.zero + shift,
     )
 
 
-def _without_roll(
+def _with_wrist_roll(
     ours: OwnArm, theirs: FourJointArm, alignment: Alignment
 ) -> Alignment:
-    """Their last body turned into ours about the wrist, by the zero of axis_b."""
+    """The alignment with the roll of their last body as a zero of axis_b."""
     wrist = body_transforms(ours, theirs, alignment)[4]
     roll = math.atan2(wrist[1, 0], wrist[0, 0])
     shift = alignment.sign * [0, 0, 0, roll]

@@ -31,30 +31,31 @@ from alpha5_model.proofs.comparison.placement import body_transforms, mended_tra
 from alpha5_model.proofs.comparison.poses import carried_to
 from alpha5_model.proofs.comparison.records import BodyDifference, Finding
 
-#: What still agrees with the tables, as a model may print fewer digits: as a share of
-#: the mass, [m], and as a share of the largest moment.
-MASS_TOLERANCE, COM_TOLERANCE, INERTIA_TOLERANCE = 1e-3, 1e-4, 5e-3
+#: Smaller differences from the tables are no findings: a model may print fewer digits.
+MASS_TOLERANCE = 1e-3  # of the mass
+COM_TOLERANCE = 1e-4  # [m]
+INERTIA_TOLERANCE = 5e-3  # of the largest moment
 #: The arm stretched out, base to finger tips: no part of it is larger.
 REACH = 0.6  # [m]
 #: Index of the last body.
 WRIST = 4
 
-#: Of a body's index and errors of its mass [kg] and first moment (3,) [kg m]: what they
-#: are worth in gravity torque [N m].
+#: Index of a body, errors of its mass [kg] and of its first moment (3,) [kg m] -> the
+#: gravity torque that they cause [N m].
 Cost = Callable[[int, float, FloatArray], float]
 
 
 @dataclass(frozen=True, eq=False)
 class BodyCase:
-    """A body of the other model, and all that it is judged by.
+    """A body of the other model, and everything that the findings need of it.
 
     Attributes:
         body: The body, compared with the tables.
-        known: What known mistakes make of the tables' numbers.
-        written: What its links write.
+        known: The numbers that known mistakes make of the tables'.
+        written: The inertials that its links write.
         bare: Names of its links without an inertial.
         instead: What to write in their place.
-        cost: What errors are worth in gravity torque.
+        cost: Gravity torque that errors cause.
     """
 
     body: BodyDifference
@@ -71,7 +72,7 @@ class BodyCase:
 
     @property
     def mass_cost(self) -> float:
-        """What the error of its mass is worth in gravity torque [N m]."""
+        """Gravity torque that the error of its mass causes [N m]."""
         error = self.body.mass_error
         return self.cost(self.known.body, error, error * self.ours.com)
 
@@ -111,7 +112,7 @@ def findings_of_bodies(evidence: Evidence) -> Iterator[Finding]:
 def _written(
     evidence: Evidence, body: BodyDifference, transform: FloatArray
 ) -> list[Inertial]:
-    """What the links of a body write.
+    """The inertials that the links of a body write.
 
     Args:
         evidence: Both arms.
@@ -146,11 +147,11 @@ def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
 
 
 def _rounded(case: BodyCase, mended_com: FloatArray) -> Iterator[Finding]:
-    """A COM that is off only once the joints are written as ours.
+    """A COM that will be off after the joints are corrected.
 
     Args:
         case: The body.
-        mended_com: Its COM in our link frame then, (3,) [m].
+        mended_com: Its COM in our link frame after that, (3,) [m].
     """
     off = float(np.linalg.norm(mended_com - case.ours.com))
     if case.body.mass and off > COM_TOLERANCE:
@@ -191,7 +192,7 @@ def _dummies(name: str, written: Sequence[Inertial]) -> Iterator[Finding]:
 
     for (mass, largest), links in equal.items():
         several = len(links) > 1
-        # A body with a mass of its own needs its tensor, not none: another finding.
+        # A heavy dummy needs a tensor, a light one needs none: two findings.
         yield finding(
             "dummy" if mass <= TOKEN_MASS else "dummy.heavy",
             where=name,
@@ -285,7 +286,7 @@ def _impossible(case: BodyCase) -> Iterator[Finding]:
     """What makes the body physically impossible."""
     ours = case.ours
     body = case.body
-    # Table 2 itself breaks one body's bounds: the other model need not keep those.
+    # One body of Table 2 breaks its own bounds: the other model may do so, too.
     ours_breaks = inconsistencies(ours.mass, ours.com, ours.inertia, ours.bounds)
     bounds = None if ours_breaks else ours.bounds
     for problem in inconsistencies(body.mass, body.com, body.inertia, bounds):

@@ -26,8 +26,8 @@ class Replacement(NamedTuple):
 def replacement_of(ours: LinkParameters, written: Sequence[Inertial]) -> Replacement:
     """Table 2 as URDF, in the frame of the other model's heaviest link.
 
-    Each part is whole: the COM comes with the tensor, whose axes its origin turns, and
-    everything comes together if other links of the body have a mass.
+    COM and tensor come together, since the axes of the origin turn the tensor. If other
+    links of the body have a mass, too, all three come together.
     """
     if not written:
         return Replacement()

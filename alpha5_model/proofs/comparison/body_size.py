@@ -1,4 +1,4 @@
-"""How large a body of the tables is, by its bounds."""
+"""Size of a body of the tables, from its bounds."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.numbers.parameters import LinkParameters
 
-#: How far a solid of the body's size may exceed its bounds.
+#: A guessed solid may be larger than the body by this factor.
 SIZE_SLACK = 1.25
 
 
@@ -17,5 +17,5 @@ def body_radius(link: LinkParameters) -> float:
 
 
 def largest_sizes(link: LinkParameters) -> FloatArray:
-    """What a solid of the body's size may measure along its sides, sorted, (3,) [m]."""
+    """Largest sides of a solid that was guessed for the body, sorted, (3,) [m]."""
     return np.sort(SIZE_SLACK * np.ptp(link.bounds, axis=1))

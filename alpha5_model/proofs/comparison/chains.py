@@ -34,7 +34,7 @@ class Chain:
         shape: Distances and angles of their axes, (7,) [m, rad]; see `axis_shape`.
         differences: How far the shape is from ours, (7,) [m]: angles times the length
             of our upper arm.
-        following: How many more joints turn one after another behind them.
+        following: Length of the longest chain of turning joints behind them.
     """
 
     joints: Joints
@@ -74,15 +74,15 @@ def find_chains(
 ) -> list[Chain]:
     """Every four joints in a row that could be our first four, the best first.
 
-    Joints are known by the shape of their axes. Names decide between chains of the same
+    They are ranked by the shape of their axes. Names decide between chains of the same
     shape, such as two arms on one vehicle. Joints that mimic another or have no range
     do not count.
 
     Args:
         robot: The other model.
         parameters: Our arm.
-        names: Our joint name -> theirs, as far as they are given. If all four are
-            given, they need not be in a row.
+        names: Our joint name -> theirs, for joints that the user names. If all four
+            are named, they need not be in a row.
 
     Raises:
         UnknownNameError: A name that is not there.
@@ -111,7 +111,7 @@ def find_chains(
 
 
 def _check_names(robot: UrdfRobot, given: Mapping[str, str]) -> None:
-    """Refuse names that are not there, that do not turn, or that are given twice."""
+    """Refuse names of joints that do not exist, do not turn, or are given twice."""
     for axis, name in given.items():
         choice("joint", axis, AXES)
         choice("joint of the other model", name, tuple(robot.joints))
@@ -144,11 +144,14 @@ def _fits(row: Joints, given: Mapping[str, str]) -> bool:
     return all(row[AXES.index(axis)].name == name for axis, name in given.items())
 
 
-def _measured(robot: UrdfRobot, rows: list[Joints], ours: FloatArray) -> list[Chain]:
-    """Rows of four joints with their shapes, compared with ours (7,)."""
+def _measured(
+    robot: UrdfRobot, rows: list[Joints], expected: FloatArray
+) -> list[Chain]:
+    """Rows of four joints with their shapes, compared with the expected one (7,)."""
     poses = rest_poses(robot)
     following = _following(robot)
-    worth = np.where(np.arange(LENGTHS + ANGLES) < LENGTHS, 1.0, ours[1])
+    upper_arm = expected[1]
+    to_metres = np.repeat([1.0, upper_arm], (LENGTHS, ANGLES))
 
     chains = []
     for row in rows:
@@ -157,7 +160,7 @@ def _measured(robot: UrdfRobot, rows: list[Joints], ours: FloatArray) -> list[Ch
             Chain(
                 joints=row,
                 shape=shape,
-                differences=np.abs(shape - ours) * worth,
+                differences=np.abs(shape - expected) * to_metres,
                 following=following[row[-1].child],
             )
         )
@@ -181,7 +184,7 @@ def _turns(joint: UrdfJoint) -> bool:
 
 
 def _following(robot: UrdfRobot) -> dict[str, int]:
-    """Link -> how many joints turn one after another behind it, at most."""
+    """Link -> length of the longest chain of turning joints behind it."""
     following = dict.fromkeys(robot.links, 0)
     for joint in reversed(robot.joints.values()):
         behind = following[joint.child] + _turns(joint)

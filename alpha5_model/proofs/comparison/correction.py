@@ -18,8 +18,7 @@ from alpha5_model.proofs.comparison.own_arm import OwnArm
 from alpha5_model.proofs.comparison.placement import mended_transforms
 from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 
-#: What an angle is worth if one number stands for lengths and angles [m/rad]: the
-#: length of the arm behind it.
+#: Length that turns angles into distances [m/rad]: that of the arm behind the joint.
 LEVER = 0.4
 #: Limits are printed to a tenth of a degree.
 LIMIT_TOLERANCE = math.radians(0.1)
@@ -29,7 +28,7 @@ LIMIT_TOLERANCE = math.radians(0.1)
 class JointCorrection:
     """How a joint of the other model has to be written to be ours.
 
-    Its child link keeps its frame, and with it all that the link carries.
+    Its child link keeps its frame, so nothing in the link has to change.
 
     Attributes:
         joint: The joint as it is written.
@@ -45,17 +44,17 @@ class JointCorrection:
 
     @property
     def off(self) -> float:
-        """How far the origin is from the written one [m]; see `pose_distance`."""
+        """Distance of the right origin from the written one [m], by `pose_distance`."""
         return pose_distance(self.joint.transform, self.origin)
 
     @property
     def text(self) -> str:
-        """The elements to write in place of its own; empty if it is right as it is."""
+        """The elements to write in place of its own; "" if they are right."""
         elements = []
         if self.off > LENGTH_TOLERANCE / 10:
             elements.append(self._origin_element)
         if not np.allclose(self.joint.axis, self.axis, atol=1e-12):
-            axis = numbers(self.axis)
+            axis = urdf_numbers(self.axis)
             elements.append(f'<axis xyz="{axis}"/>')
         limits = self.limits
         if limits:
@@ -70,11 +69,11 @@ class JointCorrection:
         """The origin, as URDF."""
         xyz = origin_of(self.origin)
         rpy = rpy_from_rotation(rotation_of(self.origin))
-        return f'<origin xyz="{numbers(xyz)}" rpy="{numbers(rpy)}"/>'
+        return f'<origin xyz="{urdf_numbers(xyz)}" rpy="{urdf_numbers(rpy)}"/>'
 
     @property
     def limits(self) -> str:
-        """The attributes of the limits that are not ours; empty if all are."""
+        """Attributes to write in place of limits that are not ours; "" if all are."""
         if self.ours is None:
             return ""
         ours = self.ours
@@ -83,13 +82,13 @@ class JointCorrection:
             attributes.append(f'lower="{ours.lower:.5g}"')
         if _differs(self.joint.upper, ours.upper):
             attributes.append(f'upper="{ours.upper:.5g}"')
-        if in_degrees(self.joint.velocity, ours.velocity):
+        if seems_in_degrees(self.joint.velocity, ours.velocity):
             attributes.append(f'velocity="{ours.velocity:.5g}"')
         return " ".join(attributes)
 
 
-def numbers(values: ArrayLike) -> str:
-    """Numbers as a URDF has them, to 7 decimals."""
+def urdf_numbers(values: ArrayLike) -> str:
+    """Numbers as the text of a URDF, to 7 decimals."""
     rounded = np.round(np.asarray(values), 7) + 0.0  # no negative zeros
     texts = [f"{x:.7f}".rstrip("0").rstrip(".") for x in rounded]
     return " ".join(texts)
@@ -100,15 +99,18 @@ def _differs(theirs: float | None, ours: float) -> bool:
     return theirs is None or abs(theirs - ours) > LIMIT_TOLERANCE
 
 
-def in_degrees(theirs: float | None, ours: float) -> bool:
-    """Whether an angle beyond any of ours is near to ours if it is read in degrees."""
+def seems_in_degrees(theirs: float | None, ours: float) -> bool:
+    """Whether an angle seems to be in degrees.
+
+    It is too large for one of ours in radians, and near to ours if read in degrees.
+    """
     if theirs is None or abs(theirs) < 3 * abs(ours) + math.tau / 2:
         return False
     return abs(math.radians(theirs) - ours) < 0.5 * abs(ours)
 
 
 def pose_distance(one: FloatArray, other: FloatArray) -> float:
-    """Distance of two poses (4, 4) [m]; an angle counts by `LEVER`."""
+    """Distance of two poses (4, 4) [m]; their angle counts times `LEVER`."""
     shift = float(np.linalg.norm(origin_of(one) - origin_of(other)))
     return shift + LEVER * angle_between(one, other)
 

@@ -1,7 +1,7 @@
 """Why a body differs: hypotheses from the tables, tested with the other's numbers.
 
-Nothing here looks at names. The diagnosis is the fewest mistakes that give the number
-to its printed digits; a difference that no hypothesis explains has no diagnosis.
+The diagnosis is the fewest mistakes that give the number to its printed digits. If no
+hypothesis explains a difference, it has no diagnosis. Names play no part.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ Explain = Callable[[BodyHypotheses, Inertial], str | None]
 
 
 class View(NamedTuple):
-    """A way to look at a number.
+    """A way to read a number, such as "in grams", that the hypotheses are tested with.
 
     Attributes:
-        words: What is then wrong with it; empty if nothing.
+        words: The mistake in it; empty if there is none.
         number: The number, (), (3,) or (3, 3).
-        mistakes: How many mistakes that makes.
-        scale: By what the hypotheses are multiplied.
+        mistakes: 1 if reading it so is a mistake, else 0.
+        scale: Factor on the values of the hypotheses.
     """
 
     words: str
@@ -51,7 +51,7 @@ class View(NamedTuple):
 def reason(known: BodyHypotheses, written: Sequence[Inertial], explain: Explain) -> str:
     """Why a number of a body is wrong, in words; empty if nothing explains it.
 
-    Tells the first subject whose number is explained, and which links stand beside it.
+    The first subject that has an explanation counts; other links of the body are named.
     """
     for subject in subjects(written):
         words = explain(known, subject)
@@ -119,7 +119,13 @@ def explain_inertia(known: BodyHypotheses, subject: Inertial) -> str | None:
 
 
 def _own_view(subject: Inertial, number: FloatArray, elsewhere: str) -> View:
-    """A number as one link writes it in its own frame."""
+    """The number as the link writes it, in its own frame.
+
+    Args:
+        subject: The link.
+        number: Its number.
+        elsewhere: The mistake in words if its frame was not meant to be ours.
+    """
     if subject.meant_in_our_frame:
         return View(words="", number=number)
     return View(words=elsewhere, number=number, mistakes=1)
@@ -142,9 +148,9 @@ def _fewest_mistakes(
 
     Args:
         table: The hypotheses.
-        views: Ways to look at the number.
-        alone: How closely one mistake must give it.
-        together: How closely several must.
+        views: Ways to read the number.
+        alone: How closely one mistake must match it.
+        together: How closely several mistakes must.
     """
     errors = np.array([_errors(table, view) for view in views])
     mistakes = np.array([table.mistakes + view.mistakes for view in views])

@@ -29,12 +29,12 @@ class Evidence:
     Attributes:
         ours: Our arm.
         other: The other model as read.
-        theirs: Its arm as meant, with exact multiples of pi.
-        written: Its arm as written.
-        alignment: The alignment of theirs.
-        bodies: The bodies compared with the tables.
+        theirs: Its arm as it is meant, with exact multiples of pi.
+        written: Its arm as it is written.
+        alignment: The alignment of ``theirs``.
+        bodies: Its bodies, compared with the tables.
         folder: Where its meshes are; None if unknown.
-        q: Our joint positions, (N, 4), at which costs are taken [rad].
+        q: Our joint positions at which costs are evaluated, (N, 4) [rad].
     """
 
     ours: OwnArm
@@ -62,8 +62,8 @@ class Evidence:
         return joint_corrections(self.ours, self.written, self.theirs, self.alignment)
 
     @cached_property
-    def lines(self) -> list[str]:
-        """What to write in place of each of the four joints; empty if it is right."""
+    def joint_replacements(self) -> list[str]:
+        """What to write in place of each of the four joints; "" if it is right."""
         return [correction.text for correction in self.corrections]
 
     @cached_property
@@ -74,11 +74,11 @@ class Evidence:
         return tool_correction(self.ours, self.other, self.theirs, self.alignment)
 
     def torque_change(self, arm: FourJointArm, q: FloatArray) -> float:
-        """How far an arm's gravity torques in air are at most from ours [N m].
+        """Largest difference of gravity torques in air from our arm's [N m].
 
         Args:
-            arm: The arm.
-            q: Its joint positions in place of ours, (N, 4) [rad].
+            arm: The arm to compare with ours.
+            q: Its joint positions; ours are at ``self.q``, (N, 4) [rad].
         """
         ours = self.ours.reduced.gravity_torque(self.q)
         return float(np.abs(arm.gravity_torque(q) - ours).max())

@@ -1,4 +1,4 @@
-"""Remarks on collision shapes and files: what does not count, or is missing."""
+"""Remarks on collision shapes and on missing files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import finding
 from alpha5_model.proofs.comparison.records import Finding
 
-#: As a share of Table 3's whole volume, whose digits allow 5 * 0.5 mL of 573 mL.
+#: Relative tolerance of the volume: Table 3's digits leave 5 * 0.5 mL of 573 mL open.
 VOLUME_TOLERANCE = 5e-3
 
 

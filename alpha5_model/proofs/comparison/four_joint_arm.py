@@ -1,4 +1,4 @@
-"""An arm of four joints and five bodies: poses, weight torques, mass matrix."""
+"""An arm of four joints and five bodies: poses, gravity torques, mass matrix."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ class FourJointArm:
         links: Names of the links that make up each body.
         link_poses: Link -> its pose in the frame of its body, (4, 4).
         base_path: Links from the root to the one that axis_e turns in.
-        carried: Links that move with the base and are not the arm's: vehicle, platform,
-            mount, another arm. They belong to no body.
-        digits: What the digits of the printed origins leave open.
+        foreign_links: Links that move with the root and are not the arm's: vehicle,
+            platform, mount, another arm. They belong to no body.
+        digits: How much the digits of the joint origins leave open.
         tool: Name of the link whose frame is the tool's; empty if there is none.
     """
 
@@ -55,7 +55,7 @@ class FourJointArm:
     links: tuple[tuple[str, ...], ...]
     link_poses: dict[str, FloatArray]
     base_path: tuple[str, ...]
-    carried: tuple[str, ...]
+    foreign_links: tuple[str, ...]
     digits: Rounding
     tool: str
 
@@ -83,7 +83,7 @@ class FourJointArm:
     def gravity_regressor(
         self, q: FloatArray, gravity: FloatArray = DOWN
     ) -> FloatArray:
-        """Weight torque in air per mass and first moment of each body [Atkeson1986].
+        """Gravity torque in air per mass and first moment of each body [Atkeson1986].
 
         Args:
             q: The arm's own angles, (..., 4) [rad].

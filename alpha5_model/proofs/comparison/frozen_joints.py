@@ -1,4 +1,4 @@
-"""Where the joints of another model stand if only the arm's own four may move."""
+"""Positions of the frozen joints of another model: all but the arm's own four."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Guessed tensors: of solid cylinders and boxes, and of dummies."""
+"""Recognize guessed tensors: those of solid cylinders, boxes and dummies."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ from alpha5_model.proofs.comparison.body_size import (
 )
 from alpha5_model.proofs.comparison.inertials import Inertial, solid_links
 
-#: Products and differences of moments below this are rounding.
-GUESS_DIGITS = 1e-4  # of the largest moment
-#: Moments of a cylinder across its axis differ by less.
-ROUND_DIGITS = 1e-3  # of the largest moment
+#: Smaller products and differences of moments are rounding, relative to the largest
+#: moment.
+GUESS_DIGITS = 1e-4
+#: The same for the two moments across the axis of a cylinder.
+ROUND_DIGITS = 1e-3
 
 
 def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | None:
-    """The solids that a body's tensors were guessed from, in words.
+    """The solids from which a body's tensors were guessed, in words.
 
     Args:
         link: The body of the tables.
@@ -106,8 +107,8 @@ def _solid_cylinder(
 def _solid_box(link: LinkParameters, mass: float, moments: FloatArray) -> str | None:
     """A solid box of about the body's size, if it has these moments (3,).
 
-    Any three moments are those of some box: only sides of whole millimetres show a
-    guess.
+    Every three moments belong to some box, so only sides of whole millimetres are
+    taken for a guess.
     """
     squared_sides = 6 / mass * (moments.sum() - 2 * moments)
     sides = np.sqrt(np.maximum(squared_sides, 0.0))[::-1]

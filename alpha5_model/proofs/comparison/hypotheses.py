@@ -1,7 +1,7 @@
 """The wrong numbers that known mistakes make of the tables of two revisions.
 
-Each table of hypotheses holds what one mistake or two at a time make of a printed
-number.
+A table of hypotheses holds the numbers that one mistake, or two at once, make of a
+printed number.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ ZEROED = "the products of inertia are zeroed"
 
 @dataclass(frozen=True, eq=False)
 class BodyHypotheses:
-    """What known mistakes make of the printed numbers of one body.
+    """The numbers that known mistakes make of the printed ones of one body.
 
     Attributes:
         ours: Our arm.
@@ -100,7 +100,7 @@ class BodyHypotheses:
         return with_mistakes(sources, signs, self._turns(), single_signs)
 
     def frames(self) -> dict[str, FloatArray]:
-        """Other frames that a number may be taken from.
+        """Other frames in which a number may have been written.
 
         Returns:
             Words -> transform_body_to_frame at zero, (4, 4).

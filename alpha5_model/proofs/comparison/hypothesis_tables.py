@@ -1,4 +1,4 @@
-"""Tables of wrong numbers: what mistakes make of right ones, one or two at a time."""
+"""Tables of wrong numbers: right ones with one mistake or two at once."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 
-#: Two mistakes at a time; with three, some combination fits any number.
+#: Most mistakes at once; with three, some combination would match any number.
 MOST_MISTAKES = 2
 
 
 class Hypothesis(NamedTuple):
-    """A wrong number.
+    """A number with mistakes.
 
     Attributes:
-        words: The mistakes, as a person would say them.
-        value: The mass (), COM (3,) or tensor (3, 3) that they give, SI.
-        mistakes: How many they are.
+        words: The mistakes in words.
+        value: The mass (), COM (3,) or tensor (3, 3) with these mistakes, SI.
+        mistakes: Their number.
     """
 
     words: str
@@ -45,19 +45,19 @@ class HypothesisTable(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A mistake in words, and what it makes of a number."""
+    """A mistake in words, and the function that makes it."""
 
     words: str
     change: Callable[[FloatArray], FloatArray]
 
 
 def mass_hypothesis(words: str, value: float) -> Hypothesis:
-    """A mass by one mistake."""
+    """A mass with one mistake."""
     return Hypothesis(words=words, value=np.asarray(value), mistakes=1)
 
 
 def products_step(words: str, *, xy: float, xz: float, yz: float) -> Step:
-    """The step that multiplies the products of inertia by these factors."""
+    """The mistake that multiplies the products of inertia by these factors."""
     factors = np.array([[1, xy, xz], [xy, 1, yz], [xz, yz, 1]])
     return Step(words=words, change=partial(np.multiply, factors))
 
@@ -65,7 +65,7 @@ def products_step(words: str, *, xy: float, xz: float, yz: float) -> Step:
 def with_mistakes(
     sources: Iterable[Hypothesis], *stages: Sequence[Step]
 ) -> HypothesisTable:
-    """What the steps, at most one of each stage, make of the sources."""
+    """All sources, each also with at most one step of each stage."""
     found = []
     for source in sources:
         made = [source]
@@ -78,7 +78,7 @@ def with_mistakes(
 def _one_more_mistake(
     made: Sequence[Hypothesis], stage: Sequence[Step]
 ) -> list[Hypothesis]:
-    """What each step makes of each hypothesis that has room for a mistake."""
+    """Each hypothesis with each further mistake, up to `MOST_MISTAKES`."""
     open_ones = [one for one in made if one.mistakes < MOST_MISTAKES]
     return [
         Hypothesis(

@@ -1,4 +1,4 @@
-"""What the links of another model write about their mass, and to how many digits."""
+"""The inertials that another model writes, and how many digits they have."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from alpha5_model.numbers.inertia import combine
 from alpha5_model.proofs.comparison.poses import carried_to, origin_of, rotation_of
 from alpha5_model.proofs.comparison.printed_digits import last_place
 
-#: How closely a hypothesis must give a number: half of its last digit, within these.
+#: How closely a hypothesis must match a number: half of its last digit, but at least
+#: the first and at most the second of these.
 MASS_DIGITS = (5e-5, 5e-4)  # [kg]
 COM_DIGITS = (1e-4, 5e-4)  # [m]
 INERTIA_DIGITS = (1e-3, 1e-2)  # of the largest entry
-#: A link frame that lies closer to ours was meant to be ours: the rest is an error of
-#: the geometry.
+#: A link frame this close to ours was meant to be ours; the rest is an error of the
+#: geometry.
 SAME_FRAME = (0.002, 0.02)  # [m], [rad]
 #: A lighter link is a dummy: some tools ask for a mass on every link.
 TOKEN_MASS = 1e-3  # [kg]
@@ -25,10 +26,10 @@ TOKEN_MASS = 1e-3  # [kg]
 
 @dataclass(frozen=True, eq=False)
 class Inertial:
-    """What one link of the other model writes, or several together.
+    """The inertial of one link of the other model, or of several links together.
 
     Attributes:
-        link: Its name; empty for several.
+        link: Its name; empty for several links.
         mass: [kg].
         com: In its own frame, (3,) [m].
         inertia: At the COM, in its own axes, (3, 3) [kg m^2].
@@ -48,32 +49,32 @@ class Inertial:
 
     @property
     def meant_in_our_frame(self) -> bool:
-        """Whether its frame is ours but for an error of the geometry."""
+        """Whether its frame was meant to be ours."""
         length, angle = SAME_FRAME
         near = np.linalg.norm(origin_of(self.pose)) < length
-        upright = np.trace(rotation_of(self.pose)) > 1 + 2 * np.cos(angle)
-        return bool(near and upright)
+        aligned = np.trace(rotation_of(self.pose)) > 1 + 2 * np.cos(angle)
+        return bool(near and aligned)
 
     @property
     def mass_digits(self) -> float:
-        """How closely a hypothesis must give the mass [kg]."""
+        """How closely a hypothesis must match the mass [kg]."""
         return self._half_last_digit(MASS_DIGITS, self.mass)
 
     @property
     def com_digits(self) -> float:
-        """How closely a hypothesis must give the COM [m]."""
+        """How closely a hypothesis must match the COM [m]."""
         return self._half_last_digit(COM_DIGITS, *self.com)
 
     @property
     def inertia_digits(self) -> float:
-        """How closely a hypothesis must give the tensor [kg m^2]."""
+        """How closely a hypothesis must match the tensor [kg m^2]."""
         low, high = np.array(INERTIA_DIGITS) * np.abs(self.inertia).max()
         return self._half_last_digit((low, high), *self.inertia.ravel())
 
     def _half_last_digit(self, limits: tuple[float, float], *numbers: float) -> float:
         """Half of the finest last place of the numbers, within the limits.
 
-        For several links together it is the lower limit: nobody wrote their numbers.
+        For several links together it is the lower limit: their sum has no digits.
         """
         places = [last_place(repr(float(x))) for x in numbers if x]
         if not self.link or not places:
@@ -82,16 +83,16 @@ class Inertial:
 
 
 def solid_links(written: Sequence[Inertial]) -> list[Inertial]:
-    """The links that are no dummies."""
+    """The links that are not dummies."""
     return [link for link in written if abs(link.mass) > TOKEN_MASS]
 
 
 def subjects(written: Sequence[Inertial]) -> list[Inertial]:
-    """What may carry a printed number: the whole body without dummies, and one link.
+    """The inertials that a printed number may have been written for, dummies left out.
 
     Returns:
-        The whole and the heaviest link; only the link if it is the only one, or if all
-        masses add up to zero; nothing if all are dummies.
+        The whole body and its heaviest link; only that link if it is the only one, or
+        if all masses add up to zero; none if all links are dummies.
     """
     solid = solid_links(written)
     solid.sort(key=lambda link: -abs(link.mass))

@@ -42,7 +42,7 @@ def all_findings(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _not_mended(evidence: Evidence, found: Sequence[Finding]) -> list[JointCorrection]:
-    """The corrections that no finding tells to write."""
+    """The corrections that are part of no finding yet."""
     corrections = [*evidence.corrections]
     if evidence.tool_correction is not None:
         corrections.append(evidence.tool_correction)

@@ -15,7 +15,7 @@ from alpha5_model.proofs.comparison.alignment import ANGLE_TOLERANCE
 from alpha5_model.proofs.comparison.correction import (
     LIMIT_TOLERANCE,
     JointCorrection,
-    in_degrees,
+    seems_in_degrees,
 )
 from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import finding
@@ -37,7 +37,7 @@ def findings_of_limits(evidence: Evidence) -> Iterator[Finding]:
 def _velocity(correction: JointCorrection, ours: JointParameters) -> Iterator[Finding]:
     """A velocity in degrees per second."""
     velocity = correction.joint.velocity
-    if in_degrees(velocity, ours.velocity):
+    if seems_in_degrees(velocity, ours.velocity):
         yield finding(
             "limits.velocity_in_degrees",
             where=ours.name,
@@ -65,7 +65,7 @@ def _range(
         yield finding("limits.none", where=ours.name, line=correction.text)
         return
 
-    if in_degrees(upper - lower, ours.upper - ours.lower):
+    if seems_in_degrees(upper - lower, ours.upper - ours.lower):
         yield finding(
             "limits.in_degrees",
             where=ours.name,
@@ -76,7 +76,7 @@ def _range(
         return
 
     ends = np.sort(sign * (np.array([lower, upper]) - zero))
-    # Their range lies within a turn of ours, whatever turn its zero was counted in.
+    # Shift their range by full turns to where ours is.
     middle = ends.mean()
     ends = ends + float(wrap(middle, printed.mean()) - middle)
     if np.abs(ends - printed).max() > LIMIT_TOLERANCE:

@@ -36,13 +36,12 @@ from alpha5_model.proofs.comparison.records import BodyDifference, Comparison, F
 from alpha5_model.proofs.comparison.reduction import reduce_robot
 from alpha5_model.proofs.comparison.tool import measure_tool
 
-#: Axes whose shapes lie farther apart than this are not the same arm's: a third of the
-#: upper arm. A model of this arm with an offset on the wrong side comes to 40 mm at
-#: most.
+#: A chain whose misfit is larger belongs to another arm: a third of the upper arm. A
+#: model of this arm with an offset on the wrong side has a misfit of 40 mm at most.
 OTHER_ARM = 0.05  # [m]
-#: If more joints follow, as on many arms, the shape has to be just this one.
-SAME_SHAPE = 0.005  # [m]
-#: How many differences of another arm are named.
+#: The same if more joints follow, as on many other arms.
+OTHER_ARM_IF_LONGER = 0.005  # [m]
+#: How many differences of another arm are reported.
 WORST = 3
 
 
@@ -57,9 +56,9 @@ def compare(
 ) -> Comparison:
     """Compare another model of this arm with ours.
 
-    The arm is found by the shape of its axes. The bases are aligned by the joint axes,
-    every other joint is frozen with the jaws closed, and what carries the arm is left
-    out. Each body is then compared in our link frame with the tables.
+    The arm is found by the shape of its axes. All other joints are frozen, with the
+    jaws closed, and what carries the arm is left out. The joint axes align the bases.
+    Each body is then compared with the tables in our link frame.
 
     Args:
         path: A URDF, or a xacro file that makes one. Meshes need not be there. A URDF
@@ -97,7 +96,7 @@ def compare_robots(
     folder: Path | None = None,
     base: str | None = None,
 ) -> Comparison:
-    """Compare a model that is read already.
+    """Compare a model that has been read.
 
     Args:
         other: The model.
@@ -131,7 +130,7 @@ def compare_robots(
 
 
 class _Arms(NamedTuple):
-    """The other arm as it is meant and written, and the alignment of the first."""
+    """The other arm as it is meant and as it is written, and the former's alignment."""
 
     meant: FourJointArm
     written: FourJointArm
@@ -156,9 +155,9 @@ def _reduced(
 
     place = arm.base_path.index(alignment.base_link)
     before_base = set(arm.base_path[:place])
-    is_carried = before_base.issubset(arm.carried)
-    if base is None and alignment.same_base and not is_carried:
-        # What stands before our base_link carries it, even if it weighs nothing.
+    is_foreign = before_base.issubset(arm.foreign_links)
+    if base is None and alignment.same_base and not is_foreign:
+        # A link before our base_link is not the arm's, even if it weighs nothing.
         base = alignment.base_link
         arm = reduce_robot(meant, chain.joints, parameters, base)
 
@@ -213,7 +212,7 @@ def _compared(evidence: Evidence, chains: Sequence[Chain]) -> Comparison:
         gravity_error=_gravity_error(evidence),
         mass_matrix_error=_mass_matrix_error(evidence),
         volume=theirs.volume or math.nan,
-        carried={name: links[name].mass or 0.0 for name in theirs.carried},
+        carried={name: links[name].mass or 0.0 for name in theirs.foreign_links},
     )
 
 
@@ -223,7 +222,7 @@ def _by_cost(one: Finding) -> tuple[float, bool]:
 
 
 def _gravity_error(evidence: Evidence) -> FloatArray:
-    """Largest difference of the gravity torque in air, per joint, (4,) [N m]."""
+    """Largest error of the gravity torque in air, per joint, (4,) [N m]."""
     alignment = evidence.alignment
     # Gravity points down in our base frame, wherever the other root stands.
     down = rotation_of(alignment.base).T @ DOWN
@@ -249,9 +248,9 @@ def _mass_matrix_error(evidence: Evidence) -> float:
 
 
 def _is_ours(chain: Chain) -> bool:
-    """Whether four joints have the shape of this arm's."""
-    within = OTHER_ARM if chain.following < 2 else SAME_SHAPE
-    return chain.misfit <= within
+    """Whether the axes of four joints have the shape of this arm's."""
+    is_longer = chain.following >= 2
+    return chain.misfit <= (OTHER_ARM_IF_LONGER if is_longer else OTHER_ARM)
 
 
 def _joint_names(chain: Chain) -> dict[str, str]:

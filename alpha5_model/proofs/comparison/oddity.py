@@ -1,4 +1,4 @@
-"""How unlikely an alignment is, by what somebody must have changed in the model."""
+"""How odd an alignment is: how much its author would have had to get wrong."""
 
 from __future__ import annotations
 
@@ -15,45 +15,45 @@ from alpha5_model.proofs.comparison.own_arm import DISTANCES, OwnArm
 from alpha5_model.proofs.comparison.placement import body_transforms
 from alpha5_model.proofs.comparison.poses import origin_of
 
-#: Bodies, tools and shapes that lie farther off than this count as much as they can.
-ELSEWHERE = 0.05  # [m]
+#: From this distance on, a misplaced body, tool or shape gets the full score.
+FULL_SCORE_AT = 0.05  # [m]
 
 
 @dataclass(frozen=True, eq=False)
 class Judge:
-    """Tells how unlikely alignments are.
+    """Tells how odd alignments are.
 
     Attributes:
         ours: Our arm.
         theirs: The other arm.
-        within: Changes of the dimensions that are none, (8,) [m, rad].
+        tolerances: Of the dimensions, (8,) [m, rad].
     """
 
     ours: OwnArm
     theirs: FourJointArm
-    within: FloatArray
+    tolerances: FloatArray
 
     def oddity(self, alignment: Alignment) -> float:
-        """How unlikely an alignment is: what somebody must have changed in the model.
+        """A score of what the model's author would have had to get wrong.
 
-        A turned sign or a shifted zero counts one, a wrong dimension four, one to the
-        other side two, and a base that stands elsewhere or upside down up to six.
-        Bodies elsewhere count up to four together, and so do collision shapes; a tool
-        frame counts up to six.
+        A reversed joint or a shifted zero scores 1. A wrong dimension scores 4, but 2
+        if it is a distance to the other side. A base that is displaced or upside down
+        scores up to 6, misplaced bodies up to 4 together, misplaced collision shapes
+        the same, and a misplaced tool frame up to 6.
         """
         base = min(6.0, 30 * distance_from_base(alignment.stands))
         dimensions = self._changed_dimensions(alignment)
 
         transforms = body_transforms(self.ours, self.theirs, alignment)
-        bodies = _elsewhere(self._off_bodies(transforms))
-        shapes = _elsewhere(self._off_shapes(transforms))
-        tool = _elsewhere(self._off_tool(transforms))
-        odd = alignment.oddities + base + dimensions
-        return odd + 4 * bodies + 4 * shapes + 6 * tool
+        bodies = misplacement(self._off_bodies(transforms))
+        shapes = misplacement(self._off_shapes(transforms))
+        tool = misplacement(self._off_tool(transforms))
+        of_axes = alignment.oddities + base + dimensions
+        return of_axes + 4 * bodies + 4 * shapes + 6 * tool
 
     def _changed_dimensions(self, alignment: Alignment) -> float:
-        """Four for each wrong dimension; two for a distance to the other side."""
-        wrong = np.abs(alignment.dimensions) > self.within
+        """4 for each wrong dimension, but 2 for a distance to the other side."""
+        wrong = np.abs(alignment.dimensions) > self.tolerances
         lengths = [row.a for row in self.ours.parameters.dh[:3]]
         # One joint mounted the wrong way round makes its distance negative.
         opposite = np.multiply(-2, lengths)
@@ -70,7 +70,7 @@ class Judge:
         return np.asarray(off[solid])
 
     def _off_shapes(self, transforms: FloatArray) -> FloatArray:
-        """Their centroids minus ours of the shapes of moving bodies, (N, 3) [m]."""
+        """Centroids of collision shapes of moving bodies, minus ours, (N, 3) [m]."""
         centres = moved(transforms, self.theirs.shape_centres)
         off = centres - self.ours.reduced.shape_centres
         known = np.isfinite(off[:, 0])
@@ -86,9 +86,12 @@ class Judge:
         return np.asarray(tool[None] - origin_of(self.ours.tool_pose))
 
 
-def _elsewhere(off: FloatArray) -> float:
-    """How far off points (N, 3) are on average, from 0 to 1; 0 without any."""
+def misplacement(off: FloatArray) -> float:
+    """Mean score of points that are off by (N, 3) [m], from 0 to 1; 0 without any.
+
+    The score of a point grows with its distance and is 1 from `FULL_SCORE_AT` on.
+    """
     if not len(off):
         return 0.0
-    shares = np.linalg.norm(off, axis=1) / ELSEWHERE
-    return float(np.minimum(1.0, shares).mean())
+    scores = np.linalg.norm(off, axis=1) / FULL_SCORE_AT
+    return float(np.minimum(1.0, scores).mean())

@@ -17,16 +17,17 @@ from alpha5_model.proofs.comparison.chains import AXES
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm, chain_poses
 from alpha5_model.proofs.comparison.reduction import reduce_robot
 
-#: The dimensions of our arm that another model may have otherwise: distances and twists
-#: of axes that follow each other, the offset of the elbow along axis_d, and its tilt
-#: (parallel axes have no twist about their second direction).
+#: The dimensions of our arm that may differ in another model: distances a and twists
+#: alpha of consecutive axes, the offset d_1 of the elbow along axis_d, and its tilt
+#: beta_1. axis_d and axis_c are parallel, so alpha_1 alone cannot describe every error
+#: of their directions.
 DIMENSIONS = ("a_0", "a_1", "a_2", "d_1", "alpha_0", "alpha_1", "alpha_2", "beta_1")
-#: Places in `DIMENSIONS`.
+#: Indices in `DIMENSIONS`.
 DISTANCES = slice(0, 3)
 ELBOW_OFFSET = 3
 TWISTS = slice(4, 7)
 ELBOW_TILT = 7
-#: Changes of `DIMENSIONS`: none.
+#: The dimensions without any change.
 AS_IT_IS = np.zeros(len(DIMENSIONS))
 
 
@@ -62,8 +63,7 @@ class OwnArm:
     def frames(self, q: FloatArray, change: FloatArray = AS_IT_IS) -> FloatArray:
         """DH frames {0} to {3}, (..., 4, 4, 4), at q (..., 4), with changed dimensions.
 
-        Their z axes are the joint axes. Each frame is turned by its own joint already,
-        ready for the next link.
+        Their z axes are the joint axes. Each frame is already turned by its own joint.
         """
         placements = np.stack([np.eye(4), *self._links(change)])
         rows = self.parameters.dh[:4]
@@ -73,7 +73,7 @@ class OwnArm:
         return frames[..., 1:, :, :]
 
     def _links(self, change: FloatArray) -> FloatArray:
-        """Links 0 to 2 with changed dimensions: poses of their ends, (3, 4, 4)."""
+        """Poses of the next joints in links 0 to 2, dimensions changed, (3, 4, 4)."""
         rows = self.parameters.dh[:3]
         a = np.array([row.a for row in rows])
         d = np.array([row.d for row in rows])
@@ -99,7 +99,7 @@ class OwnArm:
     def zero_poses(self, change: FloatArray) -> FloatArray:
         """Poses of the bodies at zero, (5, 4, 4), with changed dimensions.
 
-        Each body stays with its own joint.
+        Each body moves with its own joint.
         """
         zero = np.zeros(4)
         poses = self.reduced.poses(zero)
@@ -107,7 +107,7 @@ class OwnArm:
         return poses
 
     def with_dimensions(self, change: FloatArray) -> FourJointArm:
-        """The arm with changed dimensions; each body stays with its own joint."""
+        """The arm with changed dimensions; each body moves with its own joint."""
         poses = self.zero_poses(change)
         placements = np.linalg.inv(poses[:-1]) @ poses[1:]
         return replace(self.reduced, placements=placements)
@@ -115,7 +115,7 @@ class OwnArm:
     def tips(self, q: FloatArray, change: FloatArray = AS_IT_IS) -> FloatArray:
         """Tips of the arm, (N, 3) [m], at q (N, 4), with changed dimensions.
 
-        A tip lies on the wrist axis, d_3 from the foot of its normal with axis_c.
+        A tip lies on the wrist axis, d_3 from its common normal with axis_c.
         """
         lines = z_axes(self.frames(q, change))
         reach = self.parameters.dh[3].d

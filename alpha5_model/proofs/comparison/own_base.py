@@ -1,4 +1,4 @@
-"""Which links of another model are the arm's own base, and which carry it."""
+"""Which links of another model are the arm's own base, and which are foreign to it."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
-#: A link on the way to axis_e that is lighter than this is a dummy of the arm's base,
-#: not something that carries it.
-CARRIED_FROM = 0.02  # [kg], a tenth of link_0
+#: A link before the arm's base that is lighter than this is a dummy and belongs to the
+#: base; a heavier one is foreign.
+LEAST_FOREIGN_MASS = 0.02  # [kg], a tenth of link_0
 
 
 def path_to(robot: UrdfRobot, link: str) -> tuple[str, ...]:
@@ -27,12 +27,18 @@ def own_base_links(
     still: set[str],
     parameters: Alpha5Parameters,
 ) -> set[str]:
-    """Links of the arm's own base, among those that stand still with it.
+    """Links of the arm's own base, among those that do not move against it.
 
-    These are all links that hang on one link of the way from the root to axis_e: on the
-    first link whose mass comes closest to that of link_0. A link heavier than the whole
-    arm is a vehicle even if it hangs on the arm's base. If axis_e turns in such a link,
-    nothing is left for link_0.
+    The base begins at the link on the way from the root to axis_e that, with all that
+    hangs on it, comes closest to the mass of link_0. All that hangs on this link
+    belongs to the base, except vehicles: a link heavier than the whole arm is one. If
+    axis_e turns in a vehicle, the base has no links.
+
+    Args:
+        robot: The other model.
+        base_path: Links from the root to the one that axis_e turns in.
+        still: All links that do not move against the root.
+        parameters: Our arm.
     """
     whole_arm = sum(link.mass for link in parameters.links)
     turned_in = robot.links[base_path[-1]]
@@ -48,7 +54,7 @@ def own_base_links(
 
 
 def joints_to(robot: UrdfRobot, links: Iterable[str]) -> list[UrdfJoint]:
-    """The joints that carry some links, each after the joint before it."""
+    """The joints whose children are these links, each after the joint before it."""
     carried = set(links)
     return [joint for joint in robot.joints.values() if joint.child in carried]
 
@@ -56,7 +62,7 @@ def joints_to(robot: UrdfRobot, links: Iterable[str]) -> list[UrdfJoint]:
 def _carried_weights(
     robot: UrdfRobot, links: Iterable[str], joints: Sequence[UrdfJoint]
 ) -> dict[str, float]:
-    """Link -> its mass and that of everything that hangs on it [kg]."""
+    """Link -> its mass and that of all that hangs on it [kg]."""
     weights = {name: robot.links[name].mass or 0.0 for name in links}
     for joint in reversed(joints):
         weights[joint.parent] += weights[joint.child]
@@ -66,19 +72,24 @@ def _carried_weights(
 def _first_link(
     base_path: Sequence[str], weights: Mapping[str, float], mass: float
 ) -> str:
-    """The link before axis_e that, with all it carries, comes closest to a mass."""
+    """The link before axis_e that comes closest to a mass, with all it carries."""
     best = base_path[0]
     for name in base_path[1:]:
         off = abs(weights[name] - mass)
         least_off = abs(weights[best] - mass)
-        carrier_weight = weights[best] - weights[name]
-        if off < least_off and carrier_weight > CARRIED_FROM:
+        mass_before = weights[best] - weights[name]
+        if off < least_off and mass_before > LEAST_FOREIGN_MASS:
             best = name
     return best
 
 
 def hanging_on(links: set[str], joints: Iterable[UrdfJoint]) -> set[str]:
-    """These links and all that they carry; joints each after the one before it."""
+    """These links and all that hangs on them.
+
+    Args:
+        links: Names of links.
+        joints: To search, each after the joint before it.
+    """
     found = set(links)
     for joint in joints:
         if joint.parent in found:

@@ -28,25 +28,34 @@ def body_transforms(
 ) -> FloatArray:
     """transform_theirs_to_ours of the five body frames, (5, 4, 4).
 
-    Each body is held by its own joint: if the other arm's joint lies elsewhere than
-    ours, that is an error of the geometry and not one of the COM as well. Body 0 is
-    held by the frame that was meant to be base_link, if there is one.
+    Each body is placed by its own joint: a misplaced joint is an error of the geometry,
+    and must not count as an error of the COM too. Body 0 is placed by the frame that
+    was meant to be base_link, if there is one.
     """
     there = alignment.base @ theirs.poses(alignment.zero)
     to_ours = np.linalg.inv(ours.zero_poses(alignment.dimensions))
     transforms: FloatArray = to_ours @ there
     if alignment.same_base:
         transforms[0] = np.linalg.inv(theirs.link_poses[alignment.base_link])
-        transforms[1] = _held_by_base_or_shoulder(
+        transforms[1] = _by_base_or_shoulder(
             ours, theirs, transforms[1], alignment.stands[2, 3]
         )
     return transforms
 
 
-def _held_by_base_or_shoulder(
+def _by_base_or_shoulder(
     ours: OwnArm, theirs: FourJointArm, by_shoulder: FloatArray, height: float
 ) -> FloatArray:
-    """Transform of body 1 by the shoulder, or by the base if its COM fits better."""
+    """Transform of body 1, placed by the shoulder or by the base.
+
+    The one with the better COM is taken.
+
+    Args:
+        ours: Our arm.
+        theirs: The other arm.
+        by_shoulder: The transform by the shoulder, (4, 4).
+        height: How high their base_link is above ours [m].
+    """
     by_base = by_shoulder.copy()
     by_base[2, 3] -= height
     choices = np.stack([by_base, by_shoulder])
@@ -58,9 +67,9 @@ def _held_by_base_or_shoulder(
 def mended_transforms(
     ours: OwnArm, theirs: FourJointArm, alignment: Alignment
 ) -> FloatArray:
-    """The `body_transforms` once the joints are written as ours, (5, 4, 4).
+    """The `body_transforms` after the joints are corrected, (5, 4, 4).
 
-    Each body's axis then lies exactly on ours.
+    The axis of each body then lies exactly on ours.
     """
     transforms = body_transforms(ours, theirs, alignment)
     axes = alignment.sign[:, None] * theirs.axes
@@ -82,7 +91,7 @@ def _on_z_axis(pose: FloatArray, axis: FloatArray) -> FloatArray:
 
 
 def body_errors(ours: OwnArm, theirs: FourJointArm, alignment: Alignment) -> FloatArray:
-    """How far each body is from ours in second moments, (5,) [kg m^2]."""
+    """Error of each body as one number in second moments, (5,) [kg m^2]."""
     com, inertia = bodies_in_our_frames(ours, theirs, alignment)
     arm = ours.reduced
     distances = np.square(com - arm.com).sum(axis=1)

@@ -20,10 +20,10 @@ def origin_of(pose: FloatArray) -> FloatArray:
 def carried_to(
     pose: FloatArray, com: FloatArray, inertia: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """COMs and tensors of bodies, carried to where they stand.
+    """COMs and tensors of bodies, expressed in another frame.
 
     Args:
-        pose: Where, (..., 4, 4).
+        pose: Pose of the bodies' frame in the other frame, (..., 4, 4).
         com: (..., 3) [m].
         inertia: At the COM, (..., 3, 3) [kg m^2].
     """

@@ -1,4 +1,4 @@
-"""What the printed digits of a URDF mean, and what they leave open."""
+"""The angles that the printed digits of a URDF stand for, and their rounding."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Rounding(NamedTuple):
 
 
 def as_meant(robot: UrdfRobot) -> UrdfRobot:
-    """The robot with exact multiples of pi in its joints' rpy, whatever is printed."""
+    """The robot with exact multiples of pi in the rpy of its joints."""
     joints = dict(robot.joints)
     for name, joint in robot.joints.items():
         angles = [meant_angle(text) for text in joint.printed[1].split()]
@@ -86,12 +86,12 @@ def _short_pis() -> FloatArray:
 
 
 def last_digits(joints: Sequence[UrdfJoint]) -> Rounding:
-    """What the digits of the joints' origins leave open.
+    """How much the digits of the joint origins leave open.
 
-    For lengths and angles this is half of the last decimal place, added in quadrature.
-    A number may have lost its trailing zeros: all lengths are taken to have as many
-    decimals as the longest of them, and so for the angles. Zeros and integers are
-    exact. For multiples of pi it is the largest error of any.
+    For lengths and angles it is half of the last decimal place, added in quadrature. A
+    number may have lost its trailing zeros, so all lengths are taken to have as many
+    decimals as the longest of them; the same holds for angles. Zeros and integers are
+    exact. For multiples of pi it is the largest error.
     """
     lengths = _fractions(joint.printed[0] for joint in joints)
     angles = _fractions(joint.printed[1] for joint in joints)
@@ -105,7 +105,7 @@ def last_digits(joints: Sequence[UrdfJoint]) -> Rounding:
 
 
 def _fractions(printed: Iterable[str]) -> list[str]:
-    """The numbers in some texts that are no integers."""
+    """The numbers in some texts that are not integers."""
     texts = " ".join(printed).split()
     return [text for text in texts if float(text) % 1]
 
@@ -117,7 +117,7 @@ def _half_last_place(texts: Sequence[str]) -> float:
 
 
 def last_place(text: str) -> float:
-    """What one unit of the last digit of a printed number is worth."""
+    """The value of one unit of the last digit of a printed number."""
     mantissa, _, power = text.lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
     exponent = float(power or 0) - decimals

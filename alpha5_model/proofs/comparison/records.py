@@ -25,8 +25,8 @@ class Finding:
             or a file.
         text: What is wrong.
         serious: Whether the models differ by it; otherwise it is a remark.
-        cost: Largest gravity torque in air that this alone is worth over the sampled
-            positions [N m]; 0 if it costs none.
+        cost: Largest gravity torque in air that it causes alone, over the sampled
+            positions [N m]; 0 if it causes none.
         instead: What to write in its place; empty if there is nothing to write.
     """
 

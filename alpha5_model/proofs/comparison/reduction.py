@@ -1,4 +1,4 @@
-"""Any URDF of this arm as four joints and five bodies."""
+"""Reduce any URDF of this arm to four joints and five bodies."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from alpha5_model.proofs.comparison.tool_words import tool_link
 
 
 class _Placed(NamedTuple):
-    """Where the links of a model are.
+    """Where the links of a model are, each in the frame of its body.
 
     Attributes:
         body: Link -> index of the body that it belongs to.
@@ -56,27 +56,28 @@ def reduce_robot(
     robot: UrdfRobot,
     joints: Joints,
     parameters: Alpha5Parameters,
-    base: str | None = None,
+    first_link: str | None = None,
 ) -> FourJointArm:
-    """Freeze all other joints and sum up what moves together.
+    """Freeze all other joints and sum up the links that move together.
 
     Args:
         robot: The other model.
         joints: Its axis_e, axis_d, axis_c and axis_b.
         parameters: Our arm, by whose masses the base of the other one is found.
-        base: The first link of the arm: the links before it are carried with the base.
-            Found by its mass if None.
+        first_link: The first link of the arm. Those before it, and all else that hangs
+            on them, are foreign: vehicle, mount, another arm. Found by its mass if
+            None.
 
     Raises:
         InputError: The four joints do not follow each other from base to tip.
-        UnknownNameError: ``base`` is not on the way from the root to axis_e.
+        UnknownNameError: ``first_link`` is not on the way from the root to axis_e.
     """
     placed = _place(robot, joints)
     base_path = path_to(robot, joints[0].parent)
     still = [name for name in robot.links if placed.body[name] == 0]
-    if base is not None:
-        choice("link on the way to axis_e", base, base_path)
-        own_base = hanging_on({base}, joints_to(robot, still))
+    if first_link is not None:
+        choice("link on the way to axis_e", first_link, base_path)
+        own_base = hanging_on({first_link}, joints_to(robot, still))
     else:
         own_base = own_base_links(robot, base_path, set(still), parameters)
 
@@ -96,7 +97,7 @@ def reduce_robot(
         links=tuple(map(tuple, groups)),
         link_poses=placed.pose,
         base_path=base_path,
-        carried=tuple(name for name in still if name not in own_base),
+        foreign_links=tuple(name for name in still if name not in own_base),
         digits=_digits(robot, joints, base_path, own_base),
         tool=tool_link(robot, joints[-1].child),
     )
@@ -140,7 +141,7 @@ def _groups(robot: UrdfRobot, placed: _Placed, own_base: set[str]) -> list[list[
 def _sum(
     robot: UrdfRobot, pose: Mapping[str, FloatArray], group: Sequence[str]
 ) -> _Body:
-    """Links that move together, as one body; zeros if they have no mass together."""
+    """Links that move together, as one body; zeros if their masses add up to zero."""
     masses, coms, inertias = [], [], []
     for name in group:
         link = robot.links[name]
@@ -174,8 +175,8 @@ def _shape_centre(
 def _digits(
     robot: UrdfRobot, joints: Joints, base_path: Sequence[str], own_base: set[str]
 ) -> Rounding:
-    """What the digits of the origins leave open, from the base to the wrist."""
-    first = next((name for name in base_path if name in own_base), base_path[-1])
+    """How much the digits of the joint origins leave open, from base to wrist."""
+    first_link = next((name for name in base_path if name in own_base), base_path[-1])
     way = path_to(robot, joints[-1].child)
-    behind = way[way.index(first) + 1 :]
-    return last_digits(joints_to(robot, behind))
+    links_behind = way[way.index(first_link) + 1 :]
+    return last_digits(joints_to(robot, links_behind))

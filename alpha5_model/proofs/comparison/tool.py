@@ -20,15 +20,15 @@ class ToolDifference:
     """How far the other model's tool is from ours, in base_link, at random positions.
 
     Attributes:
-        frame: Name of their link that was measured. Empty if none is a tool: then the
-            point of their wrist where Table 1's {5} would be was measured.
+        frame: Name of their tool link. Empty if they have none: then the point of their
+            wrist was measured where Table 1's {5} would be.
         base: Name of their link that was taken for base_link. Empty if none was meant
-            to be: then the base is where their axes put it.
+            to be: then the joint axes place the base.
         distance: At the same joint positions, (N,) [m].
         angle: At the same joint positions, (N,) [rad].
-        matched_distance: At positions that mean the same once signs and zeros are
+        matched_distance: At corresponding joint positions, with signs and zeros
             matched, (N,) [m].
-        matched_angle: At the same positions, (N,) [rad].
+        matched_angle: At corresponding joint positions, (N,) [rad].
     """
 
     frame: str

@@ -14,10 +14,12 @@ from alpha5_model.proofs.comparison.findings import finding
 from alpha5_model.proofs.comparison.poses import origin_of
 from alpha5_model.proofs.comparison.records import Finding
 
-#: The collar of the jaws begins this far from axis_c, by the manufacturer's CAD. A tool
-#: frame between it and the finger tips, this close to the axis and with axes this close
-#: to ours, is a choice.
-JAWS_FROM, BESIDE, TURNED = 0.13275, 0.002, math.radians(0.5)  # [m], [m], [rad]
+#: Distance of the jaws' collar from axis_c, by the manufacturer's CAD [m].
+JAWS_FROM = 0.13275
+#: A tool frame between collar and finger tips is a choice, no error, if it is this
+#: close to the wrist axis [m] and its axes are turned by no more than this [rad].
+BESIDE = 0.002
+TURNED = math.radians(0.5)
 
 
 def findings_of_tool(evidence: Evidence) -> Iterator[Finding]:
@@ -34,7 +36,7 @@ def findings_of_tool(evidence: Evidence) -> Iterator[Finding]:
     if off <= length and turned <= angle:
         return
 
-    # Another point of the gripper, and axes that are named otherwise, are a choice.
+    # Another point of the gripper, or axes with other names, are a choice.
     same_point = off <= length or _on_gripper(evidence, origin_of(theirs))
     is_choice = same_point and _axes_are_a_choice(theirs, TURNED + angle)
     x, y, z = origin_of(theirs) * 1e3

@@ -1,4 +1,4 @@
-"""Which link of another model has the tool's frame, by its name."""
+"""Find the tool frame of another model by the names of its links."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ TOOL_WORDS = ("tcp", "tool", "tip", "grasp", "effector", "eef", "ee")
 
 
 def tool_link(robot: UrdfRobot, wrist: str) -> str:
-    """The link fixed to the wrist whose name says that its frame is the tool's.
+    """The link fixed to the wrist that is named like a tool; "" if there is none.
 
-    Of several, the one with the likeliest word, then the outermost. Empty if there is
-    none.
+    If several are, the one with the likeliest word is taken, then the outermost.
     """
     steps = {wrist: 0}
     for joint in robot.joints.values():
@@ -28,7 +27,7 @@ def tool_link(robot: UrdfRobot, wrist: str) -> str:
 
 
 def _tool_rank(name: str) -> int:
-    """Place in `TOOL_WORDS` of the first of them that a name contains."""
+    """Index in `TOOL_WORDS` of the likeliest word in a name, or their number."""
     separated = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name)
     words = re.split(r"[^a-z]+", separated.lower())
     if "base" in words:

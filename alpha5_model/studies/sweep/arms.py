@@ -48,7 +48,7 @@ def arm_of_case(study: Study, place: tuple[tuple[str, int], ...]) -> ArmOfCase:
         Alpha5Error: An arm that cannot be.
     """
     values: dict[str, Any] = {name: study.cases[name][i] for name, i in place}
-    with plausibility.said():  # the study gave its warnings when it was read
+    with plausibility.silenced():  # the study gave its warnings when it was read
         return _arm(study, values)
 
 

@@ -21,7 +21,7 @@ from alpha5_model.numbers.corrections import (
     DEFAULT_CORRECTIONS,
     check_corrections,
 )
-from alpha5_model.numbers.parameters import Alpha5Parameters, convert
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters_from_tables
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import DECIMAL_SHIFT, Quantity
 from alpha5_model.numbers.tables import Published
@@ -165,7 +165,7 @@ def parameter_set(
         corrections: Of the arm; those among the alternatives are added.
     """
     tables = tables_with(values, alternatives)
-    return convert(tables, with_alternatives(corrections, alternatives))
+    return parameters_from_tables(tables, with_alternatives(corrections, alternatives))
 
 
 def with_alternatives(
