@@ -1,7 +1,8 @@
 """Added mass and drag strips of each body, in SI units. Estimated, not published.
 
 There are two sets, both in ``numbers/``. ``estimated`` is our own calculation, with
-low, nominal and high values. ``supplementary`` are numbers by strip theory that circulate.
+low, nominal and high values. ``supplementary`` are numbers by strip theory that
+circulate.
 `alpha5_model.water` computes with them.
 """
 

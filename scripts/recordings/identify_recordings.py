@@ -49,7 +49,7 @@ UNSEEN = 100.0
 
 def numbers(corrections: tuple[str, ...] = ()) -> np.ndarray:
     """The eight net first moments in fresh water, (8,) [kg m]."""
-    middle, _ = printed.ends(corrections)
+    middle, _ = printed.intervals(corrections)
     return linear_maps.groups(middle, corrections, a5.FRESH_WATER, a5.parameters())[
         COLUMNS
     ]
@@ -57,7 +57,7 @@ def numbers(corrections: tuple[str, ...] = ()) -> np.ndarray:
 
 def by_digits() -> np.ndarray:
     """What one standard deviation of each printed number is in the eight, (K, 8)."""
-    middle, half = printed.ends(())
+    middle, half = printed.intervals(())
     sets = middle + np.diag(half) * 3**-0.5
     return (
         linear_maps.groups(sets, (), a5.FRESH_WATER, a5.parameters())[:, COLUMNS]

@@ -194,10 +194,10 @@ def test_no_sample_is_an_impossible_body(monkeypatch: pytest.MonkeyPatch) -> Non
 
     The eigenvalues of the pseudo-inertia decide.
     """
-    middle, half = printed.ends(())
+    middle, half = printed.intervals(())
     of_links = [name.startswith("link_") for name in u.printed_numbers()]
     wide = np.where(of_links, 200.0, 1.0) * half
-    monkeypatch.setattr(printed, "ends", lambda _: (middle, wide))
+    monkeypatch.setattr(printed, "intervals", lambda _: (middle, wide))
     drawn = u.sample(100, 3)
     for k in range(100):
         for link in drawn.parameters(k).links:

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.water.arm import HydrodynamicArm
 
-#: The parameter sets of one study.
+#: The sampled parameter sets of the last study.
 _sample = lru_cache(maxsize=1)(sample)
 
 
 class ArmOfCase(NamedTuple):
-    """What all states of a case have in common.
+    """The arm and the motors that all states of a case share.
 
     Attributes:
         arm: An `Arm`, or a `HydrodynamicArm` if there is a current.
@@ -37,18 +37,18 @@ class ArmOfCase(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def arm_of_case(study: Study, place: tuple[tuple[str, int], ...]) -> ArmOfCase:
+def arm_of_case(study: Study, case_index: tuple[tuple[str, int], ...]) -> ArmOfCase:
     """The arm of a case.
 
     Args:
         study: The study.
-        place: Axis and place on it, for all axes of cases.
+        case_index: Axis and index of its value, for all axes of cases.
 
     Raises:
-        Alpha5Error: An arm that cannot be.
+        Alpha5Error: Impossible values of an arm.
     """
-    values: dict[str, Any] = {name: study.cases[name][i] for name, i in place}
-    with plausibility.silenced():  # the study gave its warnings when it was read
+    values: dict[str, Any] = {name: study.cases[name][i] for name, i in case_index}
+    with plausibility.silenced():  # reading the study gave the warnings
         return _arm(study, values)
 
 

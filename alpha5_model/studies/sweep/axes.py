@@ -31,11 +31,11 @@ _NOT_NEGATIVE = ("kg", "m^3", "kg/m^3", "m/s")
 
 
 class Axes(NamedTuple):
-    """What a study varies, in SI units.
+    """The axes of a study, in SI units.
 
     Attributes:
-        cases: Axis of the arm and its surroundings -> values; ``recording``, if there
-            is one, is the first.
+        cases: Axis of the arm and its surroundings -> values. If there is the axis
+            ``recording``, it is the first.
         states: Axis of a state -> values.
         drawn: Axis of a state -> the range to draw from, lower and upper end.
     """
@@ -56,7 +56,7 @@ def read_axes(
         recordings: The recordings, if they were found before.
 
     Raises:
-        InputError: An axis that cannot be, or axes that do not fit together.
+        InputError: An invalid axis, or axes that do not fit together.
         UnknownNameError: No such axis, unit or correction.
     """
     axes = Axes(cases={}, states={}, drawn={})
@@ -149,7 +149,7 @@ def _corrections(place: str, given: Any) -> list[str]:
 
 
 def _scale(place: str, table: dict[str, Any], unit: str) -> float:
-    """The size of the unit that an axis is given in, in its SI unit."""
+    """Factor from the unit of an axis in the file to its SI unit."""
     sizes = UNITS[unit]
     own_unit = choice(f"unit of {place}", table.get("unit", unit), tuple(sizes))
     return sizes[own_unit]
@@ -158,18 +158,18 @@ def _scale(place: str, table: dict[str, Any], unit: str) -> float:
 def _given_numbers(
     place: str, table: dict[str, Any], may_be_random: bool
 ) -> FloatArray | None:
-    """Numbers as they are given: values, a grid, or a range to draw from.
+    """The numbers of an axis in its own unit: values, a grid, or a range to draw from.
 
-    None if it is none of these.
+    None if the keys fit none of these.
     """
     keys = {*table} - {"unit"}
     if keys == {"values"}:
         values = float_array(place, table["values"], ())
         return np.atleast_1d(values)
     if keys == {"from", "to", "count"}:
-        asked = count(f"{place}.count", table["count"])
+        number = count(f"{place}.count", table["count"])
         low, high = rising(place, [table["from"], table["to"]])
-        return np.linspace(low, high, min(asked, MOST + 1))
+        return np.linspace(low, high, min(number, MOST + 1))
     if keys == {"random"} and may_be_random:
         ends = rising(place, table["random"])
         return np.array(ends)

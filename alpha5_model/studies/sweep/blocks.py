@@ -1,7 +1,7 @@
-"""The rows of a study, block by block, on any machine.
+"""The rows of a study, computed block by block.
 
-A block has the same place in the study whatever the size of the chunks: what NumPy
-computes of it does not depend on who computes it.
+Blocks do not depend on the size of the chunks. So NumPy gets the same arrays, and gives
+the same bits, whichever process computes a block.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from alpha5_model.studies.sweep.study import BLOCK, Study
 
 #: Columns of a table by name.
 Columns = dict[str, NDArray[Any]]
-#: Numbers of rows that are set aside for the samples of a recording.
-_RECORDED = 2**32
+#: Row numbers reserved for each recording, whose number of samples is not known before.
+_ROWS_OF_RECORDING = 2**32
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +33,8 @@ class Block:
 
     Attributes:
         rows: Their numbers, (n,).
-        index: Axis -> places on the grid, one or (n,).
-        columns: What else describes the states, (n,) each.
+        index: Axis -> index of its value, one for all rows or (n,).
+        columns: Other columns that describe the states, (n,) each.
         quantities: By name, (n, 4) each.
     """
 
@@ -45,73 +45,79 @@ class Block:
 
 
 def blocks_of(study: Study, first: int, last: int) -> Iterator[Block]:
-    """The blocks of a study from the first number up to, not with, the last.
+    """The blocks of a study with numbers from first to last - 1.
 
     Raises:
         Alpha5Error: A recording, or an arm, that cannot be used.
     """
     wanted = {output.quantity for output in study.outputs.values()}
-    in_each = study.sizes().blocks
+    blocks_per_case = study.sizes().blocks
     for number in range(first, last):
-        case, block_of_case = divmod(number, in_each)
+        case, block_of_case = divmod(number, blocks_per_case)
         start = block_of_case * BLOCK
-        place = _place(study, case)
-        states = _states(study, place, start)
+        case_index = _case_index(study, case)
+        states = _states(study, case_index, start)
         motion = states.motion
-        arm = arm_of_case(study, tuple(place.items()))
+        arm = arm_of_case(study, tuple(case_index.items()))
 
-        first_row = case * _rows_in_each(study) + start
+        first_row = case * _rows_per_case(study) + start
         count = len(motion.time)
         yield Block(
             rows=np.arange(first_row, first_row + count),
-            index={**place, **states.index},
+            index={**case_index, **states.index},
             columns=states.columns,
             quantities=quantities_of(arm, motion, wanted),
         )
 
 
-def _place(study: Study, case: int) -> dict[str, int]:
-    """Where a case is on each axis of cases; the last axis runs fastest."""
+def _case_index(study: Study, case: int) -> dict[str, int]:
+    """Axis of cases -> index of its value in a case; the last axis runs fastest."""
     if not study.cases:
         return {}
     shape = [len(values) for values in study.cases.values()]
-    places = [int(place) for place in np.unravel_index(case, shape)]
-    return dict(zip(study.cases, places, strict=True))
+    indices = [int(index) for index in np.unravel_index(case, shape)]
+    return dict(zip(study.cases, indices, strict=True))
 
 
-def _states(study: Study, place: dict[str, int], start: int) -> States:
-    """The states of a block that starts at some state of a case."""
-    if "recording" in place:
-        recording = study.cases["recording"][place["recording"]]
+def _states(study: Study, case_index: dict[str, int], start: int) -> States:
+    """The states of a block.
+
+    Args:
+        study: The study.
+        case_index: Of its case, see `_case_index`.
+        start: Number in the case of the first state.
+    """
+    if "recording" in case_index:
+        recording = study.cases["recording"][case_index["recording"]]
         return recorded_states(Path(study.folder, recording))
     last = min(study.sizes().states, start + BLOCK)
     return states_of(study, start, last)
 
 
-def _rows_in_each(study: Study) -> int:
-    """Numbers of rows that are set aside for each case."""
-    return _RECORDED if "recording" in study.cases else study.sizes().states
+def _rows_per_case(study: Study) -> int:
+    """Row numbers reserved for each case."""
+    return _ROWS_OF_RECORDING if "recording" in study.cases else study.sizes().states
 
 
-def inputs(study: Study, row: int) -> dict[str, Any]:
-    """The values of the axes of a row, or its recording and sample; its table."""
-    case, state = divmod(row, _rows_in_each(study))
+def values_of_row(study: Study, row: int) -> dict[str, Any]:
+    """Column -> value of a row in the table of its block, see `table_of_block`."""
+    case, state = divmod(row, _rows_per_case(study))
     number = case * study.sizes().blocks
     if "recording" not in study.cases:
         number += state // BLOCK
 
     block = next(blocks_of(study, number, number + 1))
-    table = columns(study, block)
+    table = table_of_block(study, block)
     at = row - block.rows[0]
     return {name: values[at].item() for name, values in table.items()}
 
 
-def columns(study: Study, block: Block) -> Columns:
-    """A block as a table: numbers of the rows, axes, and quantities kept as tables."""
+def table_of_block(study: Study, block: Block) -> Columns:
+    """A block as a table: row numbers, axes, and the quantities kept as tables."""
     grid = {**study.cases, **study.states}
     table: Columns = {"row": block.rows}
-    for name, places in block.index.items():
-        table[name] = np.array(grid[name])[places]
+    for name, index in block.index.items():
+        table[name] = np.array(grid[name])[index]
     table |= block.columns
     for output in study.outputs.values():
         if output.form == "table":

@@ -1,4 +1,4 @@
-"""The chunks of a study: each is computed at once and kept as a part file."""
+"""The chunks of a study: a worker computes one at a time, and each has a part file."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Chunks:
 
     Attributes:
         study: The study.
-        head: The study's text, and all that its results depend on beside that.
-        size: Blocks of a chunk.
-        blocks: Blocks of the study.
+        head: The study's text and everything else that its results depend on.
+        size: Number of blocks in a chunk.
+        blocks: Number of blocks in the study.
     """
 
     study: Study
@@ -59,7 +59,7 @@ def chunks_of(study: Study, rows: int) -> Chunks:
 
     Args:
         study: The study.
-        rows: About how many of them a chunk has; each recording is a chunk.
+        rows: Approximate number of rows in a chunk; each recording is one chunk.
     """
     from alpha5_model.studies.sweep.study import BLOCK
 
@@ -81,7 +81,7 @@ def _head(study: Study, recordings: Sequence[str]) -> str:
 
 
 def made_by() -> str:
-    """The version and the kernels, on which the digits depend beside the study."""
+    """Version and kernels, which the last digits of the results depend on."""
     from alpha5_model import __version__
 
     return f"alpha5-model {__version__}, {backend().partition(' ')[0]} kernels"
@@ -93,8 +93,8 @@ def compute(chunks: Chunks, number: int) -> ComputedChunk:
     A recording that cannot be used makes a chunk without rows that says why.
 
     Raises:
-        InputError: This process has another version than the one that asks.
-        Alpha5Error: An arm that cannot be.
+        InputError: This process has another version than the one that sent the chunk.
+        Alpha5Error: Impossible values of an arm.
     """
     if not chunks.head.startswith(f"# {made_by()}\n"):
         asking, _, _ = chunks.head.partition("\n")
@@ -110,7 +110,7 @@ def compute(chunks: Chunks, number: int) -> ComputedChunk:
 
 def _computed(chunks: Chunks, number: int) -> ComputedChunk:
     """A chunk with its rows."""
-    from alpha5_model.studies.sweep.blocks import blocks_of, columns
+    from alpha5_model.studies.sweep.blocks import blocks_of, table_of_block
     from alpha5_model.studies.sweep.reductions import empty_reductions
 
     study = chunks.study
@@ -125,7 +125,7 @@ def _computed(chunks: Chunks, number: int) -> ComputedChunk:
         for reduction in found.values():
             reduction.add(block)
         if has_table:
-            tables.append(columns(study, block))
+            tables.append(table_of_block(study, block))
 
     return ComputedChunk(
         number=number,
@@ -171,11 +171,11 @@ def parquet_file(*tables: dict[str, Any], **metadata: str) -> bytes:
 
 
 def is_finished(file: Path, chunks: Chunks) -> bool:
-    """Whether a part is there already, without a failure that may be mended by now.
+    """Whether a part is there already. A failed recording is tried again.
 
     Raises:
         InputError: It is a part of another study, or of another size.
-        FileFormatError: A folder, or a table of something else, stands in its place.
+        FileFormatError: There is a folder or a foreign table in its place.
     """
     from pyarrow import ArrowException, BufferReader, parquet
 
@@ -205,10 +205,10 @@ def merge(file: PathLike, reductions: dict[str, Reduction]) -> tuple[int, str]:
     """Add a part to the reductions.
 
     Returns:
-        Its number of rows, and why it has none.
+        Its number of rows, and why it has none; "" if it has.
 
     Raises:
-        FileFormatError: It is damaged, which its head did not show.
+        FileFormatError: It is damaged behind its head.
     """
     from pyarrow import ArrowException, BufferReader, parquet
 

@@ -1,4 +1,4 @@
-"""Extremes of a quantity, with the rows that have them."""
+"""Extremes of a quantity, and the rows in which they occur."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from alpha5_model.studies.sweep.study import Study
 class Extremes(Reduction):
     """The peak, maximum or minimum of each group, and the first row that has it.
 
-    A minimum is kept as the maximum of the negative numbers.
+    A minimum is kept as the maximum of the negated numbers.
     """
 
     def __init__(self, study: Study, output: Output) -> None:
@@ -27,7 +27,7 @@ class Extremes(Reduction):
         super().__init__(output, groups=math.prod(sizes))
 
     def add(self, block: Block) -> None:
-        """Take in the quantities of a block; NaN counts for nothing."""
+        """Take in the quantities of a block; NaN is ignored."""
         quantity = block.quantities[self.output.quantity]
         values = self._maximised(quantity)
         columns = np.arange(len(self.output.columns))
@@ -70,12 +70,12 @@ class Extremes(Reduction):
         np.maximum.at(self.values, keys, values)
 
         is_best = values == self.values[keys]
-        # If a key repeats, the last assignment stays: that of the first row.
+        # Backwards: if a key repeats, its last assignment stays, that of the first row.
         best = np.flatnonzero(is_best)[::-1]
         self.counts[keys[best]] = rows[best]
 
     def known(self) -> NDArray[np.intp]:
-        """The keys that have something."""
+        """The keys that have an entry."""
         return np.flatnonzero(self.values > -np.inf)
 
     def result(self) -> Columns:

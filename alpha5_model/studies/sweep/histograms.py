@@ -1,4 +1,4 @@
-"""Counts of the numbers of a quantity between edges: histograms and quantiles."""
+"""Histograms of a quantity, and quantiles from fine histograms."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ QUANTILE_EDGES = np.outer(
 
 
 class Histogram(Reduction):
-    """How many numbers fall between two edges, below the first and above the last."""
+    """Counts of numbers between edges, below the first and above the last edge."""
 
     def __init__(self, output: Output, edges: FloatArray | None = None) -> None:
         if edges is None:
@@ -28,7 +28,7 @@ class Histogram(Reduction):
         super().__init__(output, groups=len(edges) + 1)
 
     def add(self, block: Block) -> None:
-        """Take in the quantities of a block; NaN counts for nothing."""
+        """Take in the quantities of a block; NaN is ignored."""
         values = block.quantities[self.output.quantity]
         place = np.searchsorted(self._inner_edges, values, side="right")
         keys = place + self.first_keys()
@@ -39,7 +39,7 @@ class Histogram(Reduction):
         np.add.at(self.counts, keys, counts)
 
     def known(self) -> NDArray[np.intp]:
-        """The keys that have something."""
+        """The keys that have an entry."""
         return np.flatnonzero(self.counts)
 
     def result(self) -> Columns:
@@ -52,14 +52,14 @@ class Histogram(Reduction):
 
 
 class Quantiles(Histogram):
-    """Bins so fine that they tell quantiles."""
+    """A histogram whose bins are fine enough for quantiles."""
 
     def __init__(self, output: Output) -> None:
         edges = np.concatenate([-QUANTILE_EDGES[::-1], QUANTILE_EDGES])
         super().__init__(output, edges)
 
     def result(self) -> Columns:
-        """The levels, then for each column the edges of the bins that they are in."""
+        """The levels, then for each column the edges of the bins of its quantiles."""
         levels = np.array(self.output.levels)
         table: Columns = {"level": levels}
         edges = np.append(self._edges, np.nan)  # NaN if there are no numbers at all
@@ -71,7 +71,7 @@ class Quantiles(Histogram):
 
 
 def _bins_of_levels(levels: FloatArray, counts: IntArray) -> NDArray[np.intp]:
-    """The bins in which quantiles are; behind the last one if there are no numbers."""
+    """The bins of the quantiles; the number of bins if there are no numbers."""
     up_to_bin = np.cumsum(counts)
     total = up_to_bin[-1]
     wanted = np.maximum(np.ceil(levels * total), 1)

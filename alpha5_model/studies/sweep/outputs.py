@@ -1,4 +1,4 @@
-"""The outputs of a study: what it keeps of its quantities."""
+"""The outputs of a study: which figures of its quantities it keeps."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from alpha5_model.studies.sweep.schema import FORMS, QUANTITIES
 
 
 class Output(NamedTuple):
-    """What is kept of a quantity.
+    """A figure of a quantity that is kept.
 
     Attributes:
         quantity: Its name.
@@ -47,7 +47,7 @@ def read_output(name: str, given: Any, grid: Mapping[str, Sequence[Any]]) -> Out
         grid: Axes that have values.
 
     Raises:
-        InputError: Something that cannot be, with its place.
+        InputError: An invalid value, with its place.
         UnknownNameError: No such quantity, form, key or axis.
     """
     if not re.fullmatch(r"[\w-]+", name):

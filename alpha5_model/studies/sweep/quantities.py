@@ -20,7 +20,7 @@ _OF_MOUNT = {"mount_force", "mount_moment"}
 def quantities_of(
     case: ArmOfCase, motion: SmoothMotion, wanted: Set[str]
 ) -> dict[str, FloatArray]:
-    """The quantities that a study keeps, by name, (n, 4) each; there may be more.
+    """Quantities by name, (n, 4) each: those that are wanted, and perhaps more.
 
     Args:
         case: The arm and its motors.
@@ -37,7 +37,7 @@ def quantities_of(
         torque = arm.inverse_dynamics_batch(q, v, a, 1)
         found["torque"] = torque
         if "margin" in wanted:
-            # No rating is published: this is the effort that public models have.
+            # No rating is published; this is the placeholder of public models.
             found["margin"] = arm.limits.effort - np.abs(torque)
         if wanted & _OF_MOTORS:
             of_motors = motor_columns(case.motors, motion, torque)

@@ -1,7 +1,7 @@
 """The base of all reductions: extremes or counts of a quantity, block by block.
 
-Blocks may come in any order. Nothing is added up in floating point: the same states
-give the same result, whoever computed which of them.
+Blocks may come in any order. No floating-point numbers are added up, so the result does
+not depend on which process computed which block.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ IntArray = NDArray[np.int64]
 
 
 class Reduction(ABC):
-    """One output in the making: a value and a count of each key.
+    """An output that is being computed: a value and a count for each key.
 
-    A key is a group of a column; the groups of the first column come first.
+    A key numbers a group of a column. The groups of the first column come first.
 
     Attributes:
-        output: The quantity, and its form.
-        groups: How many groups each column has.
-        values: (keys,) The extremes so far; -inf if there is none.
-        counts: (keys,) The rows of the extremes, or how many numbers fell into a bin.
+        output: The quantity and its form.
+        groups: Number of groups of each column.
+        values: The extremes so far, (keys,); -inf if there are none.
+        counts: Row numbers of the extremes, or numbers of values in a bin, (keys,).
     """
 
     def __init__(self, output: Output, groups: int) -> None:
@@ -39,7 +39,7 @@ class Reduction(ABC):
 
     @abstractmethod
     def add(self, block: Block) -> None:
-        """Take in the quantities of a block; NaN counts for nothing."""
+        """Take in the quantities of a block; NaN is ignored."""
 
     @abstractmethod
     def merge(self, keys: IntArray, values: FloatArray, counts: IntArray) -> None:
@@ -47,14 +47,14 @@ class Reduction(ABC):
 
     @abstractmethod
     def known(self) -> NDArray[np.intp]:
-        """The keys that have something."""
+        """The keys that have an entry."""
 
     @abstractmethod
     def result(self) -> Columns:
         """Columns by name."""
 
     def parts(self, name: str) -> Columns:
-        """What `merge` takes of another reduction of this output, as a table."""
+        """The table that `merge` of another reduction of this output takes in."""
         keys = self.known()
         return {
             "output": np.full(len(keys), name),

@@ -35,10 +35,10 @@ class Sweep(NamedTuple):
 
     Attributes:
         study: As read.
-        rows: How many there are; none of a recording that failed.
+        rows: Number of rows; a recording that failed has none.
         failures: Recording -> why it could not be used.
-        outputs: Output -> its columns by name. A table is not here: it is the data set
-            ``rows`` in the folder.
+        outputs: Output -> its columns by name. Outputs of the form ``table`` are not
+            here, but in the data set ``rows`` in the folder.
     """
 
     study: Study
@@ -48,9 +48,9 @@ class Sweep(NamedTuple):
 
     def inputs(self, row: int) -> dict[str, Any]:
         """The values of the axes of a row, or its recording and sample."""
-        from alpha5_model.studies.sweep.blocks import inputs
+        from alpha5_model.studies.sweep.blocks import values_of_row
 
-        return inputs(self.study, row)
+        return values_of_row(self.study, row)
 
 
 def sweep(
@@ -66,21 +66,21 @@ def sweep(
 
     Args:
         study: TOML file.
-        folder: For the results, made if missing; if a run of this study was stopped,
-            what is left is computed.
-        workers: Processes on this machine, through Dask; 0 for none but this one.
-        scheduler: Address of a Dask scheduler, whose workers have this package, and
-            read the recordings.
-        rows: About how many of them one process holds.
-        progress: Called with a stage and the part done, 0 to 1.
+        folder: For the results, made if missing. A run of this study that was stopped
+            is continued.
+        workers: Processes on this machine, through Dask; 0 for this process alone.
+        scheduler: Address of a Dask scheduler. Its workers need this package and read
+            the recordings.
+        rows: Approximate number of rows that one process holds.
+        progress: Called with a stage and the share done, 0 to 1.
 
     Raises:
-        FileFormatError: Of the study, with its place; of a part that is damaged or of
-            something else.
-        InputError: A folder with another study, or other chunks; no scheduler at the
-            address.
-        OutputError: The folder cannot be written, or the workers are lost; what is
-            finished stays.
+        FileFormatError: A mistake in the study, with its place; a damaged or foreign
+            part in the folder.
+        InputError: A folder with another study, or with other chunks; no scheduler at
+            the address.
+        OutputError: The folder cannot be written, or the workers are lost. Finished
+            parts stay.
         MissingDependencyError: Without ``alpha5-model[sweep]``.
     """
     _check_packages()
@@ -131,7 +131,7 @@ def _check_targets(source: PathLike, study: Study, target: Path) -> None:
 def _write_chunk(chunk: ComputedChunk, target: Path, name: str) -> None:
     """Write the files of a chunk.
 
-    The part is the last one: if it is there, all of the chunk is.
+    The part is written last: if it is there, the chunk is complete.
     """
     files = {}
     if chunk.rows is not None:

@@ -1,4 +1,4 @@
-"""What a study may vary and keep, from ``study.toml`` beside this file."""
+"""Axes, quantities and forms that a study may have, from ``study.toml``."""
 
 from __future__ import annotations
 

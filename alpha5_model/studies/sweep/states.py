@@ -16,7 +16,7 @@ from alpha5_model.trajectory import SmoothMotion, read_motion, smooth
 
 #: Joints of the arm, base to tip.
 _JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
-#: Random numbers for each count of the generator.
+#: Random numbers that the generator makes per step of its counter.
 _PER_COUNT = 4
 
 
@@ -25,8 +25,8 @@ class States:
     """Some states of a case.
 
     Attributes:
-        index: Axis -> places on the grid, (n,).
-        columns: What else describes the states: random numbers, times; (n,) each.
+        index: Axis -> index of its value, (n,).
+        columns: Other columns that describe them: random numbers or times, (n,) each.
         motion: Positions, velocities and accelerations of the four joints, (n, 4).
     """
 
@@ -37,8 +37,8 @@ class States:
 
 @lru_cache(maxsize=32)
 def states_of(study: Study, first: int, last: int) -> States:
-    """States by their numbers in a case, which are the same in every case."""
-    index = _grid_places(study, first, last)
+    """States first to last - 1 of a case; all cases have the same states."""
+    index = _grid_index(study, first, last)
     drawn = _drawn(study, first, last)
     on_grid = {name: np.array(study.states[name])[at] for name, at in index.items()}
     given = {**on_grid, **drawn}
@@ -60,20 +60,20 @@ def states_of(study: Study, first: int, last: int) -> States:
     return States(index=index, columns=drawn, motion=motion)
 
 
-def _grid_places(study: Study, first: int, last: int) -> dict[str, NDArray[np.intp]]:
-    """Where states are on each axis of the grid; the last axis runs fastest."""
+def _grid_index(study: Study, first: int, last: int) -> dict[str, NDArray[np.intp]]:
+    """Axis -> index of its value in each state; the last axis runs fastest."""
     index = {}
-    place = np.arange(first, last) // study.samples
+    rest = np.arange(first, last) // study.samples
     for name in reversed(study.states):
-        place, index[name] = np.divmod(place, len(study.states[name]))
+        rest, index[name] = np.divmod(rest, len(study.states[name]))
     return index
 
 
 def _drawn(study: Study, first: int, last: int) -> dict[str, FloatArray]:
     """Random numbers of states, by axis.
 
-    A state takes them from counts of the generator that no other state uses, so that
-    it has the same ones in any block.
+    Each state has its own counts of the generator, so that its numbers do not depend on
+    the block.
     """
     counts = -(-len(study.drawn) // _PER_COUNT)
     bits = np.random.Philox(study.seed).advance(first * counts)

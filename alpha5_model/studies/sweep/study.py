@@ -1,4 +1,4 @@
-"""A study, read from TOML; every mistake is named with its place."""
+"""A study, read from TOML; messages name the place of a mistake."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.studies.sweep.axes import read_axes
 from alpha5_model.studies.sweep.outputs import Output, read_output
 
-#: Axis of a case -> what is plausible of the value farthest from 0.
+#: Axis of a case -> plausible range of the value farthest from 0.
 _PLAUSIBLE = {
     "payload_mass": plausibility.MASS,
     "payload_x": plausibility.POSITION,
@@ -28,7 +28,7 @@ _PLAUSIBLE = {
     "fluid_density": plausibility.FLUID_DENSITY,
     "current_speed": plausibility.CURRENT,
 }
-#: States computed at a time: what a kernel reads and writes of them stays in the cache.
+#: States computed at a time: the numbers of so many stay in the cache.
 BLOCK = 8192
 #: A dotted key with more parts than any study has; ``tomllib`` takes minutes for a long
 #: one.
@@ -38,12 +38,12 @@ _LONG_KEY = re.compile(
 
 
 class Sizes(NamedTuple):
-    """How large a study is.
+    """The size of a study.
 
     Attributes:
-        cases: How many there are.
-        states: How many each case has; 1 if it is a recording, whose size is not known.
-        blocks: How many each case has.
+        cases: Number of cases.
+        states: States per case; 1 for a recording, whose size is not known.
+        blocks: Blocks per case.
     """
 
     cases: int
@@ -61,11 +61,11 @@ class Study:
         text: As read.
         source: The file's name.
         folder: Where relative paths of recordings start.
-        seed: Of all that is drawn.
-        samples: States drawn for each point of the grid; every case has the same ones.
-        cases, states: Axis -> values, in SI units; ``recording``, of cases, is the
-            first.
-        drawn: Axis -> the range that each state has its own number of.
+        seed: Of all random numbers.
+        samples: States drawn for each point of the grid, the same in every case.
+        cases, states: Axis -> values, in SI units. The axis ``recording`` of the cases
+            is the first.
+        drawn: Axis -> the range from which each state draws its own value.
         outputs: By name.
     """
 
@@ -87,7 +87,7 @@ class Study:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # A process reads the study of its many tasks once.
+        # Pickled as its text: a worker then reads it once for all its chunks.
         recordings = self.cases.get("recording")
         return _study, (self.text, self.source, self.folder, recordings)
 
@@ -97,8 +97,8 @@ def read_study(study: PathLike) -> Study:
 
     Raises:
         MissingFileError: No such file.
-        FileFormatError: Not TOML, or an axis, range, unit, name or output that cannot
-            be; with its place.
+        FileFormatError: Not TOML, or an invalid axis, range, unit, name or output, with
+            its place.
 
     Warns:
         ImplausibleWarning: Values of an axis that seem to be in another unit.
@@ -156,7 +156,7 @@ def _checked(
     """The study in the tables of a file.
 
     Raises:
-        InputError: Something that cannot be, with its place.
+        InputError: An invalid value, with its place.
     """
     named("key", given, ("seed", "samples", "axes", "outputs"))
     for key in ("axes", "outputs"):

@@ -1,4 +1,4 @@
-"""Who computes the chunks of a study: this process, others here, or a Dask cluster."""
+"""Compute the chunks of a study in this process, in others here, or on a cluster."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def results(
     """The results of the work for each chunk; on workers in any order.
 
     Args:
-        work: Can be sent to another process.
+        work: Function of a chunk's number that can be sent to another process.
         chunks: Their numbers.
-        workers: Processes on this machine; 0 for none but this one.
-        scheduler: Address of a Dask scheduler, used instead.
+        workers: Processes on this machine; 0 for this process alone.
+        scheduler: Address of a Dask scheduler, which is used instead.
         folder: Of the results, for messages.
 
     Raises:

@@ -1,15 +1,19 @@
-"""What the digits of the printed numbers leave open in each result.
+"""How much the rounding of the printed digits leaves open in each result.
 
-`printed_numbers` are the intervals. `bounds` are limits that no numbers in them can
-pass. `sample`, `spread` and `sensitivity` work for any result; `identify` is for
-recordings.
+`printed_numbers` gives the interval of each number. `bounds` are limits that no numbers
+in these intervals can exceed. `sample`, `spread` and `sensitivity` work for any result.
+`identify` is for recordings.
 
-The bounds of torques, loads and energies are sums over the links of ``m s(c) + w . I +
-V (w_V + w_b . b)``, with s of second degree in the COM c. No number is in two of the
-terms, so the extremes of the sum are the sums of their extremes; those of a product of
-intervals are at its corners. At rest s is of first degree, and the bounds are attained.
-In motion its second-degree part about the middle of c is taken at the largest that it
-can be. The lengths of Table 1 are taken as printed: see `sensitivity` for their share.
+A torque, load or energy is a sum over the links of
+
+    m s(c) + w . I + V (w_V + w_b . b)
+
+with mass m, COM c, tensor I, volume V and centre of buoyancy b. s is quadratic in c. No
+number is part of two terms, so the extremes of the sum are the sums of the terms'
+extremes, and those of a product of two intervals are at its corners. At rest s is
+linear, and the bounds are attained. In motion its quadratic part about the middle of c
+is replaced by its largest possible value. The lengths of Table 1 are taken as printed;
+`sensitivity` tells their share.
 """
 
 from alpha5_model.dynamics.load import arm_of as arm

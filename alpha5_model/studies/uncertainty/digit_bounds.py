@@ -1,4 +1,4 @@
-"""Bounds of torques, loads and energies that no numbers within the digits can pass.
+"""Bounds of torques, loads and energies that no numbers within the digits can exceed.
 
 The package's docstring says how they are found.
 """
@@ -32,12 +32,12 @@ from alpha5_model.studies.uncertainty.linear_maps import (
 )
 from alpha5_model.studies.uncertainty.printed import Names
 
-#: Rounding of doubles, relative to the sum of all parts.
+#: Rounding error of doubles, relative to the sum of all terms.
 _ROUNDING = 1e-14
 
 
 class Bounds(NamedTuple):
-    """Lower and upper ends; without N for one state.
+    """Lower and upper bounds; one state has no axis N.
 
     Attributes:
         torque: Of the joints, (N, 4) [N m].
@@ -59,7 +59,7 @@ def bounds(
     arm: Arm | None = None,
     alternatives: Names = (),
 ) -> Bounds:
-    """Bounds that no numbers that round to the printed ones can pass, for a motion.
+    """Bounds that no numbers which round to the printed ones can exceed.
 
     Args:
         q, v, a: (4,) each, or (N, 4); one row is used for all states.
@@ -100,9 +100,10 @@ def bounds(
 
 
 def _kinetic_energy_rows(q: FloatArray, v: FloatArray) -> FloatArray:
-    """Kinetic energy by base parameters, (N, 38).
+    """Derivative of the kinetic energy by the base parameters, (N, 38).
 
-    It is half the power of v under the torque of an acceleration v from rest.
+    The energy v^T M v / 2 is half of v times the torque M v, which accelerates the arm
+    from rest by v.
     """
     still = np.zeros_like(v)
     torque = regressor_rows(q, still, v, np.zeros(3))[:, :4]
@@ -110,10 +111,10 @@ def _kinetic_energy_rows(q: FloatArray, v: FloatArray) -> FloatArray:
 
 
 def _potential_energy_rows(q: FloatArray, gravity: FloatArray) -> FloatArray:
-    """Potential energy by base parameters, (N, 38).
+    """Derivative of the potential energy by the base parameters, (N, 38).
 
-    Moments of weights, sums of r x n g, for two directions of g contain all of the sum
-    of n r.
+    It follows from the sum of the first moments n r of all links, whose components are
+    read from the moments r x n g on the mount for gravity along x and along y.
     """
     still = np.zeros_like(q)
     along_x, along_y, _ = np.eye(3)
@@ -141,12 +142,12 @@ def torque_bounds(
 
 
 def torque_margin(arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatArray:
-    """How far the digits move the torques of any arm on a fixed base.
+    """How far the digits can move the torques of any arm on a fixed base.
 
-    Payload, moving water and the jaws, which are taken out of link 4, are as known.
+    Payload, moving water, and the jaws that are taken out of link 4 count as known.
 
     Returns:
-        Lowest and highest, (2, nv) or (2, N, nv).
+        Lowest and highest difference, (2, nv) or (2, N, nv).
 
     Raises:
         InputError: An arm with other dimensions than the catalogue's, whose digits they
@@ -162,7 +163,7 @@ def torque_margin(arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatAr
 
 
 def payload(arm: Arm, parameters: Alpha5Parameters) -> FloatArray:
-    """What an arm's base parameters have beyond those of the bare arm, (38,).
+    """An arm's base parameters minus those of the bare arm, (38,).
 
     Args:
         arm: On a fixed base, with its jaws locked.
@@ -183,7 +184,7 @@ def extremes(
 
     Args:
         linear: (N, ..., 38).
-        known: Base parameters that come on top of the printed numbers', (38,).
+        known: Base parameters to add to those of the printed numbers, (38,).
         density: Of the fluid [kg/m^3].
         alternatives: Checked names of `ALTERNATIVES`.
         parameters: Of the bare arm; only dimensions and corrections are used.
@@ -192,82 +193,95 @@ def extremes(
         (2, N, ...).
     """
     to_links = link_map(alternatives, parameters.corrections)
-    middle, half = printed.ends(alternatives)
-    link = split(np.tensordot(middle, to_links, 1))
-    width = split(np.tensordot(half, np.abs(to_links), 1))
+    middles, half_widths = printed.intervals(alternatives)
+    middle = split(np.tensordot(middles, to_links, 1))
+    half_width = split(np.tensordot(half_widths, np.abs(to_links), 1))
     by_moments = np.tensordot(linear, grouping(density, parameters), (-1, -1))
     slope = split(by_moments)  # of (N, ..., 5, 14)
 
-    parts = (
-        _of_masses(slope, link, width),
-        _of_tensors(slope, to_links, middle, half),
-        _of_volumes(slope, link, width),
+    terms = (
+        _mass_terms(slope, middle, half_width),
+        _tensor_terms(slope, to_links, middles, half_widths),
+        _volume_terms(slope, middle, half_width),
     )
-    slack = _slack(parts)
-    total = np.sum(parts, axis=0) + linear @ known
-    return np.asarray(total + np.array([-slack, slack]))
+    rounding = _rounding(terms)
+    total = np.sum(terms, axis=0) + linear @ known
+    return np.asarray(total + np.array([-rounding, rounding]))
 
 
-def _of_masses(slope: LinkNumbers, link: LinkNumbers, width: LinkNumbers) -> FloatArray:
+def _mass_terms(
+    slope: LinkNumbers, middle: LinkNumbers, half_width: LinkNumbers
+) -> FloatArray:
     """Extremes of the sum of m s(c), (2, N, ...).
 
-    s is taken by its slope at the middle COM, and the largest that its part of second
-    degree can be from there on.
+    With Hessian H, s is ``s_0 + g . c + c . H c / 2``. About the middle of c it changes
+    by at most ``(|g + H c| + |H| h / 2) . h``, where h is the half width of c.
     """
-    com = link.com
-    box = width.com
-    curve = slope.second[..., SYMMETRIC] * (np.eye(3) + 1)
-    bent = (curve * com[:, None]).sum(axis=-1)
-    s = slope.mass + ((slope.com + bent / 2) * com).sum(axis=-1)
+    com = middle.com
+    com_half_width = half_width.com
+    # Second moments are listed once: off the diagonal each stands for two entries.
+    hessian = slope.second[..., SYMMETRIC] * (np.eye(3) + 1)
+    hessian_times_com = (hessian * com[:, None]).sum(axis=-1)
+    s = slope.mass + ((slope.com + hessian_times_com / 2) * com).sum(axis=-1)
 
-    steepest = (
-        np.abs(slope.com + bent) + (np.abs(curve) * box[:, None]).sum(axis=-1) / 2
-    )
-    s_width = (steepest * box).sum(axis=-1)
-    ends = _product(link.mass, width.mass, s, s_width)
-    return np.asarray(ends.sum(axis=-1))
+    gradient = np.abs(slope.com + hessian_times_com)
+    curvature = (np.abs(hessian) * com_half_width[:, None]).sum(axis=-1) / 2
+    s_half_width = ((gradient + curvature) * com_half_width).sum(axis=-1)
+    extremes_of_links = _product(middle.mass, half_width.mass, s, s_half_width)
+    return np.asarray(extremes_of_links.sum(axis=-1))
 
 
-def _of_tensors(
-    slope: LinkNumbers, to_links: FloatArray, middle: FloatArray, half: FloatArray
+def _tensor_terms(
+    slope: LinkNumbers,
+    to_links: FloatArray,
+    middles: FloatArray,
+    half_widths: FloatArray,
 ) -> FloatArray:
-    """Extremes of the tensors' share, (2, N, ...).
+    """Extremes of the sum of w . I, (2, N, ...).
 
-    Each digit of a tensor is in several second moments.
+    A printed number of a tensor is part of several second moments, so the extremes are
+    taken over the printed numbers.
     """
     to_second = split(to_links).second
-    by_digits = np.tensordot(slope.second, to_second, ((-2, -1), (1, 2)))
-    spread = np.multiply.outer((-1, 1), np.abs(by_digits) @ half)
-    return np.asarray(np.tensordot(by_digits, middle, 1) + spread)
+    by_numbers = np.tensordot(slope.second, to_second, ((-2, -1), (1, 2)))
+    spread = np.multiply.outer((-1, 1), np.abs(by_numbers) @ half_widths)
+    return np.asarray(np.tensordot(by_numbers, middles, 1) + spread)
 
 
-def _of_volumes(
-    slope: LinkNumbers, link: LinkNumbers, width: LinkNumbers
+def _volume_terms(
+    slope: LinkNumbers, middle: LinkNumbers, half_width: LinkNumbers
 ) -> FloatArray:
     """Extremes of the sum of V (w_V + w_b . b), (2, N, ...)."""
-    lift = slope.volume + (slope.cob * link.cob).sum(axis=-1)
-    lift_width = (np.abs(slope.cob) * width.cob).sum(axis=-1)
-    ends = _product(link.volume, width.volume, lift, lift_width)
-    return np.asarray(ends.sum(axis=-1))
+    lift = slope.volume + (slope.cob * middle.cob).sum(axis=-1)
+    lift_half_width = (np.abs(slope.cob) * half_width.cob).sum(axis=-1)
+    extremes_of_links = _product(
+        middle.volume, half_width.volume, lift, lift_half_width
+    )
+    return np.asarray(extremes_of_links.sum(axis=-1))
 
 
-def _slack(parts: tuple[FloatArray, ...]) -> FloatArray:
-    """What the rounding of doubles may hide, (N, ...)."""
-    slack = _ROUNDING * np.abs(parts).sum(axis=(0, 1))
-    if slack.ndim > 1:
-        # What is nothing for one joint is the rounding of another's torque.
-        slack = slack.max(axis=1, keepdims=True)
-    return np.asarray(slack)
+def _rounding(terms: tuple[FloatArray, ...]) -> FloatArray:
+    """Rounding error of doubles in the sum of the terms, (N, ...)."""
+    rounding = _ROUNDING * np.abs(terms).sum(axis=(0, 1))
+    if rounding.ndim > 1:
+        # A torque that is exactly 0 still has the rounding error of the others.
+        rounding = rounding.max(axis=1, keepdims=True)
+    return np.asarray(rounding)
 
 
 def _product(
-    x: FloatArray, x_width: FloatArray, y: FloatArray, y_width: FloatArray
+    x: FloatArray, x_half_width: FloatArray, y: FloatArray, y_half_width: FloatArray
 ) -> FloatArray:
-    """Lowest and highest products of numbers of two intervals, (2, ...)."""
+    """Extremes of the product of two numbers in intervals, (2, ...).
+
+    Args:
+        x, y: Middles of the intervals.
+        x_half_width, y_half_width: Half of their widths.
+    """
     corners = [
-        (x - x_width) * (y - y_width),
-        (x - x_width) * (y + y_width),
-        (x + x_width) * (y - y_width),
-        (x + x_width) * (y + y_width),
+        (x - x_half_width) * (y - y_half_width),
+        (x - x_half_width) * (y + y_half_width),
+        (x + x_half_width) * (y - y_half_width),
+        (x + x_half_width) * (y + y_half_width),
     ]
     return np.array([np.min(corners, axis=0), np.max(corners, axis=0)])

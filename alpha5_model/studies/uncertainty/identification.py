@@ -166,7 +166,7 @@ class _Unknowns:
         density: float,
         parameters: Alpha5Parameters,
     ) -> None:
-        self._middle, half = printed.ends(alternatives)
+        self._middle, half = printed.intervals(alternatives)
         to_links = link_map(alternatives, parameters.corrections)
         matters = half * np.abs(to_links).any(axis=(1, 2)) > 0
         self._scaled = np.diag(half)[matters]

@@ -146,10 +146,10 @@ def _finest_mass() -> Quantity:
     return min(masses, key=lambda mass: mass.rounding)
 
 
-def ends(alternatives: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
-    """Middle and half width of the intervals, (K,) each."""
-    intervals = [(x.lower, x.upper) for x in numbers(alternatives).values()]
-    lower, upper = np.array(intervals).T
+def intervals(alternatives: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
+    """Middles and half widths of the intervals of all printed numbers, (K,) each."""
+    limits = [(x.lower, x.upper) for x in numbers(alternatives).values()]
+    lower, upper = np.array(limits).T
     return (lower + upper) / 2, (upper - lower) / 2
 
 

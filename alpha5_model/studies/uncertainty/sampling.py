@@ -96,7 +96,7 @@ def sample(
     choice("distribution", distribution, ("uniform", "normal"))
     size = count("n", n)
 
-    middle, half = printed.ends(chosen)
+    middle, half = printed.intervals(chosen)
     values = np.empty((0, middle.size))
     while len(values) < size:
         shape = (size - len(values), middle.size)

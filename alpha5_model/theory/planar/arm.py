@@ -52,7 +52,7 @@ from alpha5_model._support.checks import (
 from alpha5_model.errors import InputError, MissingParameterError, ShapeError
 from alpha5_model.theory.planar.boundary import bounds
 from alpha5_model.theory.planar.curves import TURN, Arc, Curve, Edge, Segment, turned
-from alpha5_model.theory.planar.intersections import hits
+from alpha5_model.theory.planar.intersections import circle_hits, line_hits
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9
@@ -428,13 +428,13 @@ def joint_positions_onto(
         pivot = np.array([[-length, 0.0]])
         radius = np.linalg.norm(points, axis=1)
         for curve in curves:
-            there = hits(pivot, radius, curve, tolerance)
+            there = circle_hits(pivot, radius, curve, tolerance)
             yield bearing - np.arctan2(there[..., 1], there[..., 0] + length), there
     else:
         start = turned(points, -angle) - (length, 0.0)
         along = np.array([[1.0, 0.0]])
         for curve in curves:
-            there = hits(start, along, curve, tolerance)
+            there = line_hits(start, along, curve, tolerance)
             yield start[:, None, 0] - there[..., 0], there
 
 

@@ -23,7 +23,7 @@ from alpha5_model.theory.planar.curves import (
     Segment,
     unit_vector,
 )
-from alpha5_model.theory.planar.intersections import hits
+from alpha5_model.theory.planar.intersections import circle_hits, line_hits
 
 #: Whether points (N, 2) belong to the set, (N,).
 Contains = Callable[[FloatArray], BoolArray]
@@ -73,7 +73,7 @@ def bounds(
             shorter pieces are left out [m].
 
     Returns:
-        The edges, and the pieces that have nothing of the set on either side.
+        The edges, and the pieces that have the set on neither side.
     """
     curves = _united(curves, tolerance)
     pieces = _pieces(curves, tolerance, step)
@@ -92,7 +92,7 @@ def bounds(
 
 
 def _pieces(curves: list[Curve], tolerance: float, step: float) -> list[_Piece]:
-    """What the cuts leave of the curves, pieces of at most a step left out."""
+    """The pieces between the cuts of each curve, if longer than a step."""
     pieces = []
     for number, cuts in enumerate(_cuts(curves, tolerance, step)):
         unit = _per_parameter(curves[number])
@@ -141,7 +141,7 @@ def _runs(
 
 
 def _united(curves: list[Curve], tolerance: float) -> list[Curve]:
-    """The same set of points with every circle and every line covered once."""
+    """The same set of points without any overlap."""
     united: list[Curve] = []
     for members in _grouped(curves, tolerance):
         first = members[0]
@@ -156,9 +156,7 @@ def _united(curves: list[Curve], tolerance: float) -> list[Curve]:
 
 
 def _grouped(curves: list[Curve], tolerance: float) -> list[list[Curve]]:
-    """The curves by the circle or line that carries them, in the order of the first
-    ones.
-    """
+    """Curves on the same circle or line together, in the order of the first ones."""
     groups: list[list[Curve]] = []
     for curve in curves:
         for group in groups:
@@ -173,7 +171,7 @@ def _grouped(curves: list[Curve], tolerance: float) -> list[list[Curve]]:
 def _merged(
     spans: list[tuple[float, float]], slack: float, circular: bool
 ) -> list[list[float]]:
-    """Ranges of a parameter, in ascending order, without overlap."""
+    """The union of ascending ranges of a parameter, as ranges that do not overlap."""
     merged: list[list[float]] = []
     for low, high in spans:
         if merged and low <= merged[-1][1] + slack:
@@ -200,9 +198,7 @@ def _same_carrier(a: Curve, b: Curve, tolerance: float) -> bool:
 
 
 def _span_on(first: Curve, member: Curve) -> tuple[float, float]:
-    """Range of `member` in the parameter of `first`, a curve on the same circle or
-    line.
-    """
+    """Range of a curve in the parameter of another one on the same circle or line."""
     if isinstance(first, Arc) and isinstance(member, Arc):
         start = member.start % TURN
         return start, start + member.span
@@ -217,39 +213,39 @@ def _span_on(first: Curve, member: Curve) -> tuple[float, float]:
 
 
 def _cuts(curves: list[Curve], tolerance: float, step: float) -> list[list[float]]:
-    """Parameters at which each curve begins, meets another, and ends, in ascending
-    order.
-    """
+    """Ascending parameters at which each curve begins, meets another, and ends."""
     cuts = [list(curve.interval) for curve in curves]
     arcs = {i: c for i, c in enumerate(curves) if isinstance(c, Arc)}
     lines = {i: c for i, c in enumerate(curves) if isinstance(c, Segment)}
     centers = np.array([c.center for c in arcs.values()]).reshape(-1, 2)
     radii = np.array([c.radius for c in arcs.values()])
     starts = np.array([c.start for c in lines.values()]).reshape(-1, 2)
-    along = np.array([unit_vector(c.angle) for c in lines.values()]).reshape(-1, 2)
+    headings = [unit_vector(c.angle) for c in lines.values()]
+    directions = np.array(headings).reshape(-1, 2)
 
     for j, other in enumerate(curves):
-        for group, at, size in ((arcs, centers, radii), (lines, starts, along)):
-            meeting = hits(at, size, other, tolerance)
-            for i, points in zip(group, meeting, strict=True):
-                if i != j:
-                    t = curves[i].parameter(points, tolerance)
-                    cuts[i] += t[~np.isnan(t)].tolist()
+        on_arcs = circle_hits(centers, radii, other, tolerance)
+        on_lines = line_hits(starts, directions, other, tolerance)
+        meeting = [*zip(arcs, on_arcs, strict=True), *zip(lines, on_lines, strict=True)]
+        for i, points in meeting:
+            if i != j:
+                t = curves[i].parameter(points, tolerance)
+                cuts[i] += t[~np.isnan(t)].tolist()
     return [
-        _distinct(curve, sorted(meets), step)
-        for curve, meets in zip(curves, cuts, strict=True)
+        _distinct(curve, sorted(parameters), step)
+        for curve, parameters in zip(curves, cuts, strict=True)
     ]
 
 
-def _distinct(curve: Curve, meets: list[float], step: float) -> list[float]:
+def _distinct(curve: Curve, parameters: list[float], step: float) -> list[float]:
     """Ascending parameters, those closer together than a step replaced by their mean.
 
-    Where curves touch, rounding makes two cuts of one, some 1e-8 to either side: their
+    If curves touch, rounding splits one cut into two, some 1e-8 to either side: their
     mean is exact.
     """
-    apart = np.flatnonzero(np.diff(meets) * _per_parameter(curve) > step) + 1
-    means = [math.fsum(group) / len(group) for group in np.split(meets, apart)]
-    return [meets[0], *means[1:-1], meets[-1]]
+    apart = np.flatnonzero(np.diff(parameters) * _per_parameter(curve) > step) + 1
+    means = [math.fsum(group) / len(group) for group in np.split(parameters, apart)]
+    return [parameters[0], *means[1:-1], parameters[-1]]
 
 
 def _per_parameter(curve: Curve) -> float:

@@ -11,68 +11,95 @@ from alpha5_model.theory.planar.curves import Arc, Curve, unit_vector
 _PARALLEL = 1e-12
 
 
-def hits(
-    at: FloatArray, size: FloatArray, curve: Curve, tolerance: float
+def circle_hits(
+    centers: FloatArray, radii: FloatArray, curve: Curve, tolerance: float
 ) -> FloatArray:
-    """Points in which circles or straight lines meet a curve; touching counts.
+    """Points in which circles meet a curve; touching counts.
 
     Args:
-        at: Centres of the circles, or a point of each line, (M, 2), or (1, 2) for all
-            [m].
-        size: Radii of the circles (M,) [m], or unit vectors along the lines, (M, 2) or
-            (1, 2).
+        centers: (M, 2), or (1, 2) for all [m].
+        radii: (M,) [m].
         curve: The curve.
         tolerance: Distance up to which they count as touching [m].
 
     Returns:
         Points (M, K, 2) [m], K up to 4; NaN for those that do not exist. For a circle
-        or line that runs along the curve, the points are the ends of the curve.
+        that runs along the curve, they are the ends of the curve.
     """
-    meet = _with_carrier(at, size, curve, tolerance)
-
-    ends = curve.point(np.array(curve.interval))
-    on_ends = np.abs(_distance(at, size, ends)) <= tolerance
-    if on_ends.any():
-        touched = np.where(on_ends[..., None], ends, np.nan)
-        meet = np.concatenate([meet, touched], axis=1)
-    if curve.closed:
-        return meet
-
-    off = np.isnan(curve.parameter(meet, tolerance))
-    return np.where(off[..., None], np.nan, meet)
-
-
-def _with_carrier(
-    at: FloatArray, size: FloatArray, curve: Curve, tolerance: float
-) -> FloatArray:
-    """Points in which they meet the whole circle or line that carries the curve."""
-    circles = size.ndim == 1
     if isinstance(curve, Arc):
         center = np.array(curve.center)
-        if circles:
-            return _circle_circle(at, size, center, curve.radius, tolerance)
-        return _line_circle(at, size, center, np.array(curve.radius), tolerance)
+        crossings = _circle_circle(centers, radii, center, curve.radius, tolerance)
+    else:
+        start = np.array(curve.start)
+        along = unit_vector(curve.angle)
+        crossings = _line_circle(start, along, centers, radii, tolerance)
 
-    start = np.array(curve.start)
-    along = unit_vector(curve.angle)
-    if circles:
-        return _line_circle(start, along, at, size, tolerance)
-    return _line_line(at, size, start, along)
+    ends = curve.point(np.array(curve.interval))
+    from_centers = np.linalg.norm(ends - centers[:, None], axis=-1)
+    return _on_curve(crossings, from_centers - radii[:, None], curve, tolerance)
 
 
-def _distance(at: FloatArray, size: FloatArray, points: FloatArray) -> FloatArray:
-    """Signed distance of points (K, 2) from each circle or line, (M, K) [m]."""
-    away = points - at[:, None]
-    if size.ndim == 1:
-        return np.asarray(np.linalg.norm(away, axis=-1) - size[:, None])
-    return _cross(size[:, None], away)
+def line_hits(
+    starts: FloatArray, directions: FloatArray, curve: Curve, tolerance: float
+) -> FloatArray:
+    """Points in which straight lines meet a curve; touching counts.
+
+    Args:
+        starts: A point of each line, (M, 2) [m].
+        directions: Unit vectors, (M, 2), or (1, 2) for all.
+        curve: The curve.
+        tolerance: Distance up to which they count as touching [m].
+
+    Returns:
+        Points as of `circle_hits`.
+    """
+    if isinstance(curve, Arc):
+        center = np.array(curve.center)
+        radius = np.array(curve.radius)
+        crossings = _line_circle(starts, directions, center, radius, tolerance)
+    else:
+        start = np.array(curve.start)
+        along = unit_vector(curve.angle)
+        crossings = _line_line(starts, directions, start, along)
+
+    ends = curve.point(np.array(curve.interval))
+    from_lines = _cross(directions[:, None], ends - starts[:, None])
+    return _on_curve(crossings, from_lines, curve, tolerance)
+
+
+def _on_curve(
+    crossings: FloatArray, end_distances: FloatArray, curve: Curve, tolerance: float
+) -> FloatArray:
+    """The crossings that lie on a curve, and its ends if they are touched.
+
+    Args:
+        crossings: With the whole circle or line that carries the curve, (M, K, 2) [m].
+        end_distances: Of both ends from each circle or line, (M, 2) [m].
+        curve: The curve.
+        tolerance: Distance up to which they count as touching [m].
+
+    Returns:
+        (M, K, 2) or (M, K + 2, 2) [m]; NaN for points beyond the ends.
+    """
+    touches = np.abs(end_distances) <= tolerance
+    if touches.any():
+        ends = curve.point(np.array(curve.interval))
+        touched = np.where(touches[..., None], ends, np.nan)
+        crossings = np.concatenate([crossings, touched], axis=1)
+    if curve.closed:
+        return crossings
+
+    beyond = np.isnan(curve.parameter(crossings, tolerance))
+    return np.where(beyond[..., None], np.nan, crossings)
 
 
 def _circle_circle(
     c1: FloatArray, r1: FloatArray, c2: FloatArray, r2: float, tolerance: float
 ) -> FloatArray:
-    """Intersections of circles (c1, r1) with one circle (c2, r2), (M, 2, 2); NaN if
-    none.
+    """Intersections of circles (c1, r1) with one circle (c2, r2).
+
+    Returns:
+        (M, 2, 2) [m]; NaN if there are none.
     """
     between = c2 - c1
     distance = np.linalg.norm(between, axis=1)
@@ -87,7 +114,7 @@ def _circle_circle(
     side = height[:, None] * np.stack([-e[:, 1], e[:, 0]], axis=-1)
     crossings = np.stack([foot + side, foot - side], axis=1)
 
-    # Two circles about one point, both no larger than a point, meet in that point.
+    # Two circles that are points meet if they are the same point.
     same = (distance <= tolerance) & (r1 <= tolerance) & (r2 <= tolerance)
     return np.where(same[:, None, None], c1[:, None], crossings)
 
@@ -99,9 +126,9 @@ def _line_circle(
     radii: FloatArray,
     tolerance: float,
 ) -> FloatArray:
-    """Intersections of lines with circles, (M, 2, 2); NaN if none.
+    """Intersections of lines with circles, (M, 2, 2) [m]; NaN if there are none.
 
-    Either the lines or the circles may be a single one.
+    There may be one line for all circles, or one circle for all lines.
     """
     to_center = centers - starts
     s = (to_center * along).sum(axis=-1)
@@ -115,8 +142,10 @@ def _line_circle(
 def _line_line(
     p1: FloatArray, e1: FloatArray, p2: FloatArray, e2: FloatArray
 ) -> FloatArray:
-    """Intersections of lines (p1, e1) with one line (p2, e2), (M, 1, 2); NaN if
-    parallel.
+    """Intersections of lines (p1, e1) with one line (p2, e2).
+
+    Returns:
+        (M, 1, 2) [m]; NaN for parallel lines.
     """
     sine = _cross(e1, e2)
     sine = np.where(np.abs(sine) <= _PARALLEL, np.nan, sine)
@@ -125,4 +154,5 @@ def _line_line(
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Cross product of vectors of the plane, a number."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
