@@ -1,4 +1,4 @@
-"""The audit: the claims of the documents against the documents' own numbers."""
+"""The audit: claims of the documents, checked with the documents' own numbers."""
 
 from alpha5_model.proofs.audit.run import (
     audit,

@@ -73,8 +73,8 @@ def _cob_inside(
     """How far the centre of buoyancy is from the body's bounds.
 
     Args:
-        corrected: The centre with its correction (3,) [m]; the printed one if it has
-            none.
+        corrected: The centre after the correction `link3_cob`, which moves that of
+            link 3 only, (3,) [m].
     """
     outside = figure(partial(excess_of_box, bounds=link.bounds), row.cob)
     moved = float(np.linalg.norm(corrected - si(row.cob)))
@@ -102,7 +102,10 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
     """
 
     def spread(body: Body) -> FloatArray:
-        """Deviation along each axis [m], 0 if the tensor is impossible; its excess."""
+        """Standard deviation along each axis and its excess, (2, 3) [m].
+
+        The deviation is 0 if the tensor is impossible.
+        """
         moments = np.diag(inertia.second_moments(body.at_com))
         deviation = np.sqrt(np.maximum(moments / body.mass, 0.0))
         below = body.com - bounds[:, 0]
@@ -126,16 +129,14 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
 
 
 def _jaw_plane(printed: Published) -> list[AuditRow]:
-    """The plane through the wrist axis that holds the closed fingers, and their weight.
-
-    Of the tensor about the wrist axis, in the document's sign of products.
-    """
+    """Plane and mass of the closed fingers, from the tensor about the wrist axis."""
     jaws = printed.supplementary.jaws
     names = ("pivot_offset", "finger_density", "finger_volume", "second_finger_volume")
     fingers = [jaws[name].quantity for name in names]
     (xx, xy, _), (_, yy, _), _ = printed.table_2.rows[4].inertia_com
 
-    # The direction of the greatest spread of mass, from x of {4}.
+    # The direction of the greatest spread of mass, from x of {4}. The products of
+    # inertia have the document's sign.
     direction = figure(lambda x: np.arctan2(2 * x[2], x[1] - x[0]) / 2, [xx, yy, xy])
     printed_plane = jaws["sdk_plane"].quantity
     direction_row = audited(
@@ -146,7 +147,7 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
     )
 
     spread = figure(lambda x: x[1] - x[0], [xx, yy])
-    # I_yy - I_xx of two points at the pivots with the masses of the fingers.
+    # I_yy - I_xx of two point masses at the pivots, with the masses of the fingers.
     points = figure(lambda x: x[0] ** 2 * x[1] * (x[2] + x[3]), fingers)
     offset, density, first_volume, second_volume = si(fingers)
     spread_row = audited(

@@ -1,6 +1,6 @@
-"""Strip theory that circulates for this arm, against our estimate and its own law.
+"""Added masses that circulate for this arm, against our estimate and strip theory.
 
-No document prints these numbers; they stand in
+No document prints these numbers. They are in
 ``numbers/supplementary_hydrodynamics.toml`` with their sources.
 
 References:
@@ -27,12 +27,12 @@ from alpha5_model.theory.dh.chain import DHChain
 #: Link -> added mass in its frame, (6, 6).
 AddedMass = dict[str, FloatArray]
 
-#: Positions of each joint but the first, on which no added inertia depends.
+#: Positions of each joint except the first one, which changes no added inertia.
 _GRID = 7
 
 
 def audit(parameters: Alpha5Parameters) -> list[AuditRow]:
-    """Observations, no claims of a document."""
+    """Rows of the kind ``observation``: no document claims these numbers."""
     bodies = hydrodynamics(numbers="supplementary")
     coupled = {name: _coupled(body) for name, body in bodies.items()}
     circulating = _added_mass(bodies)
@@ -70,7 +70,7 @@ def _sizes(
 def _coupling(
     water: BodyHydrodynamics, circulating: FloatArray, coupled: FloatArray
 ) -> AuditRow:
-    """Energy of a turn about the strip's middle, against that of the whole strip."""
+    """Energy of link 2 in a turn about its middle: circulating over strip theory."""
     (strip,) = water.strips
     middle = (strip.start + strip.end) / 2
     turning = np.array([0.0, 0.0, 1.0])
@@ -83,7 +83,7 @@ def _coupling(
 
 
 def _coupled(water: BodyHydrodynamics) -> FloatArray:
-    """Strip theory with the same masses along the same line, (6, 6)."""
+    """Added mass by strip theory with the same masses along the same line, (6, 6)."""
     (strip,) = water.strips
     line = strip.end - strip.start
     along = np.outer(line, line) / (line @ line)
@@ -114,8 +114,7 @@ def added_inertia(parameters: Alpha5Parameters, matrices: AddedMass) -> FloatArr
 
 def _twists(chain: DHChain, q: FloatArray, i: int) -> FloatArray:
     """Twists of link i in its frame, for a unit rate of each joint, (N, i, 6)."""
-    # Inertial frame {i} stands at DH frame {i-1}, turned by the joint about its z
-    # (Section 2).
+    # Inertial frame {i} is DH frame {i-1}, turned about its z by the joint (Section 2).
     pose = chain.frames(q)[:, i - 1]
     angle = q[:, i - 1] + chain.links[i - 1].offset
     turn = pose[:, :3, :3] @ rotation_about((0, 0, 1), angle)

@@ -47,7 +47,7 @@ def _cross_reference(section: str, named: str, right: str) -> AuditRow:
 
 
 def _base_frame(row: InertialRow, link: LinkParameters) -> AuditRow:
-    """Distance of the COM of link 0 from its body, if {0} is the frame of the text."""
+    """Distance of the COM of link 0 from its body, if {0} is as the text says."""
 
     def outside(com: FloatArray) -> float:
         return excess_of_box(com * [-1, -1, 1], link.bounds)

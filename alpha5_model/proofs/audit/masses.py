@@ -27,14 +27,14 @@ G = -GRAVITY[2]  # m/s^2
 
 
 def _mass(body: Body) -> float:
-    """The m that minimizes |I_Link - I_COM - m (P.P E - P P^T)|."""
+    """The mass m that minimizes |I_Link - I_COM - m (P.P E - P P^T)| [kg]."""
     per_mass = inertia.point_mass_tensor(1.0, body.com)
     difference = body.at_link - body.at_com
     return float(np.sum(per_mass * difference) / np.sum(per_mass * per_mass))
 
 
 def implied_mass(row: InertialRow) -> Figure:
-    """The mass [kg] that best carries I_COM to I_Link, and what rounding allows."""
+    """The mass [kg] that fits I_COM and I_Link best, and what rounding allows."""
     return of_row(row, _mass)
 
 
@@ -94,7 +94,7 @@ def _missing_decimals_row(row: InertialRow, own: int, usual: int) -> AuditRow:
 
 
 def density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:
-    """A link's density; more than that of aluminium is worth a word."""
+    """A link's density, with a remark if it exceeds that of aluminium."""
     found = figure(lambda x: x[0] / x[1], [inertial.mass, row.volume])
     return audited(
         "density",

@@ -21,7 +21,7 @@ from alpha5_model.numbers.tables import ActuatorRow, Published
 from alpha5_model.proofs.audit.rounding import Figure, figure, si
 from alpha5_model.proofs.audit.row import AuditRow, audited
 
-#: Positions of each joint at which the torque of weight and buoyancy is tried.
+#: Positions of each joint at which the torque of weight and buoyancy is computed.
 _GRID = 121
 
 
@@ -61,7 +61,7 @@ def _least_supply(printed: Published) -> list[Quantity]:
 
 
 def _turning_joints(printed: Published) -> AuditRow:
-    """The first four rows of Table 1 turn, and no other."""
+    """Whether the first four rows of Table 1 turn, and no other."""
     turns = [row.theta.startswith("theta_") for row in printed.table_1.rows]
     excess = sum(turns[:4]) - sum(turns[4:])
     return audited("actuators.turning", measured=excess, expected=4)
@@ -76,7 +76,7 @@ def peak_hydrostatic_torque(
     than half a turn, so ``sqrt(A^2 + B^2)`` is reached, and only theta_2 and theta_3
     are searched.
     """
-    # Late, as it loads Pinocchio.
+    # Imported late: it loads Pinocchio.
     from alpha5_model.dynamics.load import arm_of
 
     arm = arm_of(parameters, fluid_density)
@@ -96,6 +96,7 @@ def peak_hydrostatic_torque(
 
 
 def _motor_constants(row: ActuatorRow) -> AuditRow:
+    """K_t over K_v, which are equal in SI units."""
     k_t = row.torque_constant
     k_v = row.voltage_constant
     ratio = figure(lambda x: x[0] / x[1], [k_t, k_v])
@@ -115,7 +116,7 @@ def _motor_constants(row: ActuatorRow) -> AuditRow:
 
 
 class _Holding(NamedTuple):
-    """What holds the arm still.
+    """Torques that hold the arm still, and the source of the friction.
 
     Attributes:
         air, fresh: Largest torque of weight and buoyancy in air and in fresh water [N
@@ -129,7 +130,7 @@ class _Holding(NamedTuple):
 
 
 def _friction(row: ActuatorRow, joint: JointParameters, holding: _Holding) -> AuditRow:
-    """Friction at the joint, against what it would have to hold."""
+    """Friction at the joint, against the torque that holds the arm still."""
     friction = figure(np.prod, [row.friction, row.gear_ratio])
     # The printed tolerance is the document's own, and wider than its rounding.
     tolerance = friction.value * row.friction_tolerance.si
@@ -153,17 +154,19 @@ def _efficiency(
     other: ActuatorRow,
     supply: list[Quantity],
 ) -> AuditRow:
-    """eta_max as a gearbox's, against that of an actuator with another gear ratio.
+    """Whether eta_max can be a gearbox's, by an actuator with another gear ratio.
 
-    A gearbox of equal stages has a ratio of ``r^n`` and an efficiency of ``e^n``, so
-    that the logarithms of the two are proportional.
+    A gearbox of n equal stages has the ratio ``r^n`` and the efficiency ``e^n``, so the
+    logarithms of the two are proportional.
     """
 
-    def carried(x: FloatArray) -> float:
+    def for_own_ratio(x: FloatArray) -> float:
         efficiency, ratio, own_ratio = x
         return float(efficiency ** (np.log(own_ratio) / np.log(ratio)))
 
-    expected = figure(carried, [other.efficiency, other.gear_ratio, row.gear_ratio])
+    expected = figure(
+        for_own_ratio, [other.efficiency, other.gear_ratio, row.gear_ratio]
+    )
     with_loss = _stall_torque(row, supply).value
     return audited(
         "efficiency",

@@ -30,20 +30,19 @@ from alpha5_model.theory.planar import (
 
 #: Whole link lengths that are tried; sums and halves of them are exact.
 LONGEST = 6
-#: The same for the closing note, with four links.
+#: The same for arms of four links, which the closing note is about.
 FOUR_LONGEST = 4
-#: Four links whose last one turns fully at every distance of the tip up to a limit.
+#: Four links whose last one turns fully at every distance of the tip up to a radius.
 FOUR_LINKS = (3, 3, 3, 1)
-#: Most joints of the arms for the spatial condition: with six, all dimensions are in
-#: reach.
+#: Most joints of the arms that test the spatial condition: six reach all dimensions.
 SPATIAL_JOINTS = 6
 _PRINTED = texts()["experiment"]
 #: The experiment's link lengths.
 EXPERIMENT = tuple(_PRINTED["links"])
 #: The experiment's table: l_4, the column headed l_2 + l_3, the one headed l_4/2.
 PRINTED_TABLE = tuple(zip(*_PRINTED["columns"], strict=True))
-#: Limit of each joint of the lecture's arms [rad]: 170 deg either way, as far as many
-#: industrial joints turn.
+#: Limit of each joint of the lecture's arms [rad]: 170 deg either way, as of many
+#: industrial arms.
 LIMIT = 2.967
 #: Points with which the dexterous workspace with limits is sampled.
 POINTS = 4000
@@ -173,7 +172,7 @@ def _spatial_condition() -> AuditRow:
 
 
 def _random_chain(kinds: Sequence[int], rng: np.random.Generator) -> DHChain:
-    """A chain with these joints, 0 for one that turns and 1 for one that slides."""
+    """A chain of joints that are revolute (0) or prismatic (1)."""
     count = len(kinds)
     sizes = rng.uniform(0.2, 1.0, (count, 3))
     turns = rng.uniform(0.3, 1.2, (count, 1))
@@ -211,11 +210,11 @@ def _theorem() -> list[AuditRow]:
 
 
 def _four_joints() -> AuditRow:
-    """The closing note: the theorem for four turning joints.
+    """The closing note: the theorem for four revolute joints.
 
-    It takes the pairs of all lengths but link 4's. In the form that carries over, the
-    sums are of all lengths but the last link's and one other; for three links these are
-    the theorem's pairs.
+    To the letter, the note asks of every pair of lengths, without the last link's, to
+    reach half of the sum of all. In the form that stays true, the sums are of all but
+    one of these lengths; for three links those are the theorem's pairs.
     """
     turning = 0
     missed = 0
@@ -244,7 +243,7 @@ def _four_joints() -> AuditRow:
 
 
 def _sums_reach(half: float, lengths: Sequence[int], count: int) -> bool:
-    """Whether the sum of any so many of the lengths is at least half of all."""
+    """Whether every sum of so many of the lengths is at least ``half``."""
     return all(sum(some) >= half for some in itertools.combinations(lengths, count))
 
 

@@ -27,12 +27,12 @@ _SAME = 1e-6
 
 
 def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
-    """The elbow's sine, and where the printed formulas lead."""
+    """The rows of the printed inverse kinematics."""
     joints = parameters.joints[:4]
     lower = [joint.lower for joint in joints]
     upper = [joint.upper for joint in joints]
     q = np.random.default_rng(0).uniform(lower, upper, (SAMPLES, 4))
-    # The catalogue's arm, for which the inverse kinematics were generated.
+    # The inverse kinematics are generated for the catalogue's arm.
     chain = DHChain.alpha5()
     target = chain.frames(q)[:, -1, :3, 3]
 
@@ -78,7 +78,13 @@ def _miss(
 def _recovered(
     solutions: list[FloatArray], q: FloatArray, target: FloatArray
 ) -> list[AuditRow]:
-    """How many joint positions the two formulas recover, and how many as they stand."""
+    """Shares of joint positions that the formulas recover, with wrapping and without.
+
+    Args:
+        solutions: Of the two formulas, (N, 4) each [rad].
+        q: The joint positions, (N, 4) [rad].
+        target: Their tcp, (N, 3) [m].
+    """
     found: BoolArray = np.zeros(len(q), dtype=bool)
     as_printed: BoolArray = np.zeros(len(q), dtype=bool)
     for solution in solutions:

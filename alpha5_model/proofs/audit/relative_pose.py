@@ -52,7 +52,7 @@ def _forms(parameters: Alpha5Parameters) -> list[AuditRow]:
 
 
 def _form(name: str, form: FloatArray, product: FloatArray) -> AuditRow:
-    """One form of the poses A_j (N, 4, 4); the effect is how far the tip moves."""
+    """One form of the poses A_j, (N, 4, 4); its effect is the error of the tip."""
     tip = np.linalg.multi_dot(list(form))[:3, 3]
     right_tip = np.linalg.multi_dot(list(product))[:3, 3]
     return audited(
@@ -71,7 +71,7 @@ def _numbering(parameters: Alpha5Parameters) -> list[AuditRow]:
 
 
 def _axis_labels(chain: DHChain, middle: FloatArray) -> AuditRow:
-    """z_1, the label of the first joint's axis, against the axis of theta_1."""
+    """Number of the z axis that theta_1 turns about; the notes say z_1."""
     frames = chain.frames(middle)
     one_radian_on = chain.frames(middle + np.array([1.0, 0.0, 0.0, 0.0]))
     turn = one_radian_on[1, :3, :3] @ frames[1, :3, :3].T
@@ -89,7 +89,7 @@ def _axis_labels(chain: DHChain, middle: FloatArray) -> AuditRow:
 
 
 def _superscript(frames: FloatArray) -> AuditRow:
-    """{}^0A_j, frame {j} in the base, against the product, which is {}^{j-1}A_j."""
+    """The factors {}^{j-1}A_j against {}^0A_j, frame {j} in the base."""
     steps = np.linalg.inv(frames[:-1]) @ frames[1:]
     tip_gap = steps[-1, :3, 3] - frames[-1, :3, 3]
     return audited(

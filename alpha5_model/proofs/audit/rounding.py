@@ -1,4 +1,4 @@
-"""Figures that follow from printed numbers, and what rounding and sampling leave open.
+"""Figures that follow from printed numbers, with bounds of rounding and sampling.
 
 References:
     [Cochran1977] Sampling Techniques, section 3.2: standard error of a sampled share.

@@ -1,4 +1,4 @@
-"""A row of the audit, in the words of ``rows.toml``, and how it is judged."""
+"""A row of the audit: its words from ``rows.toml``, its figures and its verdict."""
 
 from __future__ import annotations
 
@@ -46,17 +46,16 @@ class AuditRow:
         bound: How far apart the two may be because printed digits are rounded, in
             ``unit``.
         unit: Empty for a pure number.
-        verdict: ``agrees``; ``differs``: beyond the bound; ``impossible``: beyond it,
-            and no body or formula can be so.
+        verdict: ``agrees``; ``differs``: the figure is beyond the bound;
+            ``impossible``: it is, and no body or formula can be so.
         finding: What was found, in one sentence.
-        effect: What the difference is worth, in ``effect_unit``; None where that has no
-            meaning.
+        effect: Consequence of the difference, in ``effect_unit``; None if it has none.
         effect_unit: ``N m``, ``N m/A`` or ``mm``.
         kind: ``claim``: the documents say so. ``observation``: they do not; their
-            numbers are held against something else, and a difference is no error of
-            theirs.
-        standard_error: Of ``measured`` where it was sampled, in ``unit``; 0 where it
-            was computed.
+            numbers are compared with something else, and a difference is not their
+            error.
+        standard_error: Of ``measured`` if it was sampled, in ``unit``; 0 if it was
+            computed.
         category: What a difference means, None for an observation. ``error``: the claim
             is wrong in every reading. ``reading``: it is wrong in the reading that was
             measured; the finding names one in which it is right. ``transcription``: it

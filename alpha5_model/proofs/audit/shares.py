@@ -29,13 +29,13 @@ GRID = 401
 def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     """Areas of the half-plane R >= 0: between the printed tori, and within the limits.
 
-    The areas are exact. How far the rounding of the printed lengths may move them is
-    counted on a grid, on which only the tori move.
+    The areas are exact. The effect of rounding in the printed lengths is estimated by
+    counting points of a grid; it moves the tori, not the arm.
     """
-    # Of the catalogue's arm, for which the inverse kinematics were generated.
+    # The inverse kinematics are generated for the catalogue's arm.
     exact = workspace.published_errors()
     beyond_rounding, missed_rounding = _rounding_of_shares(printed, parameters)
-    # The third torus is drawn for one pose, and so is the inner one.
+    # The document draws the inner and the downward torus for the underarm pose.
     left_out = area(workspace.reachable_but_unpublished("underarm"))
     reached = workspace.cross_section_area("underarm")
     return [
@@ -55,10 +55,10 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
 
 
 def _rounding_of_shares(printed: Published, parameters: Alpha5Parameters) -> FloatArray:
-    """How far rounding may move the shares, (2,).
+    """Bounds of rounding of two shares, (2,).
 
-    The first one is the share of the published region that is not reached, the second
-    one the share of the reached region that is not published.
+    They are the share of the published region that is not reached, and the share of the
+    reached region that is not published.
     """
     radius, height = _grid(parameters)
     # Azimuth pi/2 lies within the limits of theta_0 whichever way the arm faces.
@@ -81,6 +81,7 @@ def _between_tori(
     """Which points lie between the printed tori.
 
     Args:
+        radius, height: Of the points, (...) [m].
         lengths: In the order of `_inputs` [m].
     """
     a_0, d_0, a_2, d_3, opposite, adjacent, offset, length, drop = lengths
@@ -97,10 +98,10 @@ def _between_tori(
 
 def _grid(parameters: Alpha5Parameters) -> tuple[FloatArray, FloatArray]:
     """Radius from the yaw axis and height in base_link [m] of a grid over the reach."""
-    first, upper, elbow, wrist = parameters.dh[:4]
-    size = first.a + upper.a + float(np.hypot(elbow.a, wrist.d))
-    heights = first.d + np.linspace(-size, size, 2 * GRID - 1)
-    radius, height = np.meshgrid(np.linspace(0.0, size, GRID), heights)
+    row_0, row_1, row_2, row_3 = parameters.dh[:4]
+    reach = row_0.a + row_1.a + float(np.hypot(row_2.a, row_3.d))
+    heights = row_0.d + np.linspace(-reach, reach, 2 * GRID - 1)
+    radius, height = np.meshgrid(np.linspace(0.0, reach, GRID), heights)
     return radius, height
 
 
@@ -118,7 +119,7 @@ def _inputs(printed: Published) -> list[Quantity]:
 @cache
 def _self_collision() -> AuditRow:
     """The share of the reachable volume that is reached in self-collision only."""
-    # Late, as it loads Pinocchio.
+    # Imported late: it loads Pinocchio.
     from alpha5_model.dynamics.collision import without_self_collision
 
     free = workspace.sampled_share(without_self_collision, SAMPLES)

@@ -19,10 +19,11 @@ class Lengths(NamedTuple):
 
 def lengths(printed: Published) -> Lengths:
     """The lengths of Table 1."""
-    first, _, elbow, wrist, *_ = printed.table_1.rows
-    return Lengths(a_0=_a(first), d_0=first.d, a_2=_a(elbow), d_3=wrist.d)
+    row_0, _, row_2, row_3, _ = printed.table_1.rows
+    return Lengths(a_0=_a(row_0), d_0=row_0.d, a_2=_a(row_2), d_3=row_3.d)
 
 
 def _a(row: DHRow) -> Quantity:
+    """The a of a row that prints it as a number."""
     assert isinstance(row.a, Quantity)
     return row.a

@@ -41,7 +41,7 @@ Formula = Callable[[Body], Any]
 
 
 def of_row(row: InertialRow, formula: Formula) -> Figure:
-    """A formula of the numbers of a row of Table 2, and what rounding allows."""
+    """A formula of the numbers in a row of Table 2, and what rounding allows."""
     upper = np.triu_indices(3)
     entries = [
         tensor[i][j]
@@ -73,7 +73,7 @@ def _parallel_axis(body: Body) -> FloatArray:
 
 
 def _product_sign_read(body: Body) -> FloatArray:
-    """The control: with the products read in URDF sign, the same is out of bounds."""
+    """The control: with products of inertia in URDF's sign it does not vanish."""
     at_com = inertia.flip_products(body.at_com)
     moved = inertia.tensor_at_origin(body.mass, body.com, at_com)
     return inertia.flip_products(body.at_link) - moved
@@ -177,7 +177,7 @@ def equation(claim: str, row: InertialRow) -> AuditRow:
 
 
 def product_sign(row: InertialRow, fastest: float) -> AuditRow:
-    """What it costs to read the products of inertia in URDF sign.
+    """The error of reading the products of inertia in URDF's sign.
 
     Args:
         fastest: The highest joint velocity [rad/s].
@@ -195,10 +195,10 @@ def product_sign(row: InertialRow, fastest: float) -> AuditRow:
 
 
 def rotation(parameters: Alpha5Parameters) -> list[AuditRow]:
-    """I_COM of links 1 to 4, carried from inertial frame {i} to DH frame {i}.
+    """Rotation of I_COM of links 1 to 4 from inertial frame {i} to DH frame {i}.
 
-    Moments and products about the axes of {i} do not depend on the frame in which they
-    are computed.
+    A tensor that is computed in the axes of the DH frame and carried back must be the
+    printed one.
     """
     tensors = np.array([link.inertia for link in parameters.links[1:]])
     # Turns frame {i} into DH frame {i}; its transpose maps coordinates from {i} to DH

@@ -1,12 +1,12 @@
-"""Serial arms in standard Denavit-Hartenberg parameters: one link, and a chain of them.
+"""Serial arms in standard Denavit-Hartenberg parameters: links and chains.
 
 ``A_j = Rz(theta_j) Tz(d_j) Tx(a_j) Rx(alpha_j)`` maps coordinates in {j} to coordinates
 in {j-1}. Joint j turns about (revolute, ``sigma = 0``) or slides along (prismatic,
 ``sigma = 1``) the axis ``z_{j-1}``; its variable is theta_j or d_j. A `DHChain` adds a
-constant transform on either side, which holds the rows of a table that no joint moves:
+constant transform on either side, for rows of a table that no joint moves. For example,
 the fixed last row of the arm's Table 1 is the ``tool`` of `DHChain.alpha5`. The matrix
-of [Lecture7.1] has ``cos(theta) sin(alpha)`` in row 2 without the minus sign that the
-product of the four factors gives it; here the product is used.
+printed in [Lecture7.1] lacks the minus sign of ``cos(theta) sin(alpha)`` in row 2; this
+package uses the product of the four factors.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Standard Denavit-Hartenberg

@@ -1,4 +1,4 @@
-"""Table 1 of the Reach Alpha 5 as a table of a chain."""
+"""Table 1 of the Reach Alpha 5 as the table of a `DHChain`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What kind of arm a chain is: revolute, SCARA, cartesian or another.
+"""Classify a chain as a revolute, SCARA, cartesian or other arm.
 
 References:
     [Lecture7.1] Describing Robot Arms, sections "Joint Types" and "Arm Types".
@@ -41,8 +41,8 @@ class ArmType:
 def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
     """The type of an arm, from the directions of its axes at home.
 
-    Only what holds at every configuration is used: whether all revolute joints are
-    parallel, and the directions of prismatic joints that no revolute joint precedes.
+    Only facts that hold at every configuration count: whether all revolute joints are
+    parallel, and the directions of prismatic joints before the first revolute joint.
 
     - revolute: all joints are revolute;
     - scara: at least two revolute joints whose axes are vertical, parallel and apart,
@@ -90,9 +90,7 @@ def _of_three_sliding(z: FloatArray) -> tuple[str, str]:
 
 
 def _apart(points: FloatArray, up: FloatArray) -> bool:
-    """Whether vertical axes through points (N, 3) are two at least, and not all the
-    same.
-    """
+    """Whether vertical axes through points (N, 3) include two different ones."""
     if len(points) < 2:
         return False
     distance = np.linalg.norm(np.cross(points - points[0], up), axis=1)

@@ -82,10 +82,10 @@ class DHChain:
 
     @classmethod
     def alpha5(cls, corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> DHChain:
-        """The Reach Alpha 5 [ReachAlpha, Table 1]: four joints; the fixed last row is
-        the tool.
+        """The Reach Alpha 5 by [ReachAlpha, Table 1], with four joints.
 
-        Frame {0} is ``base_link``, the tool is ``tcp``, DH frame {5}.
+        The fixed last row is the tool. Frame {0} is ``base_link``, and the tool is
+        ``tcp``, DH frame {5}.
         """
         return cls(**alpha5_table(parameters(corrections)))
 
@@ -102,8 +102,8 @@ class DHChain:
 
         Raises:
             UnknownNameError: No such frame.
-            InputError: A joint on the chain with other than one degree of freedom, or a
-                helical one; or no joint at all.
+            InputError: A joint on the chain that is helical or has not exactly one
+                degree of freedom; or no joint at all.
         """
         return cls.from_axes(**pinocchio_axes(model, frame))
 
@@ -114,9 +114,8 @@ class DHChain:
         """The chain from a URDF's root to a link; see `from_pinocchio`.
 
         Raises:
-            InputError, MissingFileError, FileFormatError: The file cannot be read; see
-                `read_urdf`, which names the line, and what Pinocchio says of a URDF
-                that only it refuses.
+            InputError, MissingFileError, FileFormatError: The file cannot be read, or
+                Pinocchio refuses it. The message names the line or quotes Pinocchio.
         """
         return cls.from_pinocchio(urdf_model(path), frame)
 
@@ -142,15 +141,15 @@ class DHChain:
             sigma: Joint types, 0 revolute (default) and 1 prismatic, (N,).
             end_effector: transform_end_effector_to_world, (4, 4); by default {N} is
                 {N-1} without its joint, and the table ends with a row of zeros.
-            q: Joint position at which the axes are drawn, (N,) [rad or m]. Then each
-                link's offset takes up the rest, ``theta = q + offset``; by default the
-                joint variable is theta or d itself.
+            q: Joint position at which the axes are drawn, (N,) [rad or m]. Each link
+                then gets an offset, ``theta = q + offset``. By default the joint
+                variable is theta or d itself.
             limits: (lower, upper) of each joint variable, (N, 2).
             tolerance: Axes within this angle [rad] count as parallel, within this
-                distance [m] as intersecting. The error that this makes in the axes of
-                an arm of 1 m is of the same size. Axes with a larger tilt have a common
-                normal about 1 m / tilt away, and rounding errs by 2e-16 m / tilt in
-                numbers of that size: the default balances both.
+                distance [m] as intersecting. This moves the axes of an arm of 1 m by
+                errors of the same size. Axes with a larger tilt have a common normal up
+                to 1 m / tilt away, where rounding errors are 2e-16 m / tilt. The
+                default balances both errors.
             options: ``name`` and ``joint_names`` of the chain.
 
         Raises:
@@ -246,8 +245,7 @@ class DHChain:
         return np.ascontiguousarray(self.frames(q)[..., self._index(frame), :, :])
 
     def joint_axes(self, q: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Origins of frames {j-1} and directions z_{j-1}, the axes of joints 1 to N, in
-        the world.
+        """The axes of joints 1 to N in the world: origins and z axes of {0} to {N-1}.
 
         Args:
             q: (..., N) [rad or m].
@@ -316,14 +314,14 @@ def _checked_names(given: Any, number: int) -> tuple[str, ...]:
 
 
 def _joint_types(sigma: Any, number: int) -> list[Any]:
-    """0 for each joint, or the numbers that are given."""
+    """The given joint types; 0 for each joint if there are none."""
     if sigma is None:
         return [0.0] * number
     return [real("sigma", x) for x in listed("sigma", sigma, "0 or 1 for each joint")]
 
 
 def _pairs_of_limits(limits: Any, number: int) -> list[Any]:
-    """What is given as limits of each joint; infinite ones if there are none."""
+    """The given limits of each joint; infinite ones if there are none."""
     if limits is None:
         return [(-math.inf, math.inf)] * number
     return list(listed("limits", limits, _PAIRS))
@@ -340,8 +338,8 @@ def _link(
     Args:
         row: theta, d, a, alpha.
         joint_type: 0 revolute, 1 prismatic.
-        position: The joint variable at which the row is drawn; the offset takes up the
-            rest. None: the variable is theta or d itself.
+        position: The joint variable at which the row is drawn; it sets the offset. None
+            if the variable is theta or d itself.
         limits: (lower, upper) of the joint variable.
     """
     theta, d, a, alpha = row
@@ -369,7 +367,7 @@ def _link(
 
 
 def _tool(last: FloatArray, end: FloatArray) -> FloatArray:
-    """transform_tool_to_N, (4, 4), the rounding error of its rotation removed."""
+    """transform_tool_to_N, (4, 4), with an exactly orthonormal rotation."""
     tool = np.linalg.inv(last) @ end
     u, _, vt = np.linalg.svd(tool[:3, :3])
     tool[:3, :3] = u @ vt

@@ -1,4 +1,4 @@
-"""The frames that joint axes give a serial arm, by the Denavit-Hartenberg rule.
+"""Assign frames to the joint axes of a serial arm by the Denavit-Hartenberg rule.
 
 ``x_j`` lies on the common normal of ``z_{j-1}`` and ``z_j`` and points from the first
 to the second; the origin of {j} is where it meets ``z_j``. If the rule leaves a choice:
@@ -8,9 +8,9 @@ to the second; the origin of {j} is where it meets ``z_j``. If the rule leaves a
 - one and the same axis: ``x_j = x_{j-1}``, same origin, so theta_j, d_j, a_j are zero;
 - {0}: the world frame if its z is the first joint's axis, else the frame on that axis
   that makes theta_1 and d_1 zero;
-- {N}: ``z_N`` is the z axis of the end effector, and what is left of its pose is the
-  chain's tool. If that axis is parallel to the last joint's, {N} has the end effector's
-  origin, and on the same axis its x too: then nothing is left.
+- {N}: ``z_N`` is the z axis of the end effector, whose pose in {N} is the chain's tool.
+  If that axis is parallel to the last joint's, {N} has the end effector's origin. If it
+  is the same axis, {N} also has its x, and the tool is the identity.
 
 References:
     [Lecture7.1] Describing Robot Arms, "Frame assignment".
@@ -48,8 +48,7 @@ class _Normal(NamedTuple):
 def frames_on_axes(
     p: FloatArray, z: FloatArray, end: FloatArray | None, tolerance: float
 ) -> list[FloatArray]:
-    """Frames {0} ... {N} of a serial arm drawn at one configuration, (4, 4) each, in
-    the world.
+    """Frames {0} ... {N} of a serial arm at one configuration, (4, 4) each.
 
     Args:
         p: A point on each joint axis, (N, 3) [m].
@@ -166,8 +165,15 @@ def _normal_of_parallels(
 ) -> _Normal:
     """One of the common normals of parallel axes.
 
-    It is the normal at the origin of {j-1}, unless the origin is so far away that the
-    small tilt, whose sine is given, moves the foot by more than the tolerance.
+    It is the normal at the origin of {j-1}. If the origin is so far from the point that
+    the small tilt between the axes would move the foot by more than the tolerance, it
+    is the normal at the point.
+
+    Args:
+        previous: Frame {j-1}, (4, 4).
+        point: On the axis of {j}, (3,) [m].
+        sine: Of the tilt between the axes.
+        tolerance: [m].
     """
     origin = previous[:3, 3]
     z_before = previous[:3, 2]

@@ -1,4 +1,4 @@
-"""A row of a standard Denavit-Hartenberg table, and the transform that it stands for.
+"""A row of a standard Denavit-Hartenberg table, and its transform.
 
 References:
     [Lecture7.1] Describing Robot Arms, "Standard Denavit-Hartenberg parameters".
@@ -21,8 +21,9 @@ from alpha5_model.errors import InputError
 def dh_transform(
     theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike
 ) -> FloatArray:
-    """The relative pose A_j, ``Rz(theta) Tz(d) Tx(a) Rx(alpha)`` [Lecture7.1],
-    [Corke2011, 7.2].
+    """The relative pose A_j, ``Rz(theta) Tz(d) Tx(a) Rx(alpha)``.
+
+    See [Lecture7.1] and [Corke2011, 7.2].
 
     Args:
         theta: Angle about z_{j-1} from x_{j-1} to x_j, (...) [rad].
@@ -47,9 +48,11 @@ def _transform(
     a: ArrayLike,
     alpha: ArrayLike,
 ) -> FloatArray:
-    """A_j of a shape (...) over which the four parameters broadcast, (..., 4, 4)."""
-    ct, st = np.cos(theta), np.sin(theta)
-    ca, sa = np.cos(alpha), np.sin(alpha)
+    """A_j, (..., 4, 4), for parameters that broadcast to a shape (...)."""
+    ct = np.cos(theta)
+    st = np.sin(theta)
+    ca = np.cos(alpha)
+    sa = np.sin(alpha)
     out = np.zeros((*shape, 4, 4))
     out[..., 0, 0] = ct
     out[..., 0, 1] = -st * ca
@@ -70,9 +73,9 @@ def _transform(
 class DHLink:
     """A row of a standard DH table: a link and the joint that moves it.
 
-    The joint's own variable (theta if revolute, d if prismatic) has its value at the
-    drawn configuration, `home`; `transform` takes the variable from its argument, as
-    Corke's ``Link.A(q)`` does.
+    The joint's own variable is theta if it is revolute, and d if it is prismatic. The
+    field holds its value at the drawn configuration (`home`). `transform` takes the
+    variable as an argument, as Corke's ``Link.A(q)`` does.
 
     Attributes:
         theta: Angle about z_{j-1} [rad].
@@ -111,8 +114,7 @@ class DHLink:
 
     @classmethod
     def from_vector(cls, vector: ArrayLike) -> DHLink:
-        """A link from ``[theta, d, a, alpha, sigma]``, as in the notes and in Corke's
-        ``Link``.
+        """A link from ``[theta, d, a, alpha, sigma]``, as in Corke's ``Link``.
 
         Args:
             vector: (5,) [rad, m, m, rad, -]; also (4,), which is revolute, and (6,)
@@ -130,9 +132,7 @@ class DHLink:
 
     @property
     def home(self) -> float:
-        """Joint variable at the drawn configuration: theta if the joint is revolute,
-        else d.
-        """
+        """Joint variable at the drawn configuration: theta or d [rad or m]."""
         return self.theta if self.revolute else self.d
 
     def transform(self, q: ArrayLike) -> FloatArray:
@@ -150,7 +150,7 @@ class DHLink:
 
 
 def _joint_type(sigma: Any) -> int:
-    """0 or 1, of a number that equals it."""
+    """A joint type as the integer 0 or 1."""
     number = None if isinstance(sigma, bool | np.bool_) else real("sigma", sigma)
     if number not in (0.0, 1.0):
         raise InputError("sigma", sigma, "0 (revolute) or 1 (prismatic)")

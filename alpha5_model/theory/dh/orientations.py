@@ -1,8 +1,8 @@
-"""The dexterous workspace of arms in general, estimated.
+"""Estimate the dexterous workspace of any arm.
 
 There is no closed form. The estimate solves the inverse kinematics numerically for
-orientations spread evenly over SO(3), from several starts: every orientation that is
-counted is reached, some that could be reached may be missed.
+orientations spread evenly over SO(3), from several starts. It counts only orientations
+that are reached, but may miss some that could be.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Dexterous Workspace".
@@ -51,7 +51,7 @@ _PSI = 1.533751168755204288118041
 
 @dataclass(frozen=True, eq=False)
 class DexterityEstimate:
-    """Which orientations an arm was seen to reach at points.
+    """The orientations that an arm was found to reach at points.
 
     Attributes:
         share: Share of the orientations reached, 0 to 1, (...); a lower bound up to the
@@ -72,8 +72,8 @@ class DexterityEstimate:
 def orientation_freedom(chain: DHChain, q: ArrayLike) -> NDArray[np.int64]:
     """Dimensions in which the tool can turn while its origin stays, to first order.
 
-    The rank of the Jacobian's angular rows on the null space of its linear rows. Where
-    a point is dexterous in the interior sense this is 3 almost everywhere above it.
+    It is the rank of the Jacobian's angular rows on the null space of its linear rows.
+    At almost all configurations of a point inside the dexterous workspace it is 3.
 
     Args:
         chain: The arm.
@@ -137,8 +137,9 @@ def spatial_dexterity(
 
 
 def even_rotations(number: int) -> FloatArray:
-    """Rotations spread evenly over SO(3), (number, 3, 3): a super-Fibonacci spiral
-    [Alexa2022].
+    """Rotations spread evenly over SO(3), (number, 3, 3).
+
+    They are a super-Fibonacci spiral [Alexa2022].
     """
     s = np.arange(whole_number("number", number)) + 0.5
     r = np.sqrt(s / number)
@@ -194,12 +195,11 @@ def _solve(
 def _pose_error(
     pose: FloatArray, position: FloatArray, rotation: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """What is left to do [Siciliano2009, 3.7.3].
+    """Error of poses [Siciliano2009, 3.7.3].
 
     Returns:
-        Translation [m], and axis times the sine of the angle of the turn, (M, 6);
-        whether that angle is more than a right angle, so that its sine is no measure of
-        it, (M,).
+        Translation [m], and the rotation's axis times the sine of its angle, (M, 6);
+        whether that angle exceeds 90 deg, so that its sine does not measure it, (M,).
     """
     turned = pose[:, :3, :3]
     cross = np.cross(turned, rotation, axisa=1, axisb=1, axisc=1)

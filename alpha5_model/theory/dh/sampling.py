@@ -24,7 +24,7 @@ def sample_configurations(
     instance("rng", rng, np.random.Generator)
     size = chain_size(chain)
     span = np.where(np.array(chain.sigma) == 0, math.pi, size)
-    # A joint limited on one side is sampled over the same width from that side.
+    # A joint with one limit is sampled over the same width from that limit.
     least = np.where(np.isfinite(chain.upper), chain.upper - 2 * span, -span)
     lower = np.where(np.isfinite(chain.lower), chain.lower, least)
     upper = np.where(np.isfinite(chain.upper), chain.upper, lower + 2 * span)
@@ -32,7 +32,7 @@ def sample_configurations(
 
 
 def chain_size(chain: DHChain) -> float:
-    """A length of the order of the arm's reach, to compare metres with radians [m]."""
+    """A length of the order of the arm's reach, which scales metres to radians [m]."""
     total = float(np.linalg.norm(instance("chain", chain, DHChain).tool[:3, 3]))
     for link in chain.links:
         travel = (link.lower, link.upper, link.d) if link.sigma else (link.d,)

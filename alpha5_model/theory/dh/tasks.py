@@ -1,4 +1,4 @@
-"""Which tasks an arm can serve, by the dimension of the set of poses that it reaches.
+"""Which tasks an arm can do, by the dimension of the set of poses that it reaches.
 
 References:
     [Lecture7.1] Describing Robot Arms, sections "Task requirements" and "Dexterous
@@ -24,7 +24,7 @@ from alpha5_model.theory.dh.sampling import (
 )
 from alpha5_model.theory.planar import Conditions
 
-#: Dimension of the rigid motions, and of SE(2) x I.
+#: Dimension of SE(3), and of vertical insertion, SE(2) x I.
 GENERAL, INSERTION = 6, 4
 #: A horizontal part of the tool axis below this counts as none.
 _VERTICAL = 1e-12
@@ -37,14 +37,14 @@ _NEWTON_STEPS = 40
 
 @dataclass(frozen=True)
 class TaskCapability:
-    """What the set of reachable end-effector poses allows.
+    """Tasks that the set of reachable end-effector poses allows.
 
     Attributes:
         dimension: Dimension of that set: the largest rank of the Jacobian, 0 to 6.
         position_dimension: Dimension of the set of reachable positions, 0 to 3.
         orientation_dimension: Dimension of the set of reachable orientations, 0 to 3.
         insertion_dimension: Dimension of the set of poses whose tool axis stays
-            vertical, 0 to 4; 0 also where no sample could be brought to a vertical tool
+            vertical, 0 to 4; 0 also if no sample could be brought to a vertical tool
             axis.
         general: Whether it serves general tasks: a 6-D subset of SE(3).
         general_reason: Why, or why not.
@@ -72,11 +72,10 @@ def task_capability(
 ) -> TaskCapability:
     """Which tasks an arm can serve, from Jacobian ranks over sampled configurations.
 
-    The map from joint positions to poses is analytic, so the rank is largest almost
-    everywhere and the set of poses has that dimension. Poses with a vertical tool axis
-    are few: samples are brought there by Newton steps, and a direction of motion counts
-    as tangent to them only if a finite step along it, brought back, stays in that
-    direction.
+    The map from joint positions to poses is analytic. So the rank is largest almost
+    everywhere, and the set of poses has that dimension. Random samples have no vertical
+    tool axis, so Newton steps bring them there. A direction of motion keeps the axis
+    vertical if a finite step along it needs only a second-order correction.
 
     Args:
         chain: The arm; joints without limits are sampled over a turn (revolute) or over
@@ -172,8 +171,9 @@ def _stays_vertical(
     start: FloatArray,
     step: FloatArray,
 ) -> bool:
-    """Whether a tangent is a true motion: the way back after a step of size h is of
-    order h^2.
+    """Whether the tool axis can stay vertical in a motion along a tangent.
+
+    Then the correction after a step of size h is of order h^2.
     """
     gaps = []
     for h in (1e-2, 1e-3):
@@ -195,7 +195,7 @@ def _to_vertical(
         q: Joint positions (M, N), changed in place.
 
     Returns:
-        What is left of the axis's horizontal part, (M, 2).
+        The horizontal part of the axis that remains, (M, 2).
     """
     for left in reversed(range(_NEWTON_STEPS + 1)):
         direction = chain.forward_kinematics(q)[:, :3, :3] @ axis
@@ -212,9 +212,9 @@ def _to_vertical(
 def spatial_conditions(chain: DHChain) -> Conditions:
     """The notes' necessary conditions for a dexterous workspace with an interior.
 
-    Three revolute joints to turn the end effector and three more joints to place it.
-    Without the second, single points can still be dexterous: three axes through the
-    tool's origin.
+    Three revolute joints must turn the end effector, and three more joints must place
+    it. Without the latter, single points can still be dexterous: for example the point
+    in which three axes intersect.
     """
     revolute = instance("chain", chain, DHChain).sigma.count(0)
     reasons = []

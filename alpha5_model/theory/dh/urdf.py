@@ -1,6 +1,4 @@
-"""Joint axes of a serial arm from a Pinocchio model or a URDF, and URDF from its DH
-table.
-"""
+"""Joint axes of an arm from a Pinocchio model or a URDF, and URDF from its DH table."""
 
 from __future__ import annotations
 
@@ -28,7 +26,7 @@ MOST_JOINTS = 100
 MOST_LINKS = 1000
 #: A pitch above this makes a joint helical [m].
 _HELICAL = 1e-12
-#: What a joint of a URDF needs in order to move.
+#: Elements of a joint in a URDF that affect its motion.
 _MOVING = ("origin", "parent", "child", "axis", "limit", "mimic")
 _NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
 
@@ -80,11 +78,13 @@ def _tip(model: Any, frame: str | None) -> int:
 
 
 def _axis(model: Any, j: int, jacobians: FloatArray) -> tuple[FloatArray, bool]:
-    """Direction of joint j's axis in the world, (3,), and whether the joint slides
-    along it.
+    """Direction of joint j's axis in the world, (3,), and whether the joint slides.
 
-    ``jacobians`` are the joints' in the world: their linear part is the velocity of the
-    body's point at the world's origin, (6, nv).
+    Args:
+        model: pin.Model.
+        j: Index of the joint.
+        jacobians: Of the joints in the world, (6, nv). The linear part is the velocity
+            of the body's point at the world's origin.
     """
     joint = model.joints[j]
     linear = jacobians[:3, joint.idx_v]
@@ -128,7 +128,7 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
 
 
 def _check_size(path: str | os.PathLike[str], joints: int, links: int) -> None:
-    """Refuse what Pinocchio cannot take."""
+    """Refuse models that are too large for Pinocchio."""
     if joints > MOST_JOINTS:
         problem = f"expected at most {MOST_JOINTS} joints that move, got {joints}"
         why = "Pinocchio's memory grows with their cube"
@@ -140,7 +140,10 @@ def _check_size(path: str | os.PathLike[str], joints: int, links: int) -> None:
 
 
 def _keep_what_moves(robot: ET.Element) -> None:
-    """Take out what moves nothing: Pinocchio warns about a texture's colour."""
+    """Remove elements that do not affect motion.
+
+    Pinocchio would warn about some of them, such as a texture's colour.
+    """
     for element in robot:
         kept = _MOVING if element.tag == "joint" else ()
         element[:] = [child for child in element if child.tag in kept]
@@ -199,7 +202,8 @@ def urdf_text(
 
 def _add_row(robot: ET.Element, joint: str, row: DHLink, last: str, j: int) -> str:
     """Add the joint, the link and the frame of row j; returns the name of the frame."""
-    link, frame = f"link_{j}", f"frame_{j}"
+    link = f"link_{j}"
+    frame = f"frame_{j}"
     kind = _kind(joint, row)
     theta, d = (row.offset, row.d) if row.revolute else (row.theta, row.offset)
     moving = _add_joint(
