@@ -70,7 +70,7 @@ def _sizes(
 def _coupling(
     water: BodyHydrodynamics, circulating: FloatArray, coupled: FloatArray
 ) -> AuditRow:
-    """Energy of link 2 in a turn about its middle: circulating over strip theory."""
+    """Energy of link 2 in a turn about its middle: circulating over coupled masses."""
     (strip,) = water.strips
     middle = (strip.start + strip.end) / 2
     turning = np.array([0.0, 0.0, 1.0])

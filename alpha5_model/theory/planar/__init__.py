@@ -5,25 +5,24 @@ link.
 
 Pin the tip at p, at a distance d from the base. The last link then turns about p, and
 its other end, the wrist, runs on the circle about p whose radius is the last link's
-length. p is dexterous exactly if the rest of the arm reaches that whole circle. Where
-the rest reaches an annulus, from a radius low to a radius high, this is the exact
-condition
+length. p is dexterous exactly if the rest of the arm reaches that whole circle. If the
+rest reaches an annulus with the radii low and high, the exact condition is
 
-    d + l_n <= high   and   |d - l_n| >= low,
+    d + l_n <= high   and   |d - l_n| >= low.
 
-for a 3R arm ``l_3 + l_4 <= l_1 + l_2`` and ``|l_3 - l_4| >= |l_1 - l_2|``, with l_4 for
-d as in the notes. The notes' theorem is sufficient only. Both ask for Grashof's
-inequality (shortest and longest link together not longer than the other two); the
-theorem wants l_3 to be the shortest link, but l_3 also turns fully where the shortest
-is l_4, the ground: then the four-bar linkage is a double crank.
+For a 3R arm, with l_4 for d as in the notes, it is ``l_3 + l_4 <= l_1 + l_2`` and
+``|l_3 - l_4| >= |l_1 - l_2|``. The notes' theorem is only sufficient. Both contain
+Grashof's inequality: the shortest and the longest link together are not longer than the
+other two. The theorem requires l_3 to be the shortest link. But l_3 also turns fully if
+l_4, the ground, is the shortest: then the four-bar linkage is a double crank.
 
-For 3R arms reaching every orientation and turning through all of them with the tip held
-are the same: one elbow follows the wrist round the whole circle. Isolated radii are
-real: with l = (5, 4, 1) the point p = 0 is dexterous and no neighbour is.
+A 3R arm that reaches every orientation at a point can also turn through all of them
+with the tip held there: one elbow follows the wrist round the whole circle. Isolated
+radii exist: with l = (5, 4, 1) the point p = 0 is dexterous and no neighbour is.
 
-With joint limits dexterity is found by enumeration: each of evenly spaced orientations
-of the last link puts the wrist at one place, which the two joints before reach in at
-most two ways; joints before those are sampled.
+With joint limits, dexterity is found by enumeration. Each of evenly spaced orientations
+of the last link puts the wrist at one place, which the two joints before it reach in at
+most two ways. Joints before those are sampled.
 
 References:
     [Lecture7.1] Describing Robot Arms, "Dexterous Workspace" and "A topological
@@ -38,7 +37,8 @@ References:
         arm).
 """
 
-from alpha5_model.theory.planar.arm import PlanarArm, Workspace, annulus, workspace
+from alpha5_model.theory.planar.annuli import annulus
+from alpha5_model.theory.planar.arm import PlanarArm, Workspace, workspace
 from alpha5_model.theory.planar.curves import Arc, Curve, Edge, Segment
 from alpha5_model.theory.planar.enumeration import (
     DexterityMap,

@@ -11,15 +11,14 @@ workspace of the arm without its first joint. The first joint sweeps W', so the 
 of the result is made of
 
 - the boundary of W' with the first joint at either limit, and
-- the paths on which the first joint carries those points of that boundary where it
-  moves along it (the boundary's nearest and farthest points from the pivot), and its
-  corners.
+- the paths on which the first joint carries the corners of that boundary, and its
+  points nearest to and farthest from the pivot, where the joint moves along it.
 
-These are the arm's critical curves: the configurations where the joints that are not at
-a limit cannot move the tip in all directions. All are arcs and segments. They are cut
-where they meet, and a piece belongs to the boundary if the workspace lies on one side
-of it only. A point is in the workspace if its path, seen from the first link, meets the
-boundary of W' or runs inside it.
+These are the arm's critical curves: there, the joints that are not at a limit cannot
+move the tip in all directions. All are arcs and segments. They are cut where they meet,
+and a piece belongs to the boundary if the workspace lies on one side of it only. A
+point is in the workspace if its path, seen from the first link, meets the boundary of
+W' or runs inside it.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Workspace".
@@ -33,7 +32,7 @@ References:
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from operator import index
 from typing import Any
@@ -47,20 +46,25 @@ from alpha5_model._support.checks import (
     bounded,
     float_array,
     instance,
-    listed,
 )
-from alpha5_model.errors import InputError, MissingParameterError, ShapeError
+from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.theory.planar.annuli import annulus
+from alpha5_model.theory.planar.arm_arguments import (
+    Range,
+    check_lengths,
+    checked_angles,
+    checked_joints,
+    checked_limits,
+)
 from alpha5_model.theory.planar.boundary import bounds
-from alpha5_model.theory.planar.curves import TURN, Arc, Curve, Edge, Segment, turned
-from alpha5_model.theory.planar.intersections import circle_hits, line_hits
+from alpha5_model.theory.planar.curves import Arc, Curve, Edge, Segment, turned
+from alpha5_model.theory.planar.first_joint import FirstJoint, extremes
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9
 #: Step to either side of a critical curve to see which side is inside, as a share of
 #: the reach.
 RELATIVE_STEP = 1e-7
-#: Least and greatest position of a joint, or distance from the base.
-Range = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -70,8 +74,8 @@ class PlanarArm:
     Attributes:
         lengths: Link lengths [m]: positive after a revolute joint, zero or more after a
             prismatic one.
-        limits: (lower, upper) per joint [rad or m]; None, for one or all, where a
-            revolute joint has no limits. A range of a full turn or more counts as none.
+        limits: (lower, upper) per joint [rad or m]; None for a revolute joint without
+            limits, or for all. A range of a full turn or more counts as None.
         joints: One letter per joint, ``"R"`` or ``"P"``; all revolute by default.
         angles: Constant angle of each link to the one before [rad]; zero by default.
 
@@ -96,10 +100,10 @@ class PlanarArm:
         values = float_array("lengths", lengths, ())
         if values.ndim != 1 or values.size == 0:
             raise ShapeError("lengths", values.shape, "shape (N,), at least one link")
-        kinds = _checked_joints(joints, values.size)
-        _check_lengths(values.tolist(), kinds)
-        turns = _checked_angles(angles, values.size)
-        ranges = _checked_limits(limits, kinds)
+        kinds = checked_joints(joints, values.size)
+        check_lengths(values.tolist(), kinds)
+        turns = checked_angles(angles, values.size)
+        ranges = checked_limits(limits, kinds)
         object.__setattr__(self, "lengths", tuple(values.tolist()))
         object.__setattr__(self, "limits", ranges)
         object.__setattr__(self, "joints", kinds)
@@ -116,8 +120,9 @@ class PlanarArm:
 
     @property
     def reach(self) -> float:
-        """Sum of the greatest lengths of the links: no point is farther from the base
-        [m].
+        """Sum of the greatest lengths of the links [m].
+
+        No point that the tip reaches is farther from the base.
         """
         reach = 0.0
         for length, kind, limit in zip(
@@ -131,16 +136,14 @@ class PlanarArm:
 
     @property
     def length_ranges(self) -> tuple[Range, ...] | None:
-        """Range of the distance between one revolute joint and the next (last: to the
-        tip) [m].
+        """Range of the distance from each revolute joint to the next or the tip [m].
 
-        None unless the first joint is revolute, no revolute joint has limits, and every
-        prismatic joint slides along its link: then the workspace depends on these
-        ranges only.
+        The workspace depends on these ranges alone if the first joint is revolute, no
+        revolute joint has limits, and every prismatic joint slides along its link.
+        Otherwise this is None.
         """
-        sums: list[
-            tuple[float, float]
-        ] = []  # signed: a joint may slide past the one before
+        # Signed sums: a prismatic joint may slide past the revolute joint before it.
+        sums: list[Range] = []
         rows = zip(self.lengths, self.limits, self.joints, self.angles, strict=True)
         for length, limit, kind, angle in rows:
             if kind == "R":
@@ -157,7 +160,7 @@ class PlanarArm:
     def part(self, start: int, stop: int | None = None) -> PlanarArm:
         """The arm of joints start to stop - 1, in the frame of the link before them.
 
-        Both count as in a slice.
+        Both may be negative, as in a slice.
         """
         try:
             cut = slice(index(start), None if stop is None else index(stop))
@@ -212,6 +215,16 @@ class PlanarArm:
         return workspace(self)
 
 
+def first_joint_of(arm: PlanarArm) -> FirstJoint:
+    """The first joint of an arm, with its link and limits."""
+    return FirstJoint(
+        revolute=arm.joints[0] == "R",
+        angle=arm.angles[0],
+        length=arm.lengths[0],
+        limit=arm.limits[0],
+    )
+
+
 def within_limits(arm: PlanarArm, joint: int, q: FloatArray, slack: Any) -> BoolArray:
     """Whether positions of a joint are within its limits.
 
@@ -235,66 +248,6 @@ def within_limits(arm: PlanarArm, joint: int, q: FloatArray, slack: Any) -> Bool
         return np.asarray((over >= 0.0) & (over <= high - low + 2 * slack))
 
 
-def _checked_joints(joints: str | None, number: int) -> str:
-    """The letters of the joints; all revolute by default."""
-    if joints is None:
-        return "R" * number
-    if (
-        not isinstance(joints, str)
-        or len(joints) != number
-        or not set(joints) <= {"R", "P"}
-    ):
-        raise InputError("joints", joints, f"{number} letters R or P, one per link")
-    return joints
-
-
-def _check_lengths(lengths: Iterable[float], joints: str) -> None:
-    for length, kind in zip(lengths, joints, strict=True):
-        if kind == "R" and length <= 0:
-            raise InputError("lengths", length, "a length that is positive")
-        if kind == "P" and length < 0:
-            raise InputError("lengths", length, "a length that is not negative")
-
-
-def _checked_angles(angles: ArrayLike | None, number: int) -> tuple[float, ...]:
-    if angles is None:
-        return (0.0,) * number
-    checked = float_array("angles", angles, (number,))
-    if checked.ndim != 1:
-        raise ShapeError("angles", checked.shape, f"shape ({number},)")
-    return tuple(checked.tolist())
-
-
-def _checked_limits(limits: Any, joints: str) -> tuple[Range | None, ...]:
-    expected = f"one (lower, upper) or None for {len(joints)} joints"
-    ranges = [None] * len(joints)
-    if limits is not None:
-        ranges = listed("limits", limits, expected)
-    if len(ranges) != len(joints):
-        raise ShapeError("limits", (len(ranges),), expected)
-    return tuple(
-        _checked_range(limit, kind) for limit, kind in zip(ranges, joints, strict=True)
-    )
-
-
-def _checked_range(limit: Any, kind: str) -> Range | None:
-    """Limits of one joint; None if there are none, or a revolute joint turns fully."""
-    if limit is None:
-        if kind == "P":
-            raise MissingParameterError(
-                "limits (lower, upper) of each", "a prismatic joint"
-            )
-        return None
-    values = float_array("limits", limit, (2,))
-    if values.ndim != 1:
-        raise ShapeError("limits", values.shape, "a pair (lower, upper) per joint")
-    lower, upper = values.tolist()
-    if lower > upper:
-        raise InputError("limits", (lower, upper), "lower <= upper")
-    turns_fully = kind == "R" and upper - lower >= 2 * math.pi
-    return None if turns_fully else (lower, upper)
-
-
 @dataclass(frozen=True, eq=False)
 class Workspace:
     """The points that a planar arm's tip reaches.
@@ -302,8 +255,8 @@ class Workspace:
     Attributes:
         arm: The arm; None for the tip itself, a point.
         edges: Boundary of the two-dimensional part.
-        thin: Curves that belong to the workspace and have nothing on either side, as
-            the whole workspace of a one-joint arm.
+        thin: Curves of the workspace with nothing of it on either side, such as the
+            whole workspace of a one-joint arm.
         inner: Workspace of the arm without its first joint, in the frame of its first
             link.
     """
@@ -332,20 +285,17 @@ class Workspace:
         """Smallest and largest distance from the base [m]."""
         points: list[list[float]] = []
         for curve in self.curves:
-            points += _extremes(curve, revolute=True, tolerance=_tolerance(self.arm))
+            points += extremes(curve, revolute=True, tolerance=_tolerance(self.arm))
         distances = np.linalg.norm(points, axis=1).tolist()
         smallest = 0.0 if self.contains(np.zeros(2)) else min(distances)
         return smallest, max(distances)
 
     @property
     def shape(self) -> str:
-        """``point``, ``interval``, ``arc``, ``circle``, ``disc``, ``annulus`` or
-        ``region``.
-        """
+        """Point, interval, arc, circle, disc, annulus or region, in small letters."""
         circles = [isinstance(c, Arc) and c.closed for c in self.curves]
         if self.edges and not self.thin and all(circles):
-            # In one piece and bounded by whole circles: they are concentric, two at
-            # most.
+            # A connected set that is bounded by whole circles: at most two, concentric.
             return "disc" if len(circles) == 1 else "annulus"
         if self.edges or len(self.thin) != 1:
             return "region"
@@ -392,85 +342,27 @@ class Workspace:
             # As an angle on the circle of the point.
             slack /= np.maximum(radius, tolerance)
         found = np.zeros(len(p), np.bool_)
-        for q, _ in joint_positions_onto(arm, p, inner.curves, tolerance):
+        for q, _ in first_joint_of(arm).positions_onto(p, inner.curves, tolerance):
             found |= within_limits(arm, 0, q, slack[:, None]).any(axis=1)
 
-        # A path that never meets the boundary lies inside of it or outside: one of its
-        # positions decides.
+        # A path that never meets the boundary is wholly inside or outside: one position
+        # decides.
         rest = np.flatnonzero(~found)
         if rest.size:
             middle = sum(arm.limits[0] or (0.0, 0.0)) / 2
-            angle, length = _first_link(arm, middle)
+            angle, length = first_joint_of(arm).link(middle)
             seen = turned(p[rest], -angle) - (length, 0.0)
             found[rest] = inner._contains(seen, tolerance)
         return found
 
 
-def joint_positions_onto(
-    arm: PlanarArm, points: FloatArray, curves: Iterable[Curve], tolerance: float
-) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Positions of the first joint that bring a curve to points, whatever its limits.
-
-    Args:
-        arm: The arm.
-        points: (M, 2) [m].
-        curves: Carried by the first joint, in the frame of its link.
-        tolerance: Distance up to which a point counts as on a curve [m].
-
-    Yields:
-        For each curve, joint positions q (M, K) [rad or m] and the points of the curve
-        that they bring there, (M, K, 2) [m]; NaN for those that do not exist.
-    """
-    angle, length = _first_link(arm, 0.0)
-    # Seen from link 1, a point runs on a circle about the joint, or along x, against q.
-    if arm.joints[0] == "R":
-        bearing = np.arctan2(points[:, 1], points[:, 0])[:, None] - angle
-        pivot = np.array([[-length, 0.0]])
-        radius = np.linalg.norm(points, axis=1)
-        for curve in curves:
-            there = circle_hits(pivot, radius, curve, tolerance)
-            yield bearing - np.arctan2(there[..., 1], there[..., 0] + length), there
-    else:
-        start = turned(points, -angle) - (length, 0.0)
-        along = np.array([[1.0, 0.0]])
-        for curve in curves:
-            there = line_hits(start, along, curve, tolerance)
-            yield start[:, None, 0] - there[..., 0], there
-
-
 def workspace(arm: PlanarArm) -> Workspace:
     """The workspace of a planar arm, exact up to rounding.
 
-    Features closer together than 1e-7 of the reach are not told apart.
+    Features closer together than 1e-7 of the reach are not distinguished.
     """
     scale = instance("arm", arm, PlanarArm).reach
     return _build(arm, RELATIVE_TOLERANCE * scale, RELATIVE_STEP * scale)
-
-
-def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
-    """Radii between which a chain of freely turning links reaches.
-
-    The outer radius is the sum of the lengths. The inner radius is the longest length
-    less all others, if that is positive. If lengths vary, the longest counts with its
-    least length and the others with their greatest: only one link can exceed the sum of
-    the others, so no choice of lengths does better.
-
-    Args:
-        length_ranges: (least, greatest) length of each link [m].
-
-    Returns:
-        Inner and outer radius [m].
-    """
-    pairs = "(least, greatest) length of each link"
-    table = float_array(
-        "length_ranges", listed("length_ranges", length_ranges, pairs), (2,)
-    )
-    if table.ndim != 2 or not len(table):
-        raise ShapeError("length_ranges", table.shape, pairs)
-    ranges = bounded("length_ranges", table).tolist()
-    outer = math.fsum(high for _, high in ranges)
-    inner = max(math.fsum([low, high, *-table[:, 1]]) for low, high in ranges)
-    return max(0.0, inner), outer
 
 
 def _rings(arm: PlanarArm | None) -> Range | None:
@@ -523,86 +415,23 @@ def _annular(
 
 def _with_locked_joint(arm: PlanarArm, inner: Workspace, q: float) -> Workspace:
     """The inner workspace, carried by a first joint that stays at q."""
+    joint = first_joint_of(arm)
     edges = [
-        Edge(curve=_carried(edge.curve, arm, q), inside_left=edge.inside_left)
+        Edge(curve=joint.carried(edge.curve, q), inside_left=edge.inside_left)
         for edge in inner.edges
     ]
-    thin = [_carried(curve, arm, q) for curve in inner.thin]
+    thin = [joint.carried(curve, q) for curve in inner.thin]
     return Workspace(arm=arm, edges=tuple(edges), thin=tuple(thin), inner=inner)
 
 
 def _critical(arm: PlanarArm, inner: Workspace, tolerance: float) -> list[Curve]:
     """The critical curves of an arm, from those of the arm without its first joint."""
-    limit = arm.limits[0]
+    joint = first_joint_of(arm)
     found: list[Curve] = []
     for curve in inner.curves:
-        found += [_carried(curve, arm, end) for end in limit or ()]
-        found += _swept(arm, curve, limit or (0.0, TURN), tolerance)
+        found += [joint.carried(curve, end) for end in joint.limit or ()]
+        found += joint.swept(curve, tolerance)
     return found
-
-
-def _swept(
-    arm: PlanarArm, curve: Curve, limit: Range, tolerance: float
-) -> Iterator[Curve]:
-    """Paths on which the first joint carries the extreme points of a curve."""
-    low, high = limit
-    angle = arm.angles[0]
-    revolute = arm.joints[0] == "R"
-    shifted = curve.moved(0.0, (arm.lengths[0], 0.0))
-    for x, y in _extremes(shifted, revolute, tolerance):
-        if revolute:
-            yield Arc(
-                center=(0.0, 0.0),
-                radius=math.hypot(x, y),
-                start=math.atan2(y, x) + angle + low,
-                span=high - low,
-            )
-        else:
-            travel = Segment(start=(x + low, y), angle=0.0, length=high - low)
-            yield travel.moved(angle, (0.0, 0.0))
-
-
-def _carried(curve: Curve, arm: PlanarArm, q: float) -> Curve:
-    """A curve in the frame of link 1, seen from the base with the first joint at q."""
-    angle, length = _first_link(arm, q)
-    return curve.moved(angle, (length, 0.0))
-
-
-def _first_link(arm: PlanarArm, q: float) -> tuple[float, float]:
-    """Direction [rad] and length [m] of link 1 with the first joint at q."""
-    if arm.joints[0] == "R":
-        return arm.angles[0] + q, arm.lengths[0] + 0.0
-    return arm.angles[0] + 0.0, arm.lengths[0] + q
-
-
-def _extremes(curve: Curve, revolute: bool, tolerance: float) -> list[list[float]]:
-    """Ends of a curve, and its points where the joint moves along it.
-
-    The joint is at the origin; it turns about it, or slides along x.
-    """
-    along = _points_moved_along(curve, revolute, tolerance)
-    on_curve = ~np.isnan(curve.parameter(along, tolerance))
-    return [*along[on_curve].tolist(), *curve.point(curve.interval).tolist()]
-
-
-def _points_moved_along(curve: Curve, revolute: bool, tolerance: float) -> FloatArray:
-    """Points of the whole circle or line of a curve where the joint moves along it, (K,
-    2).
-    """
-    none = np.empty((0, 2))
-    if isinstance(curve, Segment):
-        if not revolute:
-            return none
-        normal = curve.left(0.0)
-        return np.asarray(normal @ np.asarray(curve.start) * normal)[None]
-
-    if not revolute:
-        bearing = math.pi / 2
-    elif math.hypot(*curve.center) > tolerance:
-        bearing = math.atan2(curve.center[1], curve.center[0])
-    else:  # a circle about the joint: it moves along all of it
-        return none
-    return curve.point([bearing, bearing + math.pi])
 
 
 def _tolerance(arm: PlanarArm | None) -> float:

@@ -52,7 +52,7 @@ class Arc:
         return np.asarray(self.center) + self.radius * direction
 
     def left(self, t: float) -> FloatArray:
-        """Unit normal to the left of the direction of travel (to the centre), (2,)."""
+        """Unit normal to the left of the direction of travel, to the centre, (2,)."""
         return -unit_vector(t)
 
     def parameter(self, points: FloatArray, tolerance: float) -> FloatArray:
@@ -79,9 +79,7 @@ class Arc:
         )
 
     def moved(self, angle: float, shift: Point) -> Arc:
-        """The curve translated by `shift` [m], then rotated about the origin by `angle`
-        [rad].
-        """
+        """The curve, translated by a shift [m], then rotated about the origin [rad]."""
         return Arc(
             center=_moved(self.center, angle, shift),
             radius=self.radius,
@@ -150,9 +148,7 @@ class Segment:
         return Segment(start=(x, y), angle=self.angle, length=end - start)
 
     def moved(self, angle: float, shift: Point) -> Segment:
-        """The curve translated by `shift` [m], then rotated about the origin by `angle`
-        [rad].
-        """
+        """The curve, translated by a shift [m], then rotated about the origin [rad]."""
         return Segment(
             start=_moved(self.start, angle, shift),
             angle=self.angle + angle,
@@ -193,6 +189,7 @@ def turned(points: FloatArray, angle: float) -> FloatArray:
 
 
 def _moved(point: Point, angle: float, shift: Point) -> Point:
+    """A point, translated by a shift, then rotated about the origin."""
     x = point[0] + shift[0]
     y = point[1] + shift[1]
     c = math.cos(angle)

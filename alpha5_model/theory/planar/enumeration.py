@@ -18,13 +18,13 @@ from alpha5_model._support.checks import (
 from alpha5_model.errors import InputError
 from alpha5_model.theory.planar.arm import (
     PlanarArm,
-    joint_positions_onto,
+    first_joint_of,
     within_limits,
     workspace,
 )
 from alpha5_model.theory.planar.curves import TURN, Arc, Curve, Segment, turned
 
-#: Distance that counts as zero, as a share of the reach; angle that does [rad].
+#: Distance, as a share of the reach, and angle [rad] that count as zero.
 _TOLERANCE = 1e-9
 #: Points that outline each boundary curve of a map.
 _OUTLINE = 181
@@ -39,8 +39,8 @@ class DexterityMap:
         share: Share of orientations reached at (x[i], y[j]), (J, I); 0 outside the
             workspace.
         spacing: Distance between grid lines [m].
-        orientations: How many were tried: gaps narrower than 2 pi / orientations can be
-            missed.
+        orientations: Number of orientations tried: gaps narrower than 2 pi /
+            orientations can be missed.
     """
 
     x: FloatArray
@@ -91,14 +91,13 @@ def dexterity_map(
 def dexterity(
     arm: PlanarArm, points: ArrayLike, orientations: int = 360, samples: int = 181
 ) -> FloatArray:
-    """Share of orientations with which points are reached, numerically, joint limits
-    included.
+    """Share of orientations with which points are reached within the joint limits.
 
-    The last three joints are solved in closed form for each of evenly spaced
-    orientations; joints before them are sampled evenly between their limits, both
-    limits included. A point counts as dexterous where the share is 1: a range of
-    orientations narrower than 2 pi / orientations can be missed, and with more than
-    three joints some orientations are missed near the boundary.
+    Evenly spaced orientations are tried. For each, the last three joints are solved in
+    closed form; joints before them are sampled evenly from limit to limit. A point
+    counts as dexterous if the share is 1. A range of orientations narrower than 2 pi /
+    orientations can be missed, and with more than three joints some orientations are
+    missed near the boundary.
 
     Args:
         arm: Three joints or more, the last one revolute.
@@ -146,14 +145,17 @@ def _sampled_starts(arm: PlanarArm, samples: int) -> FloatArray:
 
 
 def _three_joint_reach(arm: PlanarArm, wrist: FloatArray, phi: FloatArray) -> BoolArray:
-    """Whether joints 1 and 2 reach the wrist (..., 2), and joint 3 the orientation phi
-    (...).
+    """Whether three joints reach poses, (...) bool.
+
+    Args:
+        arm: The arm of three joints.
+        wrist: Where joint 3 has to be, (..., 2) [m]: joints 1 and 2 bring it there.
+        phi: Direction of the last link, (...) [rad].
     """
     tolerance = _TOLERANCE * arm.reach
     path = _path_of_second_joint(arm)
-    ((first, there),) = joint_positions_onto(
-        arm, wrist.reshape(-1, 2), [path], tolerance
-    )
+    points = wrist.reshape(-1, 2)
+    ((first, there),) = first_joint_of(arm).positions_onto(points, [path], tolerance)
     second = _second_position(arm, there)
     third = np.broadcast_to(phi, wrist.shape[:-1]).reshape(-1, 1) - math.fsum(
         arm.angles

@@ -32,9 +32,9 @@ class TheoremRow:
 def lecture_theorem(l_1: float, l_2: float, l_3: float, l_4: float) -> bool:
     """The notes' theorem to the letter: ``l_i + l_j >= L/2`` for all i, j in {1, 2, 4}.
 
-    i and j are different: with i = j the notes' own rows from 9 to 2 would fail. It
-    says that l_3 may turn by 2 pi while the tip is pinned at distance l_4 from the
-    base. Sufficient, not necessary; see `turns_fully`.
+    It promises that l_3 can turn by 2 pi while the tip is pinned at distance l_4 from
+    the base. The condition is sufficient, not necessary; see `turns_fully`. i and j are
+    different: with i = j the notes' own rows from 9 to 2 would fail.
 
     Args:
         l_1, l_2, l_3: Link lengths, base to tip, positive.
@@ -44,8 +44,9 @@ def lecture_theorem(l_1: float, l_2: float, l_3: float, l_4: float) -> bool:
 
 
 def theorem_row(l_1: float, l_2: float, l_3: float, l_4: float) -> TheoremRow:
-    """Both sides of the theorem and both verdicts for one set of lengths; see
-    `lecture_theorem`.
+    """Both sides of the theorem, its verdict and the exact one.
+
+    See `lecture_theorem`.
     """
     first, second, third = _lengths(l_1=l_1, l_2=l_2, l_3=l_3)
     fourth = real("l_4", l_4, 0.0)
@@ -61,8 +62,9 @@ def theorem_row(l_1: float, l_2: float, l_3: float, l_4: float) -> TheoremRow:
 
 
 def theorem_radii(l_1: float, l_2: float, l_3: float) -> tuple[float, float] | None:
-    """The l_4 for which the theorem holds: ``|l_1 - l_2| + l_3 <= l_4 <= l_1 + l_2 -
-    l_3``.
+    """The range of l_4 for which the theorem holds.
+
+    It is ``|l_1 - l_2| + l_3 <= l_4 <= l_1 + l_2 - l_3``.
 
     Returns:
         Least and greatest l_4, or None if there is none.

@@ -11,10 +11,11 @@ from typing import NamedTuple
 
 from alpha5_model._support.checks import instance, real
 from alpha5_model.errors import InputError
-from alpha5_model.theory.planar.arm import PlanarArm, annulus
+from alpha5_model.theory.planar.annuli import annulus
+from alpha5_model.theory.planar.arm import PlanarArm
 
-#: Equality counts in every condition here; lengths this share of the whole apart count
-#: as equal.
+#: Lengths that differ by less than this share of their sum count as equal; all
+#: conditions hold with equality.
 ROUNDING = 1e-14
 
 
@@ -24,7 +25,7 @@ class Conditions:
 
     Attributes:
         satisfied: Whether all hold.
-        reasons: What is missing, one sentence each; empty if satisfied.
+        reasons: One sentence for each condition that fails; empty if satisfied.
     """
 
     satisfied: bool
@@ -32,7 +33,7 @@ class Conditions:
 
 
 class _Linkage(NamedTuple):
-    """An arm with its tip pinned: what carries the wrist, and the last link.
+    """An arm with its tip pinned, as the part that carries the wrist and the last link.
 
     Attributes:
         low, high: Radii of the annulus that the arm without its last link reaches [m].
@@ -51,12 +52,11 @@ class _Linkage(NamedTuple):
 
 
 def turns_fully(arm: PlanarArm, radius: float) -> bool:
-    """The exact condition: whether the last link turns fully with the tip pinned at a
-    radius.
+    """Whether the last link turns fully with the tip pinned at a radius, exactly.
 
-    For any number of revolute joints without limits, and prismatic joints along their
-    links. Where the last link's length varies, every orientation may use its own
-    length.
+    The arm may have any number of revolute joints without limits, and prismatic joints
+    along their links. If the last link's length varies, every orientation may use its
+    own length.
 
     Args:
         arm: The arm; see `dexterous_radii`.
@@ -105,21 +105,19 @@ def dexterous_radii(arm: PlanarArm) -> tuple[tuple[float, float], ...]:
 
 
 def dexterous_area(arm: PlanarArm) -> float:
-    """Area of the dexterous workspace [m^2]; zero if it consists of isolated circles
-    and points.
-    """
+    """Area of the dexterous workspace [m^2]; zero if it is only circles and points."""
     return math.fsum(math.pi * (high**2 - low**2) for low, high in dexterous_radii(arm))
 
 
 def necessary_conditions(arm: PlanarArm) -> Conditions:
     """Necessary conditions for a dexterous workspace with an interior, for planar arms.
 
-    The ranges of the revolute joints add up to a full turn, for the orientation is the
-    sum of their angles, and two joints beside one of them place the end effector. The
-    notes ask for a revolute joint without limits in place of the first, which is not
-    necessary: with +-2.967 rad on every joint the notes' arm (5, 4, 1) has a dexterous
-    workspace of 155.8. Both speak of an interior: a 2R arm of equal lengths reaches its
-    own base with every orientation, a single dexterous point. They are not sufficient.
+    The ranges of the revolute joints must add up to a full turn, since the orientation
+    is the sum of their angles. Two more joints must place the end effector. The notes
+    have another first condition, a revolute joint without limits. It is not necessary:
+    with +-2.967 rad on every joint the notes' arm (5, 4, 1) has a dexterous workspace
+    of 155.8. The conditions concern the interior: a 2R arm of equal lengths reaches its
+    own base with every orientation, which is a single point. They are not sufficient.
     """
     turn = _total_turn(instance("arm", arm, PlanarArm))
     reasons = []
