@@ -1,4 +1,4 @@
-"""What the printed digits do to any result: number by number, and all at once."""
+"""Effects of the printed digits on any result: number by number, and all at once."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ Result = Callable[[Alpha5Parameters], ArrayLike]
 
 
 class Sensitivity(NamedTuple):
-    """What each printed number does to a result, first order.
+    """The effect of each printed number on a result, to first order.
 
     Attributes:
         names: Of the printed numbers, (K,).
         nominal: The result at the middle of all intervals, (...).
-        effects: Half of what it changes from the lower to the upper end of each
+        effects: Half the change of the result from the lower to the upper end of each
             interval, (K, ...).
     """
 
@@ -35,11 +35,11 @@ class Sensitivity(NamedTuple):
 
     @property
     def half_width(self) -> FloatArray:
-        """All effects together at their worst, (...)."""
+        """The sum of the magnitudes of all effects, (...)."""
         return np.asarray(np.abs(self.effects).sum(axis=0))
 
     def most(self, *index: int, count: int = 5) -> tuple[tuple[str, float], ...]:
-        """The numbers that matter most, with their effects on ``nominal[index]``."""
+        """The numbers with the largest effects on ``nominal[index]``, and these."""
         effects = np.moveaxis(self.effects, 0, -1)[index]
         order = np.argsort(-np.abs(effects), kind="stable")[:count]
         return tuple((self.names[k], float(effects[k])) for k in order)
@@ -49,16 +49,16 @@ def sensitivity(result: Result, alternatives: Names = ()) -> Sensitivity:
     """How much a result depends on each printed number.
 
     Args:
-        result: From a parameter set to a number or an array, such as
+        result: Function of a parameter set that returns a number or an array, such as
             ``lambda p: arm(p).hydrostatic_torque(q)``.
         alternatives: Names of `ALTERNATIVES` to believe.
 
     Raises:
-        InputError: A result that is not finite numbers.
+        InputError: A result with numbers that are not finite.
     """
     chosen = printed.believed(alternatives)
     intervals = printed.numbers(chosen)
-    # Numbers whose middle is what is printed stay as they are.
+    # An alternative can move the middle away from the printed number.
     middle = {
         name: number.value
         for name, number in intervals.items()
@@ -94,7 +94,7 @@ class Spread(NamedTuple):
 
 
 def spread(result: Result, n: int = 1000, seed: int = 0, **options: Any) -> Spread:
-    """Spread of a result over the sets of `sample`.
+    """Mean and spread of a result over the sets of `sample`.
 
     Args:
         result: As of `sensitivity`.
@@ -115,7 +115,7 @@ def spread(result: Result, n: int = 1000, seed: int = 0, **options: Any) -> Spre
 
 
 def reach(parameters: Alpha5Parameters) -> float:
-    """Longest distance from shoulder to tcp without limits [m].
+    """Longest distance from shoulder to tcp if no joint has limits [m].
 
     It is ``a_1 + hypot(a_2, d_3)``.
     """

@@ -23,13 +23,13 @@ from alpha5_model.studies.uncertainty.printed import Names
 from alpha5_model.studies.uncertainty.sampling import DEVIATION
 from alpha5_model.trajectory import Motion, smooth
 
-#: Half of a 95 % interval in standard deviations.
+#: Half width of a 95 % interval in standard deviations.
 _WIDE = NormalDist().inv_cdf(0.975)
-#: Noise [N m, N] below which a recording is a computation.
+#: Least noise [N m, N]: a computed recording has none.
 _LEAST_NOISE = 1e-12
-#: Gains that are rounding, relative to the largest one.
+#: Smaller gains are rounding errors, relative to the largest one.
 _RANK = 1e-12
-#: Steps of Gauss and Newton.
+#: Gauss-Newton steps.
 _STEPS = 4
 
 
@@ -43,16 +43,16 @@ class Identification(NamedTuple):
         estimate: (38,).
         lower, upper: 95 % intervals, (38,) each, cut to what the printed digits allow.
         covariance: (38, 38).
-        supported: Which ones the data know at least twice as well as the printed digits
-            do, (38,) bool; of the others they tell little or nothing.
-        gains: Of each independent combination of printed numbers, best first: standard
-            deviation by the digits over that by the data, (r,); below 1 the digits say
-            more. The first over the last is the condition of the data.
-        combinations: What one standard deviation by the digits of each is in base
-            parameters, (r, 38).
-        noise: Standard deviation of what is left over, for each torque or part of the
-            load [N m, N].
-        parameters: The estimate as a parameter set, whose bodies are all possible.
+        supported: Which ones the data determine at least twice as closely as the
+            printed digits, (38,) bool; about the others the data tell little.
+        gains: For each independent combination of printed numbers, best first: its
+            standard deviation by the digits over that by the data, (r,). Below 1 the
+            digits tell more. The first over the last is the data's condition number.
+        combinations: These combinations in base parameters, each one standard deviation
+            by the digits long, (r, 38).
+        noise: Standard deviation of the residuals of each torque, or of each component
+            of the load [N m, N].
+        parameters: The estimate as a parameter set of possible bodies.
     """
 
     names: tuple[str, ...]
@@ -77,13 +77,13 @@ def identify(
 ) -> Identification:
     """Identify base parameters from a motion with its efforts or the load on the mount.
 
-    Unknown are the printed numbers, scaled so that their intervals are -1 to 1. Torques
-    and loads are linear in the base parameters, and these nearly so in the numbers: a
-    few steps of Gauss and Newton find them. No number leaves its interval, where every
-    body is possible, so the result is physically consistent by construction. The
-    intervals count as one more measurement, with the variance 1/3 of a uniform number,
-    which settles what the data do not. Noise is taken as white; its size is that of
-    what is left over.
+    The unknowns are the printed numbers, scaled so that their intervals are -1 to 1.
+    Torques and loads are linear in the base parameters, and these are nearly linear in
+    the numbers: a few Gauss-Newton steps find the solution. No number leaves its
+    interval, in which every body is possible, so the result is physically consistent.
+    The intervals count as one more measurement, with the variance 1/3 of a uniform
+    distribution; it determines what the data do not. Noise is taken as white, and its
+    size is estimated from the residuals.
 
     Args:
         motion: From `alpha5_model.trajectory`; the jaw rod is left out.
@@ -108,18 +108,18 @@ def identify(
     unknowns = _Unknowns(chosen, arm.fluid_density, of_bare)
     fit = _fitted(recording, unknowns, payload(arm, of_bare))
     bare = load(arm.fluid_density, corrections=corrections)
-    ends = extremes(
+    digit_limits = extremes(
         np.eye(len(NAMES))[None],
         payload(bare, of_bare),
         arm.fluid_density,
         chosen,
         of_bare,
     )
-    return _identification(unknowns, fit, ends[:, 0])
+    return _identification(unknowns, fit, digit_limits[:, 0])
 
 
 class _Recording(NamedTuple):
-    """What was measured, and the regressor of it.
+    """Measured torques or loads, and their regressor.
 
     Attributes:
         regressor: (N, n, 38).
@@ -136,7 +136,7 @@ def _recording(
     wrench: ArrayLike | None,
     smoothing: dict[str, Any],
 ) -> _Recording:
-    """The load on the mount if it is given, else the motion's efforts."""
+    """The load on the mount if it is given; otherwise the motion's efforts."""
     smoothed = smooth(instance("motion", motion, Motion), **smoothing)
     q = np.array(smoothed.position[:, :4])
     v = np.array(smoothed.velocity[:, :4])
@@ -152,12 +152,12 @@ def _recording(
 
 
 class _Unknowns:
-    """The printed numbers that base parameters depend on, z, each from -1 to 1.
+    """The printed numbers z that base parameters depend on, each scaled to -1 to 1.
 
     Attributes:
-        count: How many.
-        slope: Base parameters by each, at the middle of the intervals, (count, 38).
-        alternatives: Those believed.
+        count: Number of unknowns.
+        slope: Derivative of the base parameters by each, at z = 0, (count, 38).
+        alternatives: Names of `ALTERNATIVES` that are believed.
     """
 
     def __init__(
@@ -178,7 +178,7 @@ class _Unknowns:
         self.slope = (self.base_parameters(unit) - self.base_parameters(-unit)) / 2
 
     def base_parameters(self, z: FloatArray) -> FloatArray:
-        """Base parameters, gravity left out, (..., count) to (..., 38)."""
+        """Base parameters at z (..., count), without gravity, (..., 38)."""
         values = self._values(z)
         return groups(values, self.alternatives, self._density, self._parameters)
 
@@ -199,15 +199,15 @@ class _Fit(NamedTuple):
 
     Attributes:
         z: (count,).
-        noise: Standard deviation of what is left over, (n,).
-        data: What the recording says of z, in standard deviations, (38 + 1, count).
-        table: The same above what the digits say.
+        noise: Standard deviation of the residuals, (n,).
+        of_data: Weighted least-squares equations of the recording, (38 + 1, count).
+        of_all: The same, with the equations of the digits below them.
     """
 
     z: FloatArray
     noise: FloatArray
-    data: FloatArray
-    table: FloatArray
+    of_data: FloatArray
+    of_all: FloatArray
 
 
 def _fitted(recording: _Recording, unknowns: _Unknowns, known: FloatArray) -> _Fit:
@@ -231,35 +231,39 @@ def _fitted(recording: _Recording, unknowns: _Unknowns, known: FloatArray) -> _F
         weighted = augmented / noise[:, None]
         triangle = np.asarray(np.linalg.qr(weighted[present], mode="r"))
         by_base_parameters = triangle[:, :-1]
-        data = by_base_parameters @ unknowns.slope.T
+        of_data = by_base_parameters @ unknowns.slope.T
         at_zero = unknowns.base_parameters(z) + known - z @ unknowns.slope
         rest = triangle[:, -1] - by_base_parameters @ at_zero
 
-        table = np.vstack([data, by_digits])
+        of_all = np.vstack([of_data, by_digits])
         target = np.append(rest, np.zeros(unknowns.count))
-        z = lsq_linear(table, target, bounds=(-1.0, 1.0), method="bvls").x
+        z = lsq_linear(of_all, target, bounds=(-1.0, 1.0), method="bvls").x
         left_over = measured - regressor @ (unknowns.base_parameters(z) + known)
         noise = np.sqrt(np.nanmean(left_over**2, axis=0)) + _LEAST_NOISE
-    return _Fit(z=z, noise=noise, data=data, table=table)
+    return _Fit(z=z, noise=noise, of_data=of_data, of_all=of_all)
 
 
-def _identification(unknowns: _Unknowns, fit: _Fit, ends: FloatArray) -> Identification:
+def _identification(
+    unknowns: _Unknowns, fit: _Fit, digit_limits: FloatArray
+) -> Identification:
     """The base parameters of a fit, with their intervals.
 
     Args:
         unknowns: The printed numbers.
-        fit: Of them.
-        ends: Lowest and highest base parameters by the digits, (2, 38).
+        fit: Their best values.
+        digit_limits: Lowest and highest base parameters by the digits, (2, 38).
     """
     slope = unknowns.slope
     estimate = unknowns.base_parameters(fit.z)
-    covariance = slope.T @ np.linalg.inv(fit.table.T @ fit.table) @ slope
+    covariance = slope.T @ np.linalg.inv(fit.of_all.T @ fit.of_all) @ slope
     half_width = _WIDE * np.sqrt(np.diag(covariance))
     by_digits = _WIDE * DEVIATION * np.linalg.norm(slope, axis=0)
-    lower, upper = np.clip([estimate - half_width, estimate + half_width], *ends)
+    lower, upper = np.clip(
+        [estimate - half_width, estimate + half_width], *digit_limits
+    )
 
-    _, gains, directions = np.linalg.svd(fit.data * DEVIATION, full_matrices=False)
-    told = gains > gains[0] * _RANK
+    _, gains, directions = np.linalg.svd(fit.of_data * DEVIATION, full_matrices=False)
+    determined = gains > gains[0] * _RANK
     return Identification(
         names=NAMES,
         estimate=estimate,
@@ -267,8 +271,8 @@ def _identification(unknowns: _Unknowns, fit: _Fit, ends: FloatArray) -> Identif
         upper=upper,
         covariance=covariance,
         supported=2 * half_width < by_digits,
-        gains=gains[told],
-        combinations=DEVIATION * directions[told] @ slope,
+        gains=gains[determined],
+        combinations=DEVIATION * directions[determined] @ slope,
         noise=fit.noise,
         parameters=unknowns.parameter_set(fit.z),
     )

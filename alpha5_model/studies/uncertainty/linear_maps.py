@@ -1,4 +1,4 @@
-"""From printed numbers to links, and from links to base parameters: both are linear."""
+"""Linear maps from printed numbers to links, and from links to base parameters."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
 class LinkNumbers(NamedTuple):
-    """The 14 numbers of each link, or something for each of them.
+    """The 14 numbers of each link, or derivatives by them.
 
     Attributes:
         mass: (...).
@@ -38,7 +38,7 @@ class LinkNumbers(NamedTuple):
 
 
 def split(numbers: FloatArray) -> LinkNumbers:
-    """The parts of numbers of links, (..., 14)."""
+    """The numbers of links, (..., 14), by their kinds."""
     return LinkNumbers(
         mass=numbers[..., 0],
         com=numbers[..., 1:4],
@@ -53,9 +53,10 @@ def link_map(
     alternatives: tuple[str, ...],
     corrections: tuple[str, ...] = DEFAULT_CORRECTIONS,
 ) -> FloatArray:
-    """From the printed numbers to the links, (K, 5, 14), in the order of `LinkNumbers`.
+    """Map from the printed numbers to the links, (K, 5, 14), see `LinkNumbers`.
 
-    It is linear, the frame of link 3's COB included.
+    It is linear, even with the correction of link 3's COB, whose frame depends on
+    lengths of Table 1.
 
     Args:
         alternatives: Checked names of `ALTERNATIVES`.
@@ -67,7 +68,7 @@ def link_map(
     for row in np.eye(len(names)):
         values = dict(zip(names, row.tolist(), strict=True))
         tables = printed.tables_with(values, alternatives)
-        # These are no bodies: all numbers but one are zero.
+        # Not checked as bodies: all numbers but one are zero.
         links = link_numbers(tables, applied)
         out.append([_numbers_of(link) for link in links])
     return frozen(out)
@@ -81,9 +82,9 @@ def _numbers_of(link: dict[str, Any]) -> list[float]:
 
 @cache
 def grouping(fluid_density: float, parameters: Alpha5Parameters) -> FloatArray:
-    """From moments of the links to the base parameters, gravity left out, (5, 14, 38).
+    """Map from moments of the links to the base parameters, (5, 14, 38).
 
-    The moments are m, m c, second moments, V and V b.
+    The moments are m, m c, second moments, V and V b. Gravity is left out.
 
     Args:
         fluid_density: [kg/m^3].
@@ -95,7 +96,7 @@ def grouping(fluid_density: float, parameters: Alpha5Parameters) -> FloatArray:
         of_volume = k >= len(entries)
         row, column = entries[k - len(entries) if of_volume else k]
         unit = np.zeros((5, 2, 4, 4))
-        # A mass counts in both matrices; displaced water takes from the net mass only.
+        # A mass counts in both matrices; displaced water reduces the net mass only.
         share = (0.0, -fluid_density) if of_volume else 1.0
         unit[link, :, row, column] = share
         unit[link, :, column, row] = share
@@ -109,7 +110,7 @@ def groups(
     density: float,
     parameters: Alpha5Parameters,
 ) -> FloatArray:
-    """Base parameters, gravity left out, of printed numbers, (..., K) to (..., 38).
+    """Base parameters of printed numbers, without gravity, (..., 38).
 
     Args:
         values: Printed numbers, (..., K) SI units.
@@ -129,11 +130,11 @@ def groups(
 
 
 def possible(links: FloatArray) -> Any:
-    """Which sets of links (n, 5, 14) are bodies, (n,) bool.
+    """Which sets of links (n, 5, 14) are possible bodies, (n,) bool.
 
-    The pseudo-inertia of a body is positive definite, and its volume is not below 0.
-    The pseudo-inertia is positive definite if the mass is positive and so are the
-    second moments at the COM [Wensing2018].
+    A body has a positive definite pseudo-inertia and no negative volume. The
+    pseudo-inertia is positive definite exactly if the mass is positive and the second
+    moments at the COM are positive definite [Wensing2018].
     """
     parts = split(links)
     least = np.linalg.eigvalsh(parts.second[..., SYMMETRIC])[..., 0]

@@ -1,8 +1,8 @@
 """The interval of each printed number, and parameter sets with other numbers.
 
-A number stands for all that round to it: 0.38 kg is 0.375 to 0.385 kg. Friction has the
-tolerance that is printed with it. Zeros of Table 1 are exact: axes that meet are no
-measured lengths.
+A printed number stands for all numbers that round to it: 0.38 kg is 0.375 to 0.385 kg.
+Friction has the tolerance that is printed with it. Zeros of Table 1 are exact, since
+axes that intersect are not measured.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from alpha5_model.numbers.quantity import DECIMAL_SHIFT, Quantity
 from alpha5_model.numbers.tables import Published
 from alpha5_model.proofs.audit.masses import implied_mass
 
-#: Where the documents contradict themselves or can be read in two ways: name -> what is
-#: believed in place of the plain reading.
+#: Other readings of numbers that contradict each other or have two meanings: name ->
+#: what is believed instead of the plain reading.
 ALTERNATIVES: dict[str, str] = {
     "link3_cob": CORRECTIONS["link3_cob"].statement,
     "implied_mass": "The masses that best carry Table 2's I_COM to its I_Link, "
@@ -40,7 +40,7 @@ ALTERNATIVES: dict[str, str] = {
     "motor_efficiency": "Table 4's eta_max is the motor's: "
     "nothing is lost in the gearbox.",
 }
-#: Table -> what its rows are about.
+#: Table -> kind of its rows, in the names of numbers.
 _TABLES = {
     "table_1": "link",
     "table_2": "link",
@@ -48,7 +48,7 @@ _TABLES = {
     "table_4": "actuator",
 }
 Names = Iterable[str]
-#: From the name of a printed number and the number to another number.
+#: Function of a printed number's name and the number that returns another number.
 _Change = Callable[[str, Quantity], Quantity]
 
 
@@ -60,9 +60,9 @@ class PrintedNumber:
         name: As ``link_2.mass``, ``link_3.cob.z``, ``link_1.inertia_com.xy``,
             ``actuator_0.friction``.
         printed: Digits and unit as printed.
-        value: The middle of the interval. With the alternatives ``implied_mass`` and
-            ``motor_efficiency`` it is not what is printed.
-        lower, upper: Its ends.
+        value: Middle of the interval. With the alternatives ``implied_mass`` and
+            ``motor_efficiency`` it is not the printed number.
+        lower, upper: Ends of the interval.
     """
 
     name: str
@@ -133,7 +133,7 @@ def _interval(
     if name == "link_2.mass" and "link2_mass" in alternatives:
         return value, _finest_mass().rounding
     if not number.value and name.endswith((".d", ".a")):
-        # An axis that meets another one is at no measured distance.
+        # The distance of axes that intersect is not measured.
         return value, 0.0
     if tolerance is not None:
         return value, max(number.rounding, value * tolerance.si)
@@ -202,13 +202,13 @@ def tables_with(
 
 
 def _quantity(value: float, unit: str) -> Quantity:
-    """A value in SI units as a table would print it in another unit."""
+    """A value in SI units as a table would print it in its unit."""
     digits = Decimal(repr(float(value))).scaleb(-DECIMAL_SHIFT[unit])
     return Quantity(str(digits), unit)
 
 
 def _changed(change: _Change) -> Published:
-    """Tables 1 to 4 with every number changed.
+    """Tables 1 to 4 with every number replaced by a function's answer.
 
     The two halves of a tensor have the same names.
     """
@@ -221,13 +221,13 @@ def _changed(change: _Change) -> Published:
 
 
 def _walked(value: Any, name: str, change: _Change, axes: str = "") -> Any:
-    """A part of a table with its numbers changed.
+    """A part of a table with its numbers replaced.
 
     Args:
         value: A number, a tuple of parts along x, y, z, a text or a record.
-        name: Of the part.
-        change: Of a number.
-        axes: That lead from the part of this name to the value.
+        name: Of the quantity that the value belongs to, such as ``link_1.com``.
+        change: Function that replaces a number.
+        axes: Component of that quantity, such as ``x`` or ``xy``.
     """
     if isinstance(value, Quantity):
         in_order = "".join(sorted(axes))

@@ -35,7 +35,7 @@ class Sample:
     Attributes:
         names: Of the printed numbers, (K,).
         values: (n, K) SI units.
-        alternatives: Those believed.
+        alternatives: Names of `ALTERNATIVES` that are believed.
     """
 
     names: tuple[str, ...]
@@ -63,8 +63,8 @@ class Sample:
     ) -> FloatArray:
         """Base parameters of every set, (n, 41), see `alpha5_model.codegen.regrouping`.
 
-        They are for the generated kernels. The lengths of Table 1 are built into these
-        and stay as printed.
+        They are for the generated kernels, which have the lengths of Table 1 built in
+        as printed.
         """
         density = real("fluid_density", fluid_density, minimum=0.0)
         catalogue = records.parameters()
@@ -78,17 +78,17 @@ def sample(
 ) -> Sample:
     """Draw parameter sets whose numbers all round to the printed ones.
 
-    A set that is no body is drawn again.
+    A set that no bodies can have is drawn again.
 
     Args:
-        n: How many.
+        n: Number of sets.
         seed: Of the random numbers.
-        distribution: ``uniform`` within the intervals, or ``normal`` of the same
-            variance, which passes their ends.
+        distribution: ``uniform`` within the intervals, or ``normal`` with the same
+            variance, which exceeds their ends.
         alternatives: Names of `ALTERNATIVES` to believe.
 
     Raises:
-        InputError: Not such numbers.
+        InputError: ``n`` or ``seed`` is not such a number.
         UnknownNameError: No such distribution or alternative.
     """
     rng = generator(seed)
