@@ -42,8 +42,8 @@ class ApproachDirections:
             (..., 4, 3); NaN if the branch does not reach the point.
         exists: The branch reaches the point, limits aside, (..., 4).
         within_limits: It does so within the joint limits, (..., 4).
-        any_azimuth: The point lies on the yaw axis: each direction stands for the
-            circle that theta_0 sweeps, and is its middle, (...).
+        any_azimuth: The point lies on the yaw axis, (...). Each direction is then the
+            middle of the circle of directions that theta_0 sweeps.
         roll: Least and greatest turn about the direction, the range of the wrist,
             (2,) [rad].
     """

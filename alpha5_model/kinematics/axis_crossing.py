@@ -251,14 +251,14 @@ def _motion(
     joints = np.array([*way, end[1:]])
     sizes, largest = step_sizes(np.diff(joints, axis=0))
 
-    # theta_0 stays where it is if only one end of the stretch tells it.
+    # theta_0 does not turn if it is known at one end of the stretch only.
     known = [angle for angle in (yaw, end[0]) if not np.isnan(angle)]
     start_yaw = known[0] if known else plane.middle[0]
     stays = np.clip(start_yaw, plane.lower[0], plane.upper[0])
     end_yaw = stays if np.isnan(end[0]) else end[0]
 
-    # The last step is the only one of joints 1 to 3 that was not checked yet. Of
-    # theta_0 it must turn what is left if all other steps are the largest allowed.
+    # The last step of joints 1 to 3 was not checked yet. theta_0 must turn in that step
+    # what the other steps, even the largest allowed, leave of its turn.
     yaw_of_last_step = abs(end_yaw - start_yaw) - points.max_step * (len(sizes) - 1)
     return _Motion(
         joints=joints,

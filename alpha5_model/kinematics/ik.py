@@ -71,7 +71,7 @@ class Solutions(SolutionArrays):
         Raises:
             UnreachableError: A target that no branch reaches within the limits, with
                 the distance to the nearest point that is reached and that point.
-            JointLimitError: The wrist angle asked for is beyond the limits of axis_b.
+            JointLimitError: The given wrist angle is beyond the limits of axis_b.
         """
         return catalogue().best(self, q_reference)
 
@@ -96,7 +96,7 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
         InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names
             a bad row.
     """
-    # The kernel knows the catalogue's arm: one target takes no more than this call.
+    # The kernel is made for the catalogue's arm: one target needs only this call.
     solved: Solutions | None = module().inverse_kinematics(Solutions, position, wrist)
     if solved is not None:
         return solved

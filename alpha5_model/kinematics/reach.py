@@ -1,4 +1,4 @@
-"""What the tcp can reach, exactly: its boundary as arcs, and how far off a point is.
+"""The exact reachable set of the tcp: its boundary as arcs, and distances from it.
 
 Within the limits the reachable set is no full solid of revolution: theta_0 turns 350.97
 degrees, so a wedge of azimuths is closed to the underarm pose and the opposite wedge to

@@ -1,8 +1,8 @@
-"""What the inverse kinematics return: arrays of all solutions of targets.
+"""Arrays of all solutions of targets, which the inverse kinematics return.
 
-They do not know their arm. `alpha5_model.kinematics.ik.Solutions` and
-`alpha5_model.kinematics.pose.PoseSolutions` are the same for the catalogue's arm, and
-choose the best solution.
+They hold no reference to their arm. `alpha5_model.kinematics.ik.Solutions` and
+`alpha5_model.kinematics.pose.PoseSolutions` are the same arrays for the catalogue's
+arm, with a method that chooses the best solution.
 """
 
 from __future__ import annotations

@@ -116,7 +116,7 @@ def gauss_count(strip: DragStrip) -> int:
 def gauss_points(strip: DragStrip, count: int = 0) -> list[tuple[FloatArray, float]]:
     """Points of Gauss's quadrature along a strip, (3,) [m], each with its share.
 
-    A count of 0 stands for `gauss_count`.
+    If the count is 0, it is that of `gauss_count`.
     """
     line = strip.end - strip.start
     twice_middle = strip.start + strip.end

@@ -50,12 +50,12 @@ def printed(unit: str | None = None, of_rod: str | None = None) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where a table stands in the document.
+    """The source of a table in the document.
 
     Attributes:
         document, publisher, version, date: Of the document.
         section: Its number.
-        table: Its number; empty for numbers that stand in the text.
+        table: Its number; empty for numbers in the text.
         caption: As printed.
     """
 
@@ -80,7 +80,7 @@ class Table(Generic[RowT]):
     """A printed table: its source and its rows, base to tip.
 
     Attributes:
-        source: Where it stands.
+        source: Its place in the document.
         rows: One record per printed row.
         origins: Column -> how the document obtained it, quoted; empty if it does not
             say.
@@ -128,7 +128,7 @@ class WorkspaceNumbers:
     """The numbers that Section 1.2 prints in its torus formulas instead of symbols.
 
     Attributes:
-        source: Where they stand.
+        source: Their place in the document.
         inner_offset: 39.94, added to a_2 in the inner torus [mm].
         inner_length: 145.3, added to d_3 in the inner torus [mm].
         downward_drop: 145.3, from the shoulder to the centre of the downward torus
@@ -214,7 +214,7 @@ class SourcedQuantity:
     Attributes:
         quantity: The number and its unit.
         status: One of ``STATUSES``.
-        source: Who says so.
+        source: Its source, in words.
     """
 
     quantity: Quantity
@@ -224,7 +224,7 @@ class SourcedQuantity:
 
 @dataclass(frozen=True, slots=True)
 class JointRow:
-    """Range, speed and effort of a joint, none of which the document prints.
+    """Range, speed and effort of a joint; the document prints none of them.
 
     Attributes:
         name: ``axis_e`` (base) to ``axis_a`` (jaw rod).
@@ -252,7 +252,7 @@ class BodyBounds:
         name: ``link_0`` to ``link_4``.
         bounds: Pairs for x, y, z [mm].
         status: One of ``STATUSES``.
-        source: Who says so.
+        source: Its source, in words.
     """
 
     name: str
@@ -330,7 +330,7 @@ class HydrodynamicRow:
         added_mass_factor: Of all its entries: low, nominal, high.
         strips: Along which the water drags.
         status: One of ``STATUSES``.
-        source: Who says so.
+        source: Its source, in words.
         method: How it was computed.
     """
 

@@ -181,7 +181,7 @@ def _efficiency(
 
 
 def _stall_torque(row: ActuatorRow, supply: list[Quantity]) -> Figure:
-    """Torque of the joint that stands still at full voltage [N m], and its rounding."""
+    """Stall torque of a joint at full voltage [N m], and its rounding."""
     factors = [row.torque_constant, row.gear_ratio, row.efficiency, *supply]
     return figure(lambda x: np.prod(x[:-1]) / x[-1], [*factors, row.resistance])
 

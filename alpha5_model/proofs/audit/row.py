@@ -41,7 +41,7 @@ class AuditRow:
         says: What the document says there, in short.
         measured: The figure that follows from the document's other numbers, in
             ``unit``.
-        relation: How ``measured`` must stand to ``expected``.
+        relation: Relation that must hold between ``measured`` and ``expected``.
         expected: The figure that the claim asks for, in ``unit``.
         bound: How far apart the two may be because printed digits are rounded, in
             ``unit``.
@@ -106,7 +106,7 @@ def audited(
     """A row in the words of ``rows.toml``, from figures in SI units.
 
     Args:
-        claim: ``topic.subject``; the words stand under both or under the topic alone.
+        claim: ``topic.subject``; the words are in the table of both or of the topic.
         measured, bound, expected, effect, standard_error: See `AuditRow`, in SI units.
             The bound is None if no printed digits are rounded: then it is `EXACT`.
         of: The printed row that the claim is about. Its link or actuator is added to
@@ -184,7 +184,7 @@ def verdict(
     bound: float,
     law: bool = False,
 ) -> Verdict:
-    """Whether a measured figure stands to the expected one as the claim says.
+    """Verdict on a measured figure and the expected one.
 
     Args:
         measured, relation, expected, bound: See `AuditRow`.

@@ -27,7 +27,7 @@ def audit() -> tuple[AuditRow, ...]:
 
     There is one row for each claim of the manufacturer's document and of the lecture
     notes: the claim in short, the figure that follows from other numbers, what the
-    rounding of printed digits allows, a verdict, and what the difference is worth. The
+    rounding of printed digits allows, a verdict, and the effect of the difference. The
     rows judge the documents, not this package: a row that differs is a finding. Rows of
     the kind ``observation`` compare numbers with something that the document does not
     claim.

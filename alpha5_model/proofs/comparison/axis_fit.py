@@ -83,7 +83,7 @@ class AxisFit:
             dimensions: Changes of our arm's dimensions, (8,) [m, rad].
 
         The first two axes cross at a right angle: they place the base. A turn about
-        axis_d then brings axis_c to where it stands from the shoulder, and a turn about
+        axis_d then brings axis_c to its place behind the shoulder, and a turn about
         axis_c brings the wrist axis into its direction.
         """
         at_zero = np.zeros(4)

@@ -18,13 +18,13 @@ NAMED = 3
 
 
 def findings_of_mount(evidence: Evidence) -> Iterator[Finding]:
-    """Where the root of the other model stands, and which foreign links it carries."""
+    """The place of the other model's root, and the foreign links that it carries."""
     yield from _mount(evidence)
     yield from _carried(evidence)
 
 
 def _mount(evidence: Evidence) -> Iterator[Finding]:
-    """Where the root of the other model stands, if not in our base_link."""
+    """A root of the other model that is not at our base_link."""
     alignment = evidence.alignment
     rotation = rotation_of(alignment.base)
     shift = origin_of(alignment.base)

@@ -137,7 +137,7 @@ def _written(
 def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
     """Names of the links of a body without an inertial.
 
-    KDL wants none on the root, which then counts only if the body has no mass at all.
+    KDL allows none on the root, so the root counts only if the body has no mass at all.
     """
     links = evidence.other.links
     bare = [name for name in body.links if links[name].mass is None]

@@ -1,4 +1,4 @@
-"""What to write so that another model's axes, limits and tool stand where ours do."""
+"""What to write so that another model's axes, limits and tool coincide with ours."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Tables 2 and 3 of two revisions of the document, in SI units.
 
 Version 7, and the earlier revision whose numbers public models carry
-(``numbers/earlier_revision.toml``; supplementary, no document seen). The model itself
-knows version 7 only.
+(``numbers/earlier_revision.toml``; supplementary, we have not seen its document). The
+model itself uses version 7 only.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ def finding(key: str, *, where: str = "", cost: float = 0.0, **words: Any) -> Fi
 
     Args:
         key: ``topic`` or ``topic.subject`` there.
-        where: The link, joint or file that it is about, unless the topic tells.
+        where: The link, joint or file that it is about, unless the texts name it.
         cost: Gravity torque that it causes alone [N m].
         words: Names in the texts -> values.
     """

@@ -76,12 +76,12 @@ def compare(
             commands: do so only if you trust it.
 
     Returns:
-        The comparison; ``agrees`` and ``verdict`` tell how it ends. Another arm is no
-        error: the verdict tells that it is not a Reach Alpha 5, and why.
+        The comparison; ``agrees`` and ``verdict`` are its outcome. Another arm is not
+        an error: the verdict then explains why it is not a Reach Alpha 5.
 
     Raises:
         MissingFileError, FileFormatError: The file cannot be read, or is a xacro file
-            that is not to be expanded; the message tells where, and what to do.
+            that is not to be expanded. The message names the place and the remedy.
         UnknownNameError, InputError: A joint or link is not there, or the joints cannot
             be mapped.
     """
@@ -224,7 +224,7 @@ def _by_cost(one: Finding) -> tuple[float, bool]:
 def _gravity_error(evidence: Evidence) -> FloatArray:
     """Largest error of the gravity torque in air, per joint, (4,) [N m]."""
     alignment = evidence.alignment
-    # Gravity points down in our base frame, wherever the other root stands.
+    # Gravity points down in our base frame, whatever the pose of the other root.
     down = rotation_of(alignment.base).T @ DOWN
     their_q = alignment.theirs(evidence.q)
     theirs = evidence.written.gravity_torque(their_q, down)

@@ -155,7 +155,7 @@ def _missing_packages(
 
     Args:
         content: The file. Its encoding does not matter: the marks are ASCII.
-        problem: What xacro says. Only xacro knows a name that is itself computed.
+        problem: Message of xacro, which alone knows names that are computed.
         known: Name -> folder.
     """
     text = content.replace(b"\0", b"").decode("utf-8", "replace")
@@ -165,7 +165,7 @@ def _missing_packages(
 
 
 def _missing_arguments(problem: str) -> list[str]:
-    """Arguments that xacro misses, by what it says."""
+    """Arguments that xacro misses, by its message."""
     return re.findall(r"[Uu]ndefined substitution argument (\w+)", problem)
 
 

@@ -1,4 +1,4 @@
-"""Where another model's tool frame is, if it is not ours."""
+"""Findings about another model's tool frame."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TURNED = math.radians(0.5)
 
 
 def findings_of_tool(evidence: Evidence) -> Iterator[Finding]:
-    """Where the frame of their tool stands in link_4, if they have one."""
+    """A tool frame that is not where ours is in link_4."""
     correction = evidence.tool_correction
     if correction is None:
         return

@@ -1,6 +1,6 @@
 """Bounds of torques, loads and energies that no numbers within the digits can exceed.
 
-The package's docstring says how they are found.
+The docstring of the package explains the method.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ class DHChain:
 
     Attributes:
         links: One `DHLink` per joint, base to tip; at least one.
-        base: transform_0_to_world, (4, 4): where frame {0} stands; read-only.
+        base: transform_0_to_world, (4, 4): the pose of frame {0}; read-only.
         tool: transform_tool_to_N, (4, 4): the tool in the last frame; read-only.
             Constant rows at the end of a printed table belong here.
         name: For messages, tables and the URDF.

@@ -159,7 +159,7 @@ def urdf_text(
 
     ``frame_j`` is DH frame {j}. Joint j turns about or slides along z of {j-1},
     displaced by the constant part of its row; a and alpha follow it. Revolute joints
-    without limits become ``continuous``. A DH table says nothing of mass, effort and
+    without limits become ``continuous``. A DH table has no mass, effort and
     speed: they are zero.
 
     Args:
