@@ -2,10 +2,60 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
+
 import numpy as np
 import pytest
 
-from alpha5_model.proofs.comparison.oddity import misplacement
+import alpha5_model as a5
+from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf import urdf
+from alpha5_model.proofs.comparison import measure
+from alpha5_model.proofs.comparison.oddity import Judge, misplacement
+from alpha5_model.proofs.comparison.own_arm import own_arm_of
+
+FAR = "1 0 0"
+
+
+def judged(root: ET.Element) -> tuple[Judge, measure.Alignment]:
+    """The judge of a model, and the alignment that was found for it."""
+    record = a5.parameters()
+    ours = own_arm_of(record)
+    other = parse_urdf(ET.tostring(root))
+    (chain,) = measure.find_chains(other, record, None)
+    arms = measure._reduced(ours, other, other, chain, None)
+    tolerances = np.full(8, 1e-6)
+    return Judge(ours=ours, theirs=arms.meant, tolerances=tolerances), arms.alignment
+
+
+@pytest.mark.parametrize(
+    ("elsewhere", "oddity"),
+    [
+        ([], 0.0),
+        # One of the three bodies, and one of the four shapes, that can tell.
+        (["link[@name='link_4']/inertial/origin"], 4 / 3),
+        (["link[@name='link_4']/collision/origin"], 4 / 4),
+        (["joint[@name='tcp_fixed']/origin"], 6.0),
+        (
+            [
+                "link[@name='link_3']/inertial/origin",
+                "link[@name='link_4']/collision/origin",
+                "joint[@name='tcp_fixed']/origin",
+            ],
+            4 / 3 + 4 / 4 + 6.0,
+        ),
+    ],
+)
+def test_what_lies_elsewhere_is_odd(elsewhere: list[str], oddity: float) -> None:
+    _, alignment = judged(ET.fromstring(urdf()))
+    root = ET.fromstring(urdf())
+    for place in elsewhere:
+        found = root.findall(place)
+        assert found
+        for origin in found:
+            origin.set("xyz", FAR)
+    judge, _ = judged(root)
+    assert judge.oddity(alignment) == pytest.approx(oddity, abs=1e-6)
 
 
 @pytest.mark.parametrize(
