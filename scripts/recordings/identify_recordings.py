@@ -1,19 +1,23 @@
-"""What does the tilt of a floating vehicle say about the arm that it carries?
+"""Estimate the weight of an arm from the tilt of the floating vehicle that carries it.
 
     python scripts/recordings/identify_recordings.py FOLDER... [--json]
 
-FOLDERs hold recordings as of `validate_recordings.py`, which are read, left out, averaged and fitted by its rules:
-tilt = compliance times static moment, one compliance for roll and one for pitch, each recording without its mean.
+FOLDERs hold recordings as of `validate_recordings.py`, which are read, left out,
+averaged and fitted by its rules: tilt = compliance times static moment, one compliance
+for roll and one for pitch, each recording without its mean.
 
-- *Combinations.* The moment of the moving links is linear in eight base parameters, the net first moments ``nx``
-  and ``ny`` of link 1 to link 4. Singular values of what each explains, once the two compliances have taken their
-  part, say which combinations the attitude fixes, to which share of the size that they have by the tables, and how
-  many times better or worse than the printed digits do.
-- *Link 3's centre of buoyancy.* Where between the printed point (s = 0) and the corrected one (s = 1) does it fit
-  best? Least squares for s, its standard error by leaving out each recording in turn (jackknife [Efron1981]); and
-  the held-out R^2 with either point.
+- *Combinations.* The moment of the moving links is linear in eight base parameters, the
+  net first moments ``nx`` and ``ny`` of link 1 to link 4. Singular values of what each
+  explains, once the two compliances have taken their part, say which combinations the
+  attitude fixes, to which share of the size that they have by the tables, and how many
+  times better or worse than the printed digits do.
+- *Link 3's centre of buoyancy.* Where between the printed point (s = 0) and the
+  corrected one (s = 1) does it fit best? Least squares for s, its standard error by
+  leaving out each recording in turn (jackknife [Efron1981]); and the held-out R^2 with
+  either point.
 
-Residuals of averaged signals are not independent: their number is divided by their correlation time.
+Residuals of averaged signals are not independent: their number is divided by their
+correlation time.
 
 [Efron1981] Efron, Stein: The jackknife estimate of variance, Annals of Statistics 9(3).
 """
@@ -43,30 +47,34 @@ MOMENTS = [f"link_{i}.n{axis}" for i in (1, 2, 3, 4) for axis in "xy"]
 COLUMNS = [NAMES.index(name) for name in MOMENTS]
 #: Parts of a combination below this share of its largest are not shown.
 SHOWN = 0.2
-#: A standard deviation of so many times its size is none: a common factor is the vehicle's stiffness.
+#: A standard deviation of so many times its size is none: a common factor is the
+#: vehicle's stiffness.
 UNSEEN = 100.0
 
 
 def numbers(corrections: tuple[str, ...] = ()) -> np.ndarray:
     """The eight net first moments in fresh water, (8,) [kg m]."""
     middle, _ = printed.intervals(corrections)
-    return linear_maps.groups(middle, corrections, a5.FRESH_WATER, a5.parameters())[
-        COLUMNS
-    ]
+    parameters = a5.parameters()
+    every = linear_maps.groups(middle, corrections, a5.FRESH_WATER, parameters)
+    return every[COLUMNS]
 
 
 def by_digits() -> np.ndarray:
-    """What one standard deviation of each printed number is in the eight, (K, 8)."""
+    """Change of the eight by one standard deviation of each printed number, (K, 8)."""
     middle, half = printed.intervals(())
+    # The standard deviation of an even distribution over the digits' interval.
     sets = middle + np.diag(half) * 3**-0.5
-    return (
-        linear_maps.groups(sets, (), a5.FRESH_WATER, a5.parameters())[:, COLUMNS]
-        - numbers()
-    )
+    every = linear_maps.groups(sets, (), a5.FRESH_WATER, a5.parameters())
+    return every[:, COLUMNS] - numbers()
 
 
 def linear(recording: recordings.Recording) -> tuple[np.ndarray, np.ndarray]:
-    """Averaged moments about x and y per net first moment at each lag, (L, M, 2, 8), and the tilt, (M, 2)."""
+    """Averaged moments per net first moment, and the tilt.
+
+    Returns:
+        Moments about x and y at each lag, (L, M, 2, 8), and tilt, (M, 2).
+    """
     q = np.ascontiguousarray(recording.motion.position[:, :4])
     gravity = recordings._at(recording.motion.time, recording.time, recording.gravity)
     still = np.zeros_like(q)
@@ -77,7 +85,7 @@ def linear(recording: recordings.Recording) -> tuple[np.ndarray, np.ndarray]:
 
 
 def correlation_time(left: np.ndarray) -> float:
-    """Samples that count as one: 1 + 2 sum of autocorrelations up to their first zero."""
+    """Samples that count as one: 1 + 2 sum of autocorrelations to their first zero."""
     x = left - left.mean()
     power = np.correlate(x, x, "full")[x.size - 1 :]
     share = power / power[0]
@@ -87,34 +95,24 @@ def correlation_time(left: np.ndarray) -> float:
 
 def combinations(tables: list[np.ndarray], tilts: list[np.ndarray]) -> dict[str, Any]:
     """Which combinations of the eight the attitude fixes."""
-    size, digits = numbers(), by_digits()
-    whitened = []
-    for axis in (0, 1):
-        rows = np.concatenate([t[:, axis] for t in tables])
-        tilt, moment = np.concatenate([t[:, axis] for t in tilts]), rows @ size
-        compliance = moment @ tilt / (moment @ moment)
-        ends = np.cumsum([len(t) for t in tables])[:-1]
-        left = tilt - compliance * moment
-        time = np.mean([correlation_time(part) for part in np.split(left, ends)])
-        rows = compliance * rows / (left.std() * np.sqrt(time))
-        unit = moment / np.linalg.norm(moment)
-        whitened.append(
-            rows - np.outer(unit, unit @ rows)
-        )  # a factor is the compliance's
-    data = np.concatenate(whitened)
+    size = numbers()
+    digits = by_digits()
+    data = np.concatenate([_whitened(tables, tilts, axis, size) for axis in (0, 1)])
     # In units of the size of each moment: the largest of nx and ny of its link.
     scale = np.repeat(np.abs(size.reshape(4, 2)).max(axis=1), 2)
-    _, s, ways = np.linalg.svd(data * scale, full_matrices=False)
+    _, singular_values, ways = np.linalg.svd(data * scale, full_matrices=False)
+
     found = []
-    for value, way in zip(s, ways, strict=True):
-        way = way * np.sign(way[np.abs(way).argmax()])
-        direction = way / scale  # the combination is direction @ moments
+    for singular_value, way in zip(singular_values, ways, strict=True):
+        turned = way * np.sign(way[np.abs(way).argmax()])
+        direction = turned / scale  # the combination is direction @ moments
         known = np.linalg.norm(digits @ direction)
-        parts = {
-            n: float(w) for n, w in zip(MOMENTS, way, strict=True) if abs(w) > SHOWN
-        }
         found.append(
-            {"of": parts, "deviation": float(1 / value), "by_digits": float(known)}
+            {
+                "of": _shown_parts(turned),
+                "deviation": float(1 / singular_value),
+                "by_digits": float(known),
+            }
         )
     return {
         "combinations": found,
@@ -122,14 +120,56 @@ def combinations(tables: list[np.ndarray], tilts: list[np.ndarray]) -> dict[str,
     }
 
 
+def _shown_parts(way: np.ndarray) -> dict[str, float]:
+    """The large parts of a combination, by the names of the moments."""
+    parts = {}
+    for name, part in zip(MOMENTS, way, strict=True):
+        if abs(part) > SHOWN:
+            parts[name] = float(part)
+    return parts
+
+
+def _whitened(
+    tables: list[np.ndarray], tilts: list[np.ndarray], axis: int, size: np.ndarray
+) -> np.ndarray:
+    """Change of the tilt by each of the eight, over its standard deviation, (M, 8).
+
+    What the compliance can take over is left out.
+
+    Args:
+        tables: Moments per net first moment of each recording, (m, 2, 8).
+        tilts: Of each recording, (m, 2).
+        axis: 0 for roll, 1 for pitch.
+        size: The net first moments, (8,).
+    """
+    rows = np.concatenate([table[:, axis] for table in tables])
+    tilt = np.concatenate([tilt[:, axis] for tilt in tilts])
+    moment = rows @ size
+    compliance = moment @ tilt / (moment @ moment)
+
+    left = tilt - compliance * moment
+    ends = np.cumsum([len(table) for table in tables])[:-1]
+    time = np.mean([correlation_time(part) for part in np.split(left, ends)])
+    slopes = compliance * rows / (left.std() * np.sqrt(time))
+
+    unit = moment / np.linalg.norm(moment)
+    return slopes - np.outer(unit, unit @ slopes)
+
+
 def between(tables: list[np.ndarray], tilts: list[np.ndarray]) -> float:
-    """Where between the printed COB of link 3, 0, and the corrected one, 1, it fits best: Gauss-Newton."""
-    one, change = numbers(), numbers(("link3_cob",)) - numbers()
-    rows, tilt = np.concatenate(tables), np.concatenate(tilts)
+    """Where the COB of link 3 fits best: 0 is the printed one, 1 the corrected one.
+
+    The method is Gauss-Newton.
+    """
+    as_printed = numbers()
+    change = numbers(("link3_cob",)) - as_printed
+    rows = np.concatenate(tables)
+    tilt = np.concatenate(tilts)
+    slope = rows @ change
     s = 0.0
     for _ in range(20):
-        moment, slope = rows @ (one + s * change), rows @ change
-        compliance = (moment * tilt).sum(axis=0) / (moment**2).sum(axis=0)
+        moment = rows @ (as_printed + s * change)
+        compliance = _compliance(moment, tilt)
         left = tilt - compliance * moment
         # What compliances cannot take over.
         free = compliance * (
@@ -143,59 +183,72 @@ def held_out(
     tables: list[np.ndarray], tilts: list[np.ndarray], of: np.ndarray
 ) -> list[float]:
     """R^2 of roll and pitch, each recording with compliances from the others."""
-    pairs = [(t @ of, tilt) for t, tilt in zip(tables, tilts, strict=True)]
-    left, total = np.zeros(2), np.zeros(2)
-    for k, (moment, tilt) in enumerate(pairs):
-        m, t = (
-            np.concatenate([p[i] for j, p in enumerate(pairs) if j != k])
-            for i in (0, 1)
-        )
-        left += ((tilt - (m * t).sum(axis=0) / (m**2).sum(axis=0) * moment) ** 2).sum(
-            axis=0
-        )
+    moments = [table @ of for table in tables]
+    left = np.zeros(2)
+    total = np.zeros(2)
+    for k, (moment, tilt) in enumerate(zip(moments, tilts, strict=True)):
+        of_others = np.concatenate(_others(moments, k))
+        compliance = _compliance(of_others, np.concatenate(_others(tilts, k)))
+        left += ((tilt - compliance * moment) ** 2).sum(axis=0)
         total += (tilt**2).sum(axis=0)
     return [float(x) for x in 1 - left / total]
 
 
+def _others(items: list[np.ndarray], k: int) -> list[np.ndarray]:
+    """All but item k."""
+    return items[:k] + items[k + 1 :]
+
+
+def _compliance(moment: np.ndarray, tilt: np.ndarray) -> np.ndarray:
+    """Tilt over moment for roll and pitch by least squares, (2,)."""
+    return (moment * tilt).sum(axis=0) / (moment**2).sum(axis=0)
+
+
 def findings(folders: list[Path]) -> dict[str, Any]:
     """Everything, of all folders."""
-    read = [r for folder in folders for r in recordings.read(folder)[0]]
+    read: list[recordings.Recording] = []
+    for folder in folders:
+        read += recordings.read(folder)[0]
     if len(read) < 3:
         raise FileFormatError(
             folders[0], f"{len(read)} recordings of a moving arm, 3 are needed"
         )
-    both = [linear(r) for r in read]
+
+    both = [linear(recording) for recording in read]
     lag, _ = recordings.fit([(table @ numbers(), tilt) for table, tilt in both])
-    tables, tilts = [table[lag] for table, _ in both], [tilt for _, tilt in both]
-    s = between(tables, tilts)
-    each = range(len(read))
-    without = [
-        between([tables[j] for j in each if j != k], [tilts[j] for j in each if j != k])
-        for k in each
-    ]
-    error = np.sqrt(
-        (len(read) - 1) / len(read) * np.sum((without - np.mean(without)) ** 2)
-    )
+    tables = [table[lag] for table, _ in both]
+    tilts = [tilt for _, tilt in both]
     return {
-        "recordings": [r.name for r in read],
+        "recordings": [recording.name for recording in read],
         "lag_s": float(recordings.LAGS[lag]),
         **combinations(tables, tilts),
-        "link3_cob": {
-            "fits_best_at": s,
-            "standard_error": float(error),
-            "without_each": without,
-            "held_out_r2_printed": held_out(tables, tilts, numbers()),
-            "held_out_r2_corrected": held_out(tables, tilts, numbers(("link3_cob",))),
-        },
+        "link3_cob": _cob_of_link_3(tables, tilts),
+    }
+
+
+def _cob_of_link_3(tables: list[np.ndarray], tilts: list[np.ndarray]) -> dict[str, Any]:
+    """Where the centre of buoyancy of link 3 fits best, and its standard error."""
+    n = len(tables)
+    without = [between(_others(tables, k), _others(tilts, k)) for k in range(n)]
+    deviations = without - np.mean(without)
+    error = np.sqrt((n - 1) / n * np.sum(deviations**2))
+    return {
+        "fits_best_at": between(tables, tilts),
+        "standard_error": float(error),
+        "without_each": without,
+        "held_out_r2_printed": held_out(tables, tilts, numbers()),
+        "held_out_r2_corrected": held_out(tables, tilts, numbers(("link3_cob",))),
     }
 
 
 def text(found: dict[str, Any]) -> str:
     """The figures as tables."""
-    lines = [f"{len(found['recordings'])} recordings, lag {found['lag_s']:.2f} s", ""]
-    lines.append(
-        f"{'combination, in parts of the sizes of the moments':66}{'data':>8}{'digits':>10}"
-    )
+    head = "combination, in parts of the sizes of the moments"
+    lines = [
+        f"{len(found['recordings'])} recordings, lag {found['lag_s']:.2f} s",
+        "",
+        f"{head:66}{'data':>8}{'digits':>10}",
+    ]
     for one in found["combinations"]:
         parts = " ".join(f"{w:+.2f} {n}" for n, w in one["of"].items())
         seen = "unseen" if one["deviation"] > UNSEEN else f"{one['deviation']:.2%}"
@@ -203,7 +256,8 @@ def text(found: dict[str, Any]) -> str:
     cob = found["link3_cob"]
     lines += ["", "link 3's centre of buoyancy: printed is 0, corrected is 1"]
     lines.append(
-        f"  fits best at {cob['fits_best_at']:.2f}, standard error {cob['standard_error']:.2f}"
+        f"  fits best at {cob['fits_best_at']:.2f}, "
+        f"standard error {cob['standard_error']:.2f}"
     )
     for name in ("printed", "corrected"):
         roll, pitch = cob[f"held_out_r2_{name}"]
@@ -212,7 +266,7 @@ def text(found: dict[str, Any]) -> str:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the script; 0, or 2 with one line on stderr for folders that cannot be used."""
+    """Run the script; 2 with one line on stderr if a folder cannot be used, else 0."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
     parser.add_argument("folders", type=Path, nargs="+", metavar="FOLDER")
     parser.add_argument("--json", action="store_true", help="figures as JSON")

@@ -1,38 +1,43 @@
-"""Does the model know where the arm's weight is? Recordings of a real arm on a floating vehicle answer.
+"""Compare where the model has the arm's weight with recordings of a real arm.
 
-    python scripts/recordings/validate_recordings.py FOLDER [--fit FOLDER] [--plot PAGE.png] [--json]
+    python scripts/recordings/validate_recordings.py FOLDER
+        [--fit FOLDER] [--plot PAGE.png] [--json]
 
-FOLDER holds pairs ``NAME_joint_states.csv`` (joint positions) and ``NAME_mocap.csv`` (attitude of the vehicle,
-quaternion ``x_ori y_ori z_ori w_ori``, same clock), as published with arXiv 2209.13577 (repository
-hkolano/UVMS-SysID-with-EAs, MIT licence).
+FOLDER holds pairs ``NAME_joint_states.csv`` (joint positions) and ``NAME_mocap.csv``
+(attitude of the vehicle, quaternion ``x_ori y_ori z_ori w_ori``, same clock), as
+published with arXiv 2209.13577 (repository hkolano/UVMS-SysID-with-EAs, MIT licence).
 
-A vehicle that floats freely tilts until the water's restoring moment balances the static moment of the
-arm's weight minus buoyancy, so tilt = moment / stiffness, with one stiffness for pitch and one for roll
-over all recordings:
+A vehicle that floats freely tilts until the water's restoring moment balances the
+static moment of the arm's weight minus buoyancy, so tilt = moment / stiffness, with one
+stiffness for pitch and one for roll over all recordings:
 
-- moment: `Arm.base_wrench` at rest of the moving links in fresh water, about the axes of base_link, which
-  are parallel to the vehicle's (z up). It is linear in gravity: computed for gravity along each axis, then
-  combined with gravity as the tilted vehicle sees it, from the quaternions;
-- both signals averaged over 1.5 s, the moment earlier by the vehicle's lag, one for all recordings;
+- moment: `Arm.base_wrench` at rest of the moving links in fresh water, about the axes
+  of base_link, which are parallel to the vehicle's (z up). It is linear in gravity:
+  computed for gravity along each axis, then combined with gravity as the tilted vehicle
+  sees it, from the quaternions;
+- both signals averaged over 1.5 s, the moment earlier by the vehicle's lag, one for all
+  recordings;
 - the mean of each recording is taken off both: trim and ballast are not known.
 
-Recordings are taken as they come: what is left out, sample by sample or whole, goes by `RULES`, the same
-for all files, none of which looks at a moment or a score; the output says for each recording what was
-left out by which rule.
+Recordings are taken as they come: what is left out, sample by sample or whole, goes by
+`RULES`, the same for all files, none of which looks at a moment or a score; the output
+says for each recording what was left out by which rule.
 
-``in moving water`` adds what the arm's own motion takes of added mass and drag in still water (estimated), which is
-small beside the weight.
+``in moving water`` adds what the arm's own motion takes of added mass and drag in still
+water (estimated), which is small beside the weight.
 
-R^2 is of recordings that neither stiffnesses nor lag were fitted to, by least squares: the trajectories
-(``traj003`` of ``traj003-0`` and ``traj003-0-test``) are halved by turns in the order of names, each half is
-scored with what was fitted on the other. With ``--fit`` everything is fitted on that folder and FOLDER is only
-scored. The length of the average and the rules are fixed above.
+R^2 is of recordings that neither stiffnesses nor lag were fitted to, by least squares:
+the trajectories (``traj003`` of ``traj003-0`` and ``traj003-0-test``) are halved by
+turns in the order of names, each half is scored with what was fitted on the other. With
+``--fit`` everything is fitted on that folder and FOLDER is only scored. The length of
+the average and the rules are fixed above.
 
-Controls go through the same procedure with their own stiffnesses: the wrist's COM on the wrong side of its
-frame and products of inertia with SolidWorks' sign (a static moment knows of the COM only); no buoyancy;
-buoyancy at the COM; gravity level, the attitude ignored. A free stiffness absorbs any factor, so a control that
-leaves the moment's course alone cannot lose here; `course` says how alike the moments are (correlation with
-those of the model).
+Controls go through the same procedure with their own stiffnesses: the wrist's COM on
+the wrong side of its frame and products of inertia with SolidWorks' sign (a static
+moment knows of the COM only); no buoyancy; buoyancy at the COM; gravity level, the
+attitude ignored. A free stiffness absorbs any factor, so a control that leaves the
+moment's course alone cannot lose here; `course` says how alike the moments are
+(correlation with those of the model).
 """
 
 from __future__ import annotations
@@ -68,27 +73,41 @@ from alpha5_model.trajectory import Motion, motion, smooth
 from alpha5_model.viewer.figures import FORMATS
 from alpha5_model.water.terms import water_terms
 
-AVERAGE, STEP = 1.5, 0.05  # [s]
-LAGS = np.arange(0.0, 1.001, 0.05)  # [s]
-MOVES = 0.1  # [rad]
+#: Length of the average, and step of the times that are compared [s].
+AVERAGE = 1.5
+STEP = 0.05
+#: Lags of the vehicle that are tried [s].
+LAGS = np.arange(0.0, 1.001, 0.05)
+#: A joint moves if its angle changes by so much [rad].
+MOVES = 0.1
+#: Largest deviation of a quaternion's length from 1.
 NORM = 0.01
-JUMP, TURN = np.radians(5), np.radians(60)  # [rad], [rad/s]
-RUN, GAP, LEAST = 1.0, 0.5, 5.0  # [s]
+#: A tracking jump is a turn beyond an angle [rad] plus a speed [rad/s].
+JUMP = np.radians(5)
+TURN = np.radians(60)
+#: Shortest piece between jumps, longest gap, shortest recording [s].
+RUN = 1.0
+GAP = 0.5
+LEAST = 5.0
+#: Largest angle between the verticals of a piece and of the longest one [rad].
 APART = np.radians(20)
-#: Why samples, times or recordings are left out; the same for every file.
+#: Rule -> what it leaves out; the same for every file.
 RULES = {
-    "cells": "rows in which the time, a joint position or a part of the quaternion is empty or no number",
+    "cells": "rows in which the time, a joint position or a part of the quaternion "
+    "is empty or no number",
     "norm": f"rows whose quaternion's length is not 1 within {NORM:g}",
     "order": "rows whose time is not later than that of the row before",
-    "jump": f"tracking jumps: where the vertical turns by more than {np.degrees(JUMP):g} degrees plus "
-    f"{np.degrees(TURN):g} degrees/s between two rows the recording is cut; pieces shorter than {RUN:g} s, and "
-    f"those more than {np.degrees(APART):g} degrees from the longest on the average, are left out",
+    "jump": "tracking jumps: where the vertical turns by more than "
+    f"{np.degrees(JUMP):g} degrees plus {np.degrees(TURN):g} degrees/s between two "
+    f"rows the recording is cut; pieces shorter than {RUN:g} s, and those more than "
+    f"{np.degrees(APART):g} degrees from the longest on the average, are left out",
     "gap": f"times whose {AVERAGE:g} s of average hold {GAP:g} s or more without a row",
     "short": f"recordings of which less than {LEAST:g} s are left",
     "rest": f"recordings in which no joint moves by {MOVES:g} rad",
     "file": "recordings of which a file or a column is missing or cannot be read",
 }
-AXES = ("roll", "pitch")  # moments about x and y
+#: Of moments about x and y.
+AXES = ("roll", "pitch")
 GRAVITY = 9.81
 #: The model with added mass and drag of the arm's motion, estimated.
 MOVING = "in moving water"
@@ -124,7 +143,8 @@ class Report:
 
     Attributes:
         name: Of the recording.
-        left_out: Rule -> how many rows of which file, or seconds, or what is wrong with the whole.
+        left_out: Rule -> how many rows of which file, or seconds, or what is wrong with
+            the whole.
         used: Whether anything is used.
         seconds: Time used, and time that both files cover [s].
     """
@@ -137,43 +157,44 @@ class Report:
     def leave(self, rule: str, what: str) -> None:
         """Note what is left out by a rule."""
         assert rule in RULES
-        self.left_out[rule] = ", ".join(filter(None, (self.left_out.get(rule), what)))
+        before = self.left_out.get(rule)
+        self.left_out[rule] = f"{before}, {what}" if before else what
 
     def __str__(self) -> str:
         notes = "; ".join(f"{rule}: {what}" for rule, what in self.left_out.items())
-        used = (
-            f"used {self.seconds[0]:.1f} of {self.seconds[1]:.1f} s"
-            if self.used
-            else "left out"
-        )
-        return f"  {self.name:38}{used}" + (f"  ({notes})" if notes else "")
+        used = "left out"
+        if self.used:
+            used = f"used {self.seconds[0]:.1f} of {self.seconds[1]:.1f} s"
+        because = f"  ({notes})" if notes else ""
+        return f"  {self.name:38}{used}{because}"
 
 
 def read(folder: Path) -> tuple[list[Recording], list[str], list[Report]]:
-    """The recordings in which the arm moves, by name; the names of those in which it rests; all reports."""
+    """The recordings of a folder.
+
+    Returns:
+        The recordings in which the arm moves, by name; the names of those in which it
+        rests; all reports.
+    """
     if not folder.is_dir():
         raise MissingFileError(folder, "a folder of recordings")
-    names = {
-        path.name.removesuffix(suffix)
-        for suffix in SUFFIXES
-        for path in folder.glob(f"*{suffix}")
-    }
+    names = set()
+    for suffix in SUFFIXES:
+        names |= {path.name.removesuffix(suffix) for path in folder.glob(f"*{suffix}")}
+
     reports = [Report(name) for name in sorted(names)]
-    moving = [r for report in reports if (r := _recording(folder, report)) is not None]
-    return (
-        moving,
-        [report.name for report in reports if "rest" in report.left_out],
-        reports,
-    )
+    found = [_recording(folder, report) for report in reports]
+    moving = [recording for recording in found if recording is not None]
+    resting = [report.name for report in reports if "rest" in report.left_out]
+    return moving, resting, reports
 
 
 def _recording(folder: Path, report: Report) -> Recording | None:
     """One recording, or None with the reason in the report."""
+    joints_file, vehicle_file = (folder / f"{report.name}{end}" for end in SUFFIXES)
     try:
-        arm, vehicle = (
-            _table(folder / f"{report.name}{suffix}", columns, report)
-            for suffix, columns in zip(SUFFIXES, (JOINTS, QUATERNION), strict=True)
-        )
+        arm = _table(joints_file, JOINTS, report)
+        vehicle = _table(vehicle_file, QUATERNION, report)
         moved = motion(arm[:, 0], arm[:, 1:])
     except Alpha5Error as error:
         report.leave("file", " ".join(str(error).replace(f"{folder}/", "").split()))
@@ -181,32 +202,50 @@ def _recording(folder: Path, report: Report) -> Recording | None:
     if np.ptp(moved.position, axis=0).max() < MOVES:
         report.leave("rest", "all")
         return None
-    norm = np.linalg.norm(vehicle[:, 1:], axis=1)
-    unit = np.abs(norm - 1) <= NORM
-    if not unit.all():
-        report.leave("norm", f"{np.count_nonzero(~unit)} rows")
-    time, (x, y, z, w) = vehicle[unit, 0], (vehicle[unit, 1:] / norm[unit, None]).T
-    # Rows of the rotation vehicle -> world: the last one is world z in the vehicle's axes.
-    up = np.stack(
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1
-    )
-    tracked = _tracked(time, up)
-    if not tracked.all():
-        report.leave("jump", f"{np.count_nonzero(~tracked)} rows")
-    time, up = time[tracked], up[tracked]
+
+    time, up = _verticals(vehicle, report)
     grid = _grid(moved.time, time, report)
     if report.seconds[0] < LEAST:
         report.leave("short", f"{report.seconds[0]:.1f} s are left")
         return None
     report.used = True
-    tilt = np.stack(
-        [np.arctan2(up[:, 1], up[:, 2]), -np.arcsin(np.clip(up[:, 0], -1, 1))], axis=1
+    roll = np.arctan2(up[:, 1], up[:, 2])
+    pitch = -np.arcsin(np.clip(up[:, 0], -1, 1))
+    return Recording(
+        name=report.name,
+        motion=moved,
+        time=time,
+        tilt=np.stack([roll, pitch], axis=1),
+        gravity=-GRAVITY * up,
+        grid=grid,
     )
-    return Recording(report.name, moved, time, tilt, -GRAVITY * up, grid)
+
+
+def _verticals(vehicle: FloatArray, report: Report) -> tuple[FloatArray, FloatArray]:
+    """Times (N,), and world z in the vehicle's axes (N, 3), of the rows to be used.
+
+    Args:
+        vehicle: Time and quaternion, (M, 5).
+        report: Notes the rows that are left out.
+    """
+    norm = np.linalg.norm(vehicle[:, 1:], axis=1)
+    unit = np.abs(norm - 1) <= NORM
+    if not unit.all():
+        report.leave("norm", f"{np.count_nonzero(~unit)} rows")
+
+    time = vehicle[unit, 0]
+    x, y, z, w = (vehicle[unit, 1:] / norm[unit, None]).T
+    # The last row of the rotation from the vehicle to the world.
+    row = [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
+    up = np.stack(row, axis=1)
+    tracked = _tracked(time, up)
+    if not tracked.all():
+        report.leave("jump", f"{np.count_nonzero(~tracked)} rows")
+    return time[tracked], up[tracked]
 
 
 def _table(path: Path, names: Sequence[str], report: Report) -> FloatArray:
-    """Time and the named columns of the rows that are whole and in order, (N, 1 + k)."""
+    """Time and the named columns, (N, 1 + k): rows that are whole and in order."""
     try:
         text = read_named(path, "a CSV file of a recording").decode("utf-8-sig")
         header, *rows = csv.reader(text.splitlines())
@@ -217,42 +256,55 @@ def _table(path: Path, names: Sequence[str], report: Report) -> FloatArray:
         if name not in header:
             raise FileFormatError(path, f"no column {name!r}", "line 1")
     columns = [header.index(name) for name in ("time_secs", *names)]
-    whole, cells, order = [], 0, 0
+
+    whole: list[list[float]] = []
+    left_out = {"cells": 0, "order": 0}
     for row in filter(None, rows):
-        try:
-            numbers = [float(row[column]) for column in columns]
-        except (ValueError, IndexError):
-            numbers = [np.nan]
+        numbers = _numbers(row, columns)
         if not np.isfinite(numbers).all():
-            cells += 1
+            left_out["cells"] += 1
         elif whole and numbers[0] <= whole[-1][0]:
-            order += 1
+            left_out["order"] += 1
         else:
             whole.append(numbers)
+
     kind = path.name.removeprefix(f"{report.name}_").removesuffix(".csv")
-    for rule, count in (("cells", cells), ("order", order)):
+    for rule, count in left_out.items():
         if count:
             report.leave(rule, f"{count} rows of {kind}")
     return np.array(whole).reshape(-1, len(columns))
 
 
+def _numbers(row: Sequence[str], columns: Sequence[int]) -> list[float]:
+    """Numbers in some columns of a row; NaN if one is no number or lacking."""
+    try:
+        return [float(row[column]) for column in columns]
+    except (ValueError, IndexError):
+        return [np.nan]
+
+
 def _tracked(time: FloatArray, up: FloatArray) -> Any:
-    """Rows that no tracking jump parts from the longest stretch of the recording, (N,) bool."""
+    """Whether rows are in pieces between tracking jumps that are to be used, (N,) bool.
+
+    They are if the piece is long enough, and near the longest one.
+    """
     if time.size < 2:
         return np.ones(time.size, dtype=bool)
-    turn = np.arctan2(
-        np.linalg.norm(np.cross(up[1:], up[:-1]), axis=1),
-        (up[1:] * up[:-1]).sum(axis=1),
-    )
-    run = np.concatenate([[0], np.cumsum(turn > JUMP + TURN * np.diff(time))])
-    first, last = (
-        np.searchsorted(run, np.arange(run[-1] + 1), side) for side in ("left", "right")
-    )
-    lasts = time[last - 1] - time[first]
-    mean = np.stack([up[i:j].mean(axis=0) for i, j in zip(first, last, strict=True)])
+    sine = np.linalg.norm(np.cross(up[1:], up[:-1]), axis=1)
+    cosine = (up[1:] * up[:-1]).sum(axis=1)
+    jumps = np.arctan2(sine, cosine) > JUMP + TURN * np.diff(time)
+    piece = np.concatenate([[0], np.cumsum(jumps)])
+
+    pieces = np.arange(piece[-1] + 1)
+    first = np.searchsorted(piece, pieces, "left")
+    end = np.searchsorted(piece, pieces, "right")
+    duration = time[end - 1] - time[first]
+    mean = np.stack([up[i:j].mean(axis=0) for i, j in zip(first, end, strict=True)])
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
-    near = mean @ mean[lasts.argmax()] >= np.cos(APART)
-    return (near & ((lasts >= RUN) | (lasts == lasts.max())))[run]
+
+    is_near = mean @ mean[duration.argmax()] >= np.cos(APART)
+    is_long = (duration >= RUN) | (duration == duration.max())
+    return (is_near & is_long)[piece]
 
 
 def _grid(arm: FloatArray, vehicle: FloatArray, report: Report) -> FloatArray:
@@ -295,18 +347,19 @@ def moving_links(
             if change_body is not None:
                 model.inertias[joint] = change_body(joint, model.inertias[joint])
         if cob_at_com:
-            displaced = [
-                replace(
-                    d, cob=np.array(model.inertias[model.getJointId(d.joint)].lever)
-                )
-                for d in displaced
-            ]
+            displaced = [_with_cob_at_com(body, model) for body in displaced]
         arms.append(Arm(model, displaced, density))
     return arms
 
 
+def _with_cob_at_com(displaced: Any, model: Any) -> Any:
+    """A displaced body with its centre of buoyancy at the centre of mass."""
+    inertia = model.inertias[model.getJointId(displaced.joint)]
+    return replace(displaced, cob=np.array(inertia.lever))
+
+
 def _wrong_body(joint: int, inertia: Any) -> Any:
-    """Products of inertia as printed, not flipped; the wrist's COM on the other side of its frame."""
+    """A body with the printed signs of products, the wrist's COM on the wrong side."""
     com = np.array(inertia.lever)
     if joint == 4:
         com[2] = -com[2]
@@ -316,7 +369,13 @@ def _wrong_body(joint: int, inertia: Any) -> Any:
 def moments(
     arms: Sequence[Arm], recording: Recording, level: bool = False
 ) -> FloatArray:
-    """Static moment of the moving links about x and y of base_link at the motion's times, (N, 2)."""
+    """Static moment of the moving links about x and y of base_link, (N, 2).
+
+    Args:
+        arms: See `moving_links`.
+        recording: At whose motion's times the moment is computed.
+        level: Ignore the vehicle's attitude.
+    """
     motion = recording.motion
     gravity = _at(motion.time, recording.time, recording.gravity)
     if level:
@@ -328,30 +387,40 @@ def moments(
 
 
 def moving_water(recording: Recording) -> FloatArray:
-    """What added mass and drag add to the moment about x and y, the vehicle and the water at rest, (N, 2)."""
+    """What added mass and drag add to the moment about x and y, (N, 2).
+
+    The vehicle and the water are at rest.
+    """
     motion = smooth(recording.motion)
-    state = (x[:, :4] for x in (motion.position, motion.velocity, motion.acceleration))
-    terms = water_terms(a5.load(fluid_density=a5.FRESH_WATER), *state, np.zeros(3))
+    arm = a5.load(fluid_density=a5.FRESH_WATER)
+    q = motion.position[:, :4]
+    v = motion.velocity[:, :4]
+    a = motion.acceleration[:, :4]
+    terms = water_terms(arm, q, v, a, np.zeros(3))
     return np.asarray(terms.wrench[:, LEVELS.index("nominal"), 3:5])
 
 
 def signals(recording: Recording, moment: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Averaged moment at each of `LAGS` (L, M, 2) and tilt (M, 2) on the grid, each without its mean."""
+    """Averaged moment at each of `LAGS` (L, M, 2) and tilt (M, 2), without their means.
+
+    Both are on the recording's grid.
+    """
     r = recording
-    pair = (
-        np.stack([_average(r.grid - lag, r.motion.time, moment) for lag in LAGS]),
-        _average(r.grid, r.time, r.tilt),
-    )
-    m, a = (signal - signal.mean(axis=-2, keepdims=True) for signal in pair)
-    return m, a
+    lagging = [_average(r.grid - lag, r.motion.time, moment) for lag in LAGS]
+    tilt = _average(r.grid, r.time, r.tilt)
+    return _without_mean(np.stack(lagging)), _without_mean(tilt)
+
+
+def _without_mean(signal: FloatArray) -> FloatArray:
+    return np.asarray(signal - signal.mean(axis=-2, keepdims=True))
 
 
 def _average(at: FloatArray, time: FloatArray, values: FloatArray) -> FloatArray:
     """Moving average over `AVERAGE` seconds of the values joined by straight lines."""
     areas = (values[1:] + values[:-1]) / 2 * np.diff(time)[:, None]
     integral = np.vstack([np.zeros(values.shape[1]), np.cumsum(areas, axis=0)])
-    edges = (_at(at + side * AVERAGE / 2, time, integral) for side in (-1, 1))
-    low, high = edges
+    low = _at(at - AVERAGE / 2, time, integral)
+    high = _at(at + AVERAGE / 2, time, integral)
     return (high - low) / AVERAGE
 
 
@@ -378,8 +447,12 @@ class Score:
     predicted: list[FloatArray]
 
 
-def fit(pairs: Sequence[tuple[FloatArray, FloatArray]]) -> tuple[int, FloatArray]:
-    """Index of the lag, and the compliances (2,) [rad/(N m)], that leave the least of the tilt."""
+#: Moment at each lag, and tilt; see `signals`.
+Pair = tuple[FloatArray, FloatArray]
+
+
+def fit(pairs: Sequence[Pair]) -> tuple[int, FloatArray]:
+    """Index of the lag, and the compliances (2,) [rad/(N m)]: best by least squares."""
     tilted = sum((m * a).sum(axis=1) for m, a in pairs)  # (L, 2)
     square = sum((m * m).sum(axis=1) for m, _ in pairs)
     best = int(np.argmax((tilted**2 / square).sum(axis=1)))
@@ -387,75 +460,89 @@ def fit(pairs: Sequence[tuple[FloatArray, FloatArray]]) -> tuple[int, FloatArray
 
 
 def score(
-    pairs: Sequence[tuple[FloatArray, FloatArray]],
-    fits: Sequence[Sequence[tuple[FloatArray, FloatArray]]],
-    of: Sequence[int],
+    pairs: Sequence[Pair], fits: Sequence[Sequence[Pair]], of: Sequence[int]
 ) -> Score:
-    """Score (moment, tilt) pairs, each with what was fitted on ``fits[of[k]]``."""
+    """Score each pair with what was fitted on ``fits[of[k]]``."""
     fitted = [fit(group) for group in fits]
-    predicted = [
-        m[fitted[k][0]] * fitted[k][1] for (m, _), k in zip(pairs, of, strict=True)
-    ]
-    left = np.array(
-        [((a - p) ** 2).sum(axis=0) for (_, a), p in zip(pairs, predicted, strict=True)]
-    )
-    total = np.array([(a**2).sum(axis=0) for _, a in pairs])
+    predicted = []
+    left = []
+    for (moment, tilt), k in zip(pairs, of, strict=True):
+        lag, compliance = fitted[k]
+        prediction = moment[lag] * compliance
+        predicted.append(prediction)
+        left.append(((tilt - prediction) ** 2).sum(axis=0))
+
+    unexplained = np.array(left)
+    total = np.array([(tilt**2).sum(axis=0) for _, tilt in pairs])
     return Score(
-        1 - left.sum(axis=0) / total.sum(axis=0),
-        1 - left / total,
-        np.array([1 / compliance for _, compliance in fitted]),
-        LAGS[[lag for lag, _ in fitted]],
-        predicted,
+        r2=1 - unexplained.sum(axis=0) / total.sum(axis=0),
+        recordings=1 - unexplained / total,
+        stiffness=np.array([1 / compliance for _, compliance in fitted]),
+        lag=LAGS[[lag for lag, _ in fitted]],
+        predicted=predicted,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A model of the arm: the right one, or a control.
+
+    Attributes:
+        arms: See `moving_links`.
+        level: Ignore the vehicle's attitude.
+        in_moving_water: Add what the motion takes of added mass and drag.
+    """
+
+    arms: list[Arm]
+    level: bool = False
+    in_moving_water: bool = False
+
+    def pair(self, recording: Recording) -> Pair:
+        """The signals of a recording."""
+        moment = moments(self.arms, recording, self.level)
+        if self.in_moving_water:
+            moment = moment + moving_water(recording)
+        return signals(recording, moment)
+
+
+def _models() -> dict[str, Model]:
+    """The model and its controls."""
+    return {
+        "model": Model(moving_links()),
+        MOVING: Model(moving_links(), in_moving_water=True),
+        "COM and products wrong": Model(moving_links(change_body=_wrong_body)),
+        "no buoyancy": Model(moving_links(density=a5.AIR)),
+        "buoyancy at the COM": Model(moving_links(cob_at_com=True)),
+        "attitude ignored": Model(moving_links(), level=True),
+    }
 
 
 def validate(folder: Path, fit_folder: Path | None = None) -> dict[str, Any]:
-    """Score the model and its controls on a folder of recordings; also what a plot needs."""
+    """Score the model and its controls on a folder of recordings.
+
+    Returns:
+        The figures, and what a plot needs.
+    """
     recordings, resting, reports = read(folder)
-    trajectories = {r.name: re.sub(r"-\d.*$", "", r.name) for r in recordings}
-    order = sorted(set(trajectories.values()))
-    halves = [order.index(trajectories[r.name]) % 2 for r in recordings]
+    trajectories = [re.sub(r"-\d.*$", "", r.name) for r in recordings]
+    order = sorted(set(trajectories))
+    halves = [order.index(trajectory) % 2 for trajectory in trajectories]
     others = recordings if fit_folder is None else read(fit_folder)[0]
     _enough(folder, order, reports, 1 if fit_folder else 2)
     _enough(fit_folder or folder, others, [], 1)
-    models: dict[str, tuple[list[Arm], bool]] = {
-        "model": (moving_links(), False),
-        MOVING: (moving_links(), False),
-        "COM and products wrong": (moving_links(change_body=_wrong_body), False),
-        "no buoyancy": (moving_links(density=a5.AIR), False),
-        "buoyancy at the COM": (moving_links(cob_at_com=True), False),
-        "attitude ignored": (moving_links(), True),
-    }
-    series, scores, course = {}, {}, {}
 
-    def pair(name: str, recording: Recording) -> tuple[FloatArray, FloatArray]:
-        arms, level = models[name]
-        moment = moments(arms, recording, level)
-        return signals(
-            recording, moment + (moving_water(recording) if name == MOVING else 0.0)
-        )
-
-    for name in models:
-        series[name] = [pair(name, r) for r in recordings]
+    series: dict[str, list[Pair]] = {}
+    scores = {}
+    course = {}
+    for name, model in _models().items():
+        pairs = [model.pair(recording) for recording in recordings]
+        series[name] = pairs
         if fit_folder is None:
-            fits = [
-                [
-                    one
-                    for one, half in zip(series[name], halves, strict=True)
-                    if half != side
-                ]
-                for side in (0, 1)
-            ]
-            scores[name] = score(series[name], fits, halves)
+            scores[name] = _score_of_halves(pairs, halves)
         else:
-            theirs = [pair(name, r) for r in others]
-            scores[name] = score(series[name], [theirs], [0] * len(recordings))
-        ours, alike = (
-            np.concatenate([m[0] for m, _ in series[key]]) for key in ("model", name)
-        )
-        course[name] = (ours * alike).sum(axis=0) / np.sqrt(
-            (ours**2).sum(axis=0) * (alike**2).sum(axis=0)
-        )
+            theirs = [model.pair(recording) for recording in others]
+            scores[name] = score(pairs, [theirs], [0] * len(recordings))
+        course[name] = _correlation(series["model"], pairs)
     return {
         "recordings": [r.name for r in recordings],
         "resting": resting,
@@ -464,21 +551,40 @@ def validate(folder: Path, fit_folder: Path | None = None) -> dict[str, Any]:
         "scores": scores,
         "course": course,
         "series": [
-            (r.grid, a) for r, (_, a) in zip(recordings, series["model"], strict=True)
+            (r.grid, tilt)
+            for r, (_, tilt) in zip(recordings, series["model"], strict=True)
         ],
     }
+
+
+def _score_of_halves(pairs: Sequence[Pair], halves: Sequence[int]) -> Score:
+    """Score each half of the pairs with what was fitted on the other half."""
+    fits = []
+    for side in (0, 1):
+        other = [pair for pair, half in zip(pairs, halves, strict=True) if half != side]
+        fits.append(other)
+    return score(pairs, fits, halves)
+
+
+def _correlation(ours: Sequence[Pair], theirs: Sequence[Pair]) -> FloatArray:
+    """Correlation of two models' moments without lag, roll and pitch, (2,)."""
+    a = np.concatenate([moment[0] for moment, _ in ours])
+    b = np.concatenate([moment[0] for moment, _ in theirs])
+    squares = (a**2).sum(axis=0) * (b**2).sum(axis=0)
+    return np.asarray((a * b).sum(axis=0) / np.sqrt(squares))
 
 
 def _enough(
     folder: Path, found: Sequence[Any], reports: Sequence[Report], needed: int
 ) -> None:
+    """Raise an error that says what was left out if too little was found."""
     if len(found) < needed:
         why = "; ".join(str(report).strip() for report in reports if not report.used)
-        raise FileFormatError(
-            folder,
+        because = f" ({' '.join(why.split())})" if why else ""
+        found_and_needed = (
             f"{len(found)} trajectories of a moving arm, at least {needed} needed"
-            + (f" ({' '.join(why.split())})" if why else ""),
         )
+        raise FileFormatError(folder, found_and_needed + because)
 
 
 def record(result: dict[str, Any]) -> dict[str, Any]:
@@ -493,107 +599,143 @@ def record(result: dict[str, Any]) -> dict[str, Any]:
             for r in result["reports"]
         },
         "models": {
-            name: {
-                axis: {
-                    "r2": float(s.r2[k]),
-                    "r2_of_recordings": [float(x) for x in s.recordings[:, k]],
-                    "stiffness_nm_per_rad": [float(x) for x in s.stiffness[:, k]],
-                    "lag_s": [float(x) for x in s.lag],
-                    "course": float(result["course"][name][k]),
-                }
-                for k, axis in enumerate(AXES)
-            }
-            for name, s in result["scores"].items()
+            name: _record_of_model(score, result["course"][name])
+            for name, score in result["scores"].items()
         },
+    }
+
+
+def _record_of_model(score: Score, course: FloatArray) -> dict[str, Any]:
+    """The figures of a model, for roll and pitch."""
+    return {
+        axis: {
+            "r2": float(score.r2[k]),
+            "r2_of_recordings": score.recordings[:, k].tolist(),
+            "stiffness_nm_per_rad": score.stiffness[:, k].tolist(),
+            "lag_s": score.lag.tolist(),
+            "course": float(course[k]),
+        }
+        for k, axis in enumerate(AXES)
     }
 
 
 def text(result: dict[str, Any]) -> str:
     """The figures of `validate` as a table."""
-    fitted = result["fitted_on"]
-    by = (
-        "the other half"
-        if fitted is None
-        else f"{len(fitted)} recordings of another folder"
-    )
-    lines = [
-        f"{len(result['recordings'])} of {len(result['reports'])} recordings used; stiffnesses and lag fitted "
-        f"on {by}",
-        *map(str, result["reports"]),
-    ]
-    rules = {rule for report in result["reports"] for rule in report.left_out}
+    lines = [_summary(result), *map(str, result["reports"])]
+    rules = set()
+    for report in result["reports"]:
+        rules |= {*report.left_out}
     lines += [f"  {rule}: {words}" for rule, words in RULES.items() if rule in rules]
-    lines += [
-        "",
-        f"{'':24}{'held-out R^2':>16}   {'stiffness [Nm/rad]':>34}   {'lag [s]':>10}   {'course':>14}",
-        f"{'':24}{'roll':>8}{'pitch':>8}   {'roll':>17}{'pitch':>17}   {'':>10}   {'roll':>7}{'pitch':>7}",
-    ]
-    for name, s in result["scores"].items():
-        roll, pitch = result["course"][name]
-        lines.append(
-            f"{name:24}{s.r2[0]:8.3f}{s.r2[1]:8.3f}   "
-            + "".join(
-                f"{', '.join(f'{x:.2f}' for x in s.stiffness[:, k]):>17}"
-                for k in (0, 1)
-            )
-            + f"   {', '.join(f'{x:.2f}' for x in s.lag):>10}   {roll:7.3f}{pitch:7.3f}"
-        )
+
+    lines += ["", *_HEADS]
+    for name, one in result["scores"].items():
+        lines.append(_row(name, one, result["course"][name]))
+
     lines += ["", f"{'held-out R^2 of the model':40}{'roll':>8}{'pitch':>8}"]
-    for name, row in zip(
-        result["recordings"], result["scores"]["model"].recordings, strict=True
-    ):
-        lines.append(f"  {name:38}{row[0]:8.3f}{row[1]:8.3f}")
+    r2 = result["scores"]["model"].recordings
+    for name, (roll, pitch) in zip(result["recordings"], r2, strict=True):
+        lines.append(f"  {name:38}{roll:8.3f}{pitch:8.3f}")
     return "\n".join(lines)
 
 
+def _summary(result: dict[str, Any]) -> str:
+    """The first line: how many recordings are used, and what is fitted on which."""
+    fitted = result["fitted_on"]
+    by = "the other half"
+    if fitted is not None:
+        by = f"{len(fitted)} recordings of another folder"
+    return (
+        f"{len(result['recordings'])} of {len(result['reports'])} recordings used; "
+        f"stiffnesses and lag fitted on {by}"
+    )
+
+
+#: Heads of the columns of `_row`.
+_HEADS = (
+    f"{'':24}{'held-out R^2':>16}   {'stiffness [Nm/rad]':>34}   {'lag [s]':>10}   "
+    f"{'course':>14}",
+    f"{'':24}{'roll':>8}{'pitch':>8}   {'roll':>17}{'pitch':>17}   {'':>10}   "
+    f"{'roll':>7}{'pitch':>7}",
+)
+
+
+def _row(name: str, score: Score, course: FloatArray) -> str:
+    """The line of a model."""
+    roll, pitch = (_two_decimals(score.stiffness[:, k]) for k in (0, 1))
+    return (
+        f"{name:24}{score.r2[0]:8.3f}{score.r2[1]:8.3f}   {roll:>17}{pitch:>17}   "
+        f"{_two_decimals(score.lag):>10}   {course[0]:7.3f}{course[1]:7.3f}"
+    )
+
+
+def _two_decimals(values: FloatArray) -> str:
+    return ", ".join(f"{value:.2f}" for value in values)
+
+
 def plot(result: dict[str, Any], path: Path) -> None:
-    """Measured and predicted tilt of up to six recordings, and the scores of all models."""
+    """Draw measured and predicted tilt of up to six recordings, and all scores."""
     from alpha5_model.viewer.figures import new_figure, write_figure
 
-    names, scores = result["recordings"], result["scores"]
-    shown = np.unique(
-        np.linspace(0, len(names) - 1, min(6, len(names))).round().astype(int)
-    )
+    names = result["recordings"]
+    evenly = np.linspace(0, len(names) - 1, min(6, len(names)))
+    shown = np.unique(evenly.round().astype(int))
     page = new_figure(15, 2.3 * len(shown) + 3.4)
-    grid = page.add_gridspec(
-        len(shown) + 1, 2, height_ratios=[1.0] * len(shown) + [1.35]
-    )
+    heights = [1.0] * len(shown) + [1.35]
+    grid = page.add_gridspec(len(shown) + 1, 2, height_ratios=heights)
     for row, index in enumerate(shown):
-        time, tilt = result["series"][index]
-        predicted = scores["model"].predicted[index]
-        for k, axis in ((0, 1), (1, 0)):  # pitch left, roll right
-            axes = page.add_subplot(grid[row, k])
-            axes.plot(time, np.degrees(tilt[:, axis]), color="#222222", linewidth=1.6)
-            axes.plot(
-                time, np.degrees(predicted[:, axis]), color="#D55E00", linewidth=1.6
-            )
-            wrong = scores["COM and products wrong"].predicted[index]
-            axes.plot(
-                time,
-                np.degrees(wrong[:, axis]),
-                color="#999999",
-                linewidth=1,
-                linestyle="--",
-            )
-            r2 = scores["model"].recordings[index, axis]
-            axes.set_title(f"{names[index]}   R² = {r2:.3f}", loc="left", fontsize=10)
-            axes.set_ylabel(f"{AXES[axis]} [°]")
-            axes.margins(x=0.01)
+        for column, axis in ((0, 1), (1, 0)):  # pitch left, roll right
+            axes = page.add_subplot(grid[row, column])
+            _draw_tilt(axes, result, index, axis)
             if row == 0:
-                labels = [
-                    "measured by motion capture",
-                    "model, fitted on other recordings",
-                ]
-                labels.append("the wrist's COM on the wrong side")
-                axes.legend(
-                    labels, fontsize=8, frameon=False, loc="best" if k else "lower left"
-                )
+                place = "best" if column else "lower left"
+                axes.legend(_CURVES, fontsize=8, frameon=False, loc=place)
             if row == len(shown) - 1:
                 axes.set_xlabel("time [s]")
-    axes = page.add_subplot(grid[-1, :])
+
+    _draw_scores(page.add_subplot(grid[-1, :]), result["scores"])
+    for axes in page.axes:
+        axes.grid(color="#E6E6E6", linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.spines[["top", "right"]].set_visible(False)
+    page.suptitle(
+        "Tilt of the vehicle explained by the arm's static moment "
+        f"({len(names)} recordings)",
+        fontsize=13,
+    )
+    write_figure(page, path, dpi=100)
+
+
+_CURVES = (
+    "measured by motion capture",
+    "model, fitted on other recordings",
+    "the wrist's COM on the wrong side",
+)
+
+
+def _draw_tilt(axes: Any, result: dict[str, Any], index: int, axis: int) -> None:
+    """Draw the measured and the predicted tilt of a recording about an axis."""
+    time, tilt = result["series"][index]
+    model = result["scores"]["model"]
+    predicted = np.degrees(model.predicted[index][:, axis])
+    wrong = result["scores"]["COM and products wrong"].predicted[index]
+
+    axes.plot(time, np.degrees(tilt[:, axis]), color="#222222", linewidth=1.6)
+    axes.plot(time, predicted, color="#D55E00", linewidth=1.6)
+    axes.plot(
+        time, np.degrees(wrong[:, axis]), color="#999999", linewidth=1, linestyle="--"
+    )
+    name = result["recordings"][index]
+    r2 = model.recordings[index, axis]
+    axes.set_title(f"{name}   R² = {r2:.3f}", loc="left", fontsize=10)
+    axes.set_ylabel(f"{AXES[axis]} [°]")
+    axes.margins(x=0.01)
+
+
+def _draw_scores(axes: Any, scores: dict[str, Score]) -> None:
+    """Draw R^2 of all models as bars."""
     place = np.arange(len(scores))
     for k, (axis, colour) in enumerate(((1, "#0072B2"), (0, "#E69F00"))):
-        values = np.array([s.r2[axis] for s in scores.values()])
+        values = np.array([score.r2[axis] for score in scores.values()])
         bars = axes.bar(
             place + 0.4 * k - 0.2,
             np.maximum(values, 0),
@@ -607,19 +749,10 @@ def plot(result: dict[str, Any], path: Path) -> None:
     axes.set_yticks([0, 0.25, 0.5, 0.75, 1.0])
     axes.set_ylabel("held-out R² (bars end at 0)")
     axes.legend(fontsize=9, frameon=False, ncols=2, loc="upper right")
-    for axes in page.axes:
-        axes.grid(color="#E6E6E6", linewidth=0.6)
-        axes.set_axisbelow(True)
-        axes.spines[["top", "right"]].set_visible(False)
-    page.suptitle(
-        f"Tilt of the vehicle explained by the arm's static moment ({len(names)} recordings)",
-        fontsize=13,
-    )
-    write_figure(page, path, dpi=100)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the script; 0, or 2 with one line on stderr for a folder that cannot be used."""
+    """Run the script; 2 with one line on stderr if a folder cannot be used, else 0."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument(
@@ -629,21 +762,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--json", action="store_true", help="figures as JSON")
     options = parser.parse_args(arguments)
     try:
-        read = [
-            path
-            for folder in (options.folder, options.fit)
-            for path in _csv_files(folder)
-        ]
-        check_outputs(read, plot=(options.plot, FORMATS))
+        inputs = [*_csv_files(options.folder), *_csv_files(options.fit)]
+        check_outputs(inputs, plot=(options.plot, FORMATS))
         result = validate(options.folder, options.fit)
         if options.plot:
             plot(result, options.plot)
         said = json.dumps(record(result), indent=2) if options.json else text(result)
         atomic_write(STDOUT, said + "\n")
     except OutputError as error:
-        if isinstance(
-            error.__context__, BrokenPipeError
-        ):  # the reader has left, as `head` does
+        # The reader has left, as `head` does.
+        if isinstance(error.__context__, BrokenPipeError):
             return 0
         print(f"validate_recordings: {error}", file=sys.stderr)
         return 2
