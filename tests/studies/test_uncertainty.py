@@ -570,6 +570,19 @@ def test_margin_of_an_arm_with_jaws() -> None:
     assert np.array_equal(low[:, 4], high[:, 4])
 
 
+def test_margin_of_an_arm_with_a_correction() -> None:
+    """The correction is the arm's: the printed digits move it about its own torques."""
+    q, v, a = states(3, 6)
+    corrected = a5.load(corrections=("base_frame", "link3_cob"))
+    low, high = torque_margin(corrected, q, v, a)
+    nominal = corrected.inverse_dynamics_batch(q, v, a)
+    expected = u.bounds(q, v, a, corrected).torque
+    np.testing.assert_allclose(low + nominal, expected.lower, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(high + nominal, expected.upper, rtol=0, atol=1e-14)
+    usual = torque_margin(a5.load(), q, v, a)
+    assert np.abs(np.subtract([low, high], usual)).max() > 1e-5
+
+
 def test_bounds_of_one_state_are_those_of_many() -> None:
     q, v, a = states(3, 2)
     many, one = u.bounds(q, v, a), u.bounds(q[1], v[1], a[1])

@@ -66,7 +66,7 @@ class AxisFit:
     their_arm: FourJointArm
 
     def their_axes(self, alignment: Alignment, q: FloatArray) -> AxisLines:
-        """Their axes at our positions q (..., 4), in our root frame and sense."""
+        """Their axes at our positions q (..., 4), in our root, directed as ours."""
         points, directions = self.their_arm.axis_lines(alignment.theirs(q))
         rotation = rotation_of(alignment.base)
         shift = origin_of(alignment.base)

@@ -154,7 +154,11 @@ def torque_margin(arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatAr
             are.
     """
     check_dimensions(arm._model, "the margin of the printed digits")
-    bare = load(arm.fluid_density, gravity=arm.model.gravity.linear)
+    bare = load(
+        arm.fluid_density,
+        gravity=arm.model.gravity.linear,
+        corrections=arm.parameters.corrections,
+    )
     out = np.zeros((2, *np.shape(q)))
     q, v, a = (np.asarray(x)[..., :4] for x in (q, v, a))
     nominal = bare.inverse_dynamics_batch(q, v, a).reshape(q.shape)
@@ -219,7 +223,7 @@ def _mass_terms(
     """
     com = middle.com
     com_half_width = half_width.com
-    # Second moments are listed once: off the diagonal each stands for two entries.
+    # The slopes belong to c_x^2, c_x c_y and so on: second derivatives double squares.
     hessian = slope.second[..., SYMMETRIC] * (np.eye(3) + 1)
     hessian_times_com = (hessian * com[:, None]).sum(axis=-1)
     s = slope.mass + ((slope.com + hessian_times_com / 2) * com).sum(axis=-1)
