@@ -60,6 +60,8 @@ def first_moment(arcs: Iterable[Arc]) -> float:
 
     Times 2 pi it is the volume of the solid of revolution (Pappus).
     """
+    # On an arc R = c + r cos(t) and dz = r cos(t) dt. Each end gives r / 2 times the
+    # antiderivative of R^2 cos(t).
     total = 0.0
     for arc in arcs:
         c = arc.center[0]

@@ -73,18 +73,21 @@ class Hand(NamedTuple):
         turned[..., 3] = 0.0
         # The rotation from the hand to the target, in the axes of the tcp.
         inverse = np.swapaxes(self.rotation(turned), -1, -2)
-        rest = inverse @ rotation[..., None, :, :]
+        to_target = inverse @ rotation[..., None, :, :]
 
-        swung = rest @ axis
-        along = swung @ axis
-        swing = np.arctan2(np.linalg.norm(np.cross(axis, swung), axis=-1), along)
-        sine = np.einsum("...ij,ij->...", rest, cross_matrix(axis))
-        cosine = np.trace(rest, axis1=-2, axis2=-1) - along
+        swung_axis = to_target @ axis
+        along = swung_axis @ axis
+        across = np.linalg.norm(np.cross(axis, swung_axis), axis=-1)
+        swing = np.arctan2(across, along)
+
+        # The twist, which theta_3 should make.
+        sine = np.einsum("...ij,ij->...", to_target, cross_matrix(axis))
+        cosine = np.trace(to_target, axis1=-2, axis2=-1) - along
         wanted = wrap(np.arctan2(sine, cosine), middle)
         turned[..., 3] = np.clip(wanted, lower, upper)
 
-        # cos(error / 2) = cos(swing / 2) cos(missed / 2), in the form that keeps small
-        # angles.
+        # cos(error / 2) = cos(swing / 2) cos(missed / 2). With the squared sines s and
+        # m of the half angles, small errors keep their digits.
         missed = turned[..., 3] - wanted
         s = np.sin(swing / 2) ** 2
         m = np.sin(missed / 2) ** 2
@@ -132,9 +135,10 @@ class Hand(NamedTuple):
         self, wrist: float, q: FloatArray, rotation: FloatArray
     ) -> FloatArray:
         """Turns about z that come closest to the target at a given theta_3, (N, 4)."""
-        at_end = q.copy()
-        at_end[..., 3] = wrist
-        rest = rotation[:, None] @ np.swapaxes(self.rotation(at_end), -1, -2)
-        sine = rest[..., 1, 0] - rest[..., 0, 1]
-        cosine = rest[..., 0, 0] + rest[..., 1, 1]
+        with_wrist = q.copy()
+        with_wrist[..., 3] = wrist
+        inverse = np.swapaxes(self.rotation(with_wrist), -1, -2)
+        to_target = rotation[:, None] @ inverse
+        sine = to_target[..., 1, 0] - to_target[..., 0, 1]
+        cosine = to_target[..., 0, 0] + to_target[..., 1, 1]
         return np.arctan2(sine, cosine)

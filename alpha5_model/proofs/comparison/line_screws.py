@@ -14,7 +14,7 @@ from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, OwnArm
 
 #: Joint positions at which the axes are compared: 40 lines for at most 16 unknowns.
 POSITIONS = 10
-#: The unknowns that move their axes: rotation and shift of the base, and two zeros.
+#: The unknowns that move the other arm's axes: pose of its base, and two zeros.
 POSE_UNKNOWNS = (
     "base about x",
     "base about y",

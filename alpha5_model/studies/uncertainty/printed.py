@@ -101,7 +101,8 @@ def numbers(alternatives: tuple[str, ...]) -> dict[str, PrintedNumber]:
     def note(name: str, number: Quantity) -> Quantity:
         return found.setdefault(name, number)
 
-    _changed(note)
+    # Each number is noted; none is replaced.
+    _with_replaced_numbers(note)
     out = {}
     for name, number in found.items():
         if name.endswith("tolerance"):
@@ -198,7 +199,7 @@ def tables_with(
             return _quantity(values[name], number.unit)
         return known[name].printed if name in known else number
 
-    return _changed(change)
+    return _with_replaced_numbers(change)
 
 
 def _quantity(value: float, unit: str) -> Quantity:
@@ -207,20 +208,22 @@ def _quantity(value: float, unit: str) -> Quantity:
     return Quantity(str(digits), unit)
 
 
-def _changed(change: _Change) -> Published:
+def _with_replaced_numbers(change: _Change) -> Published:
     """Tables 1 to 4 with every number replaced by a function's answer.
 
     The two halves of a tensor have the same names.
     """
-    tables: dict[str, Any] = {"elbow": _walked(published().elbow, "elbow", change)}
+    tables: dict[str, Any] = {"elbow": _replaced(published().elbow, "elbow", change)}
     for key, kind in _TABLES.items():
         table = getattr(published(), key)
-        rows = [_walked(row, f"{kind}_{i}", change) for i, row in enumerate(table.rows)]
+        rows = [
+            _replaced(row, f"{kind}_{i}", change) for i, row in enumerate(table.rows)
+        ]
         tables[key] = replace(table, rows=tuple(rows))
     return replace(published(), **tables)
 
 
-def _walked(value: Any, name: str, change: _Change, axes: str = "") -> Any:
+def _replaced(value: Any, name: str, change: _Change, axes: str = "") -> Any:
     """A part of a table with its numbers replaced.
 
     Args:
@@ -234,7 +237,7 @@ def _walked(value: Any, name: str, change: _Change, axes: str = "") -> Any:
         return change(f"{name}.{in_order}".rstrip("."), value)
     if isinstance(value, tuple):
         return tuple(
-            _walked(item, name, change, axes + axis)
+            _replaced(item, name, change, axes + axis)
             for axis, item in zip("xyz", value, strict=False)
         )
     if isinstance(value, str):
@@ -242,5 +245,5 @@ def _walked(value: Any, name: str, change: _Change, axes: str = "") -> Any:
     parts = {}
     for field in fields(value):
         part = getattr(value, field.name)
-        parts[field.name] = _walked(part, f"{name}.{field.name}", change)
+        parts[field.name] = _replaced(part, f"{name}.{field.name}", change)
     return replace(value, **parts)
