@@ -1,9 +1,9 @@
-"""Buoyancy as a second model: the displaced fluid, carried by the same joints.
+"""Buoyancy as a second model: the displaced fluid on the same joints.
 
-Archimedes: the fluid presses on a body with the weight of the displaced fluid, upwards,
-at the centroid of its volume. A model whose bodies are point masses rho V at the
-centres of buoyancy has exactly that weight, so its generalized gravity is the
-generalized force that the fluid applies to the arm.
+By Archimedes' principle, the fluid pushes a body upwards with the weight of the
+displaced fluid, at the centroid of its volume. A model whose bodies are point masses
+rho V at the centres of buoyancy has exactly this weight, so its generalized gravity is
+the generalized force that the fluid applies to the arm.
 """
 
 from __future__ import annotations
@@ -20,8 +20,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters, RigidBody
 
-#: How far below zero rounding may take a second moment of mass that is 0, relative to
-#: the largest one.
+#: Rounding of a second moment of mass that is 0, relative to the largest one.
 POINT_TOLERANCE = 1e-9
 
 
@@ -36,7 +35,7 @@ class Displacement:
         cob: Centre of buoyancy in the joint's frame, (3,) [m].
 
     Raises:
-        InputError: A negative volume, or numbers that cannot be computed with.
+        InputError: A negative volume, or numbers that are not finite or too large.
     """
 
     body: str
@@ -129,8 +128,8 @@ def check_inertias(model: Any) -> None:
     masses = [inertia.mass for inertia in inertias]
     tensors = np.array([inertia.inertia for inertia in inertias])
 
-    # Of the principal moments, ascending, half of the first two less the third is the
-    # least second moment.
+    # With ascending principal moments I_1, I_2, I_3, the least second moment of mass is
+    # (I_1 + I_2 - I_3) / 2.
     small, middle, large = np.linalg.eigvalsh(tensors).T
     least_second_moments = (small + middle - large) / 2
     rounding = POINT_TOLERANCE * np.abs(large)
@@ -144,13 +143,13 @@ def check_inertias(model: Any) -> None:
 
 
 def net_weight_model(model: Any, fluid: Any) -> Any:
-    """The arm as its joints feel it at rest in the fluid: weight less buoyancy.
+    """The net-weight model: weight less buoyancy, as point masses on the joints.
 
-    A body of mass ``m - rho V`` at ``(m c - rho V b) / (m - rho V)`` has the force and
-    the moment of both, so one pass over this model gives the hydrostatic torque and the
-    potential energy. A body that floats has a negative mass. That is valid in sums of
-    forces and energies only, not in algorithms that join bodies, such as those of
-    derivatives, inertia and centre of mass. Joints that displace nothing keep their
+    A mass ``m - rho V`` at ``(m c - rho V b) / (m - rho V)`` has the force and the
+    moment of weight and buoyancy together. So one pass over this model gives the
+    hydrostatic torque and the potential energy. A body that floats has a negative mass,
+    which is valid in sums of forces and energies only, not in algorithms that join
+    bodies (derivatives, inertia, centre of mass). Joints without a volume keep their
     body.
 
     Args:
@@ -169,10 +168,10 @@ def net_weight_model(model: Any, fluid: Any) -> Any:
 
 
 def _net_weight(body: Any, water: Any) -> Any:
-    """A point mass with the weight of a body less that of its water, a pin.Inertia."""
+    """A point mass with the weight of a body less its buoyancy, a pin.Inertia."""
     point = pin.Inertia.Zero()
-    # Neutral buoyancy leaves a pure moment: a mass too small to weigh anything carries
-    # it.
+    # With neutral buoyancy only a moment is left. A negligible mass at a large distance
+    # represents it.
     point.mass = (body.mass - water.mass) or 1e-30
     first_moment = body.mass * body.lever - water.mass * water.lever
     point.lever = first_moment / point.mass

@@ -1,4 +1,4 @@
-"""Self-collision of the arm and its distance from that, by Pinocchio and coal.
+"""Self-collision of the arm and its clearance, by Pinocchio and coal.
 
 The bodies are primitives. Pairs of links that turn against each other at a joint are
 left out, as in ``urdf/alpha5.srdf``.
@@ -78,9 +78,9 @@ class CollisionModel:
         self._data = model.createData()
         self.geometry = collision_geometry(model)
         self.data = self.geometry.createData()
-        # Pinocchio lets each search start from the end of the last one, so the answer
-        # at q would depend, by a micrometre, on the call before. coal's own request
-        # starts afresh.
+        # Pinocchio starts each search from the result of the last one, so the distance
+        # at q would depend on the last call by a micrometre. coal's own request starts
+        # afresh.
         self.data.distanceRequests[:] = [coal.DistanceRequest()] * len(
             self.data.distanceRequests
         )
@@ -112,8 +112,8 @@ class CollisionModel:
         )
 
     def _closest_pair(self, q: FloatArray) -> int:
-        # Distances, not coal's quicker yes or no: that one starts from the contact of
-        # the last call and was seen to miss an overlap of 0.03 mm.
+        # Distances are used, not coal's faster collision test, which starts from the
+        # contact of the last call and has missed an overlap of 0.03 mm.
         pin.updateGeometryPlacements(
             self._model, self._data, self.geometry, self.data, q
         )
@@ -131,9 +131,10 @@ class CollisionModel:
 def collision_geometry(model: Any) -> Any:
     """Primitives of the links of a pin.Model, with the pairs to be checked.
 
-    This is a pin.GeometryModel.
+    Pinocchio reads both from the URDF and the SRDF with the model's gripper.
 
-    Both are Pinocchio's own reading of the URDF and the SRDF with the model's gripper.
+    Returns:
+        pin.GeometryModel.
 
     Raises:
         InputError: A model with other dimensions than those that the bodies are drawn
@@ -155,12 +156,12 @@ def _urdf(gripper: str) -> str:
 
 
 def without_self_collision(q: ArrayLike, wrists: int = WRISTS) -> BoolArray:
-    """Whether the arm does not touch itself at some wrist angle, with the jaws closed.
+    """Whether some wrist angle is free of self-collision, with the jaws closed.
 
     Args:
         q: (..., 4) [rad]; theta_3 is the first wrist angle that is tried.
-        wrists: How many more are tried, evenly over the range of axis_b. A window that
-            is narrower than their distance can be missed.
+        wrists: Number of further wrist angles, evenly over the range of axis_b. A free
+            window narrower than their distance can be missed.
 
     Returns:
         (...) bool.
@@ -204,7 +205,7 @@ class _WristPairs(NamedTuple):
 
 @cache
 def _wrist_pairs(joint: JointParameters) -> _WristPairs:
-    """The pairs of bodies of the shipped arm, apart by whether the wrist moves them."""
+    """The pairs of bodies of the shipped arm, split by whether the wrist moves them."""
     model = pin.buildModelFromXML(_urdf("locked"))
     wrist = model.getJointId(joint.name)
 
@@ -229,7 +230,7 @@ def _pairs(geometry: Any) -> list[Any]:
 
 
 def _moved_by(joint: int, pair: Any, geometry: Any) -> bool:
-    """Whether one body of a pair hangs on a joint, and so moves against the other."""
+    """Whether one body of a pair is on a joint, which moves it against the other."""
     first = geometry.geometryObjects[pair.first]
     second = geometry.geometryObjects[pair.second]
     return joint in (first.parentJoint, second.parentJoint)
@@ -239,7 +240,7 @@ def _collides(model: Any, geometry: Any, q: FloatArray) -> BoolArray:
     """Whether any pair touches at q, (N, 4)."""
     data = model.createData()
     objects = geometry.createData()
-    # A search that starts from the end of the last one was seen to miss overlaps.
+    # A search that starts from the result of the last one has missed overlaps.
     objects.collisionRequests[:] = [coal.CollisionRequest()] * len(
         objects.collisionRequests
     )

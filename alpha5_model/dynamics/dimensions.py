@@ -1,6 +1,6 @@
-"""Whether an arm has the catalogue's dimensions and limits.
+"""Checks that an arm has the catalogue's dimensions and limits.
 
-Some answers were made for these only and refuse other arms.
+Computations that were made for the catalogue's arm refuse other arms with them.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ def check_dimensions(model: Any, needed_for: str, tolerance: float = EXACT) -> N
 
     Args:
         model: pin.Model of an arm, on any base and with any gripper.
-        needed_for: What was made for the catalogue's dimensions, for the message.
-        tolerance: [m], and at the arm's reach.
+        needed_for: The computation that needs these dimensions, for the message.
+        tolerance: Largest error of a position, also by rotation at the reach [m].
 
     Raises:
         InputError: A joint or the tcp is elsewhere, or not there.
@@ -119,6 +119,6 @@ def _farthest(model: Any, parameters: Alpha5Parameters) -> tuple[str, float]:
 
 
 def _distance(one: Any, other: Any) -> float:
-    """How far two poses (4, 4) are apart, at the arm's reach [m]."""
+    """Distance of two poses (4, 4), with rotations taken at the arm's reach [m]."""
     difference = np.abs(one - other)
     return float(max(difference[:3, 3].max(), _REACH * difference[:3, :3].max()))

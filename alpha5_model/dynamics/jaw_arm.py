@@ -1,11 +1,12 @@
 """The arm with jaws: two fingers that follow the rod.
 
 Each finger is at ``q_finger = multiplier q_rod + offset``. Pinocchio's mimic joints
-serve for kinematics, RNEA and CRBA, with nv = 5. Its forward dynamics, derivatives and
-energies refuse them, and its Coriolis matrix silently leaves out terms (4.1). Those are
-computed here on the tree, in which the fingers are joints of their own. With ``q_tree =
-G q + g_0`` and constant G the chain rule is exact: ``tau = G^T tau_tree``,
-``M = G^T M_tree G``, and so for every derivative.
+work in kinematics, RNEA and CRBA, with nv = 5. Its forward dynamics, derivatives and
+energies refuse them, and its Coriolis matrix silently omits terms (4.1). These are
+computed here on the tree in which the fingers are joints of their own
+(`alpha5_model.dynamics.joint_tree`). Its coordinates are affine functions of the arm's,
+so the chain rule is exact: ``tau = G^T tau_tree``, ``M = G^T M_tree G``, and likewise
+for every derivative.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ class JawArm(Arm):
             displacements: The volumes on its joints.
             fluid_density: [kg/m^3].
             mimics: The fingers' joints, which follow the rod's.
-            parameters: As of `Arm`.
+            parameters: See `Arm`.
         """
         self._mimics = tuple(mimics)
         model = mimicking(tree, self._mimics)
@@ -102,13 +103,18 @@ class JawArm(Arm):
 
     @property
     def _constructor_arguments(self) -> tuple[Any, ...]:
-        # Pinocchio 4.1 pickles mimic joints into a model that crashes. The tree is
-        # sound.
+        # Pinocchio 4.1 crashes with a pickled model that has mimic joints. The tree has
+        # none.
         return self._tree._model, self.displacements, self.fluid_density, self._mimics
 
 
 def mimicking(tree: Any, mimics: Iterable[UrdfJoint]) -> Any:
-    """A copy of a model in which the named joints follow their leaders."""
+    """A copy of a model in which some joints follow others, as mimic joints.
+
+    Args:
+        tree: pin.Model.
+        mimics: The joints that follow, with the names of their leaders.
+    """
     model = tree.copy()
     for mimic in mimics:
         leader = model.getJointId(mimic.mimic)

@@ -1,4 +1,4 @@
-"""The arm on the generated kernels: its single calls are the compiled module's."""
+"""The arm on the generated kernels, which the compiled module calls for one state."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from alpha5_model.dynamics.states import state_vectors
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
-#: Methods of `Arm` that kernels of the same names compute -> their inputs.
+#: Method of `Arm` with a kernel of the same name -> its inputs.
 _INPUTS = {
     "jacobian": ("q",),
     "mass_matrix": ("q",),
@@ -40,8 +40,9 @@ _NO_FORCE = pin.Force.Zero()
 class KernelArm(Arm):
     """An `Arm` on a fixed base with locked jaws.
 
-    The methods of an instance are its kernels. They leave to the methods of the class
-    what is not plainly a state.
+    The methods of an instance are compiled kernels, which accept plain states only.
+    They call the methods of the class for any other input. Those convert the state for
+    the kernel, or call Pinocchio.
     """
 
     def __init__(
@@ -61,8 +62,8 @@ class KernelArm(Arm):
         bind = kernels.module().bind
         self._kernels = {name: bind(name, numbers) for name in _INPUTS}
         self._kernels["base_wrench"] = bind("base_wrench", numbers)
-        # The fallbacks are methods of another object: a circle through this one would
-        # keep its memory for long.
+        # The fallbacks are methods of another object. Methods of this one would make a
+        # reference cycle, which keeps its memory until the garbage collector runs.
         plain = object.__new__(type(self))
         plain.__dict__ |= self.__dict__
         for name in _INPUTS:
@@ -77,16 +78,16 @@ class KernelArm(Arm):
         out = kernel(q, v, a)
         if out is None:
             out = kernel(*self._converted(q=q, v=v, a=a))
-        # This takes a fifth of the time that a pin.Force of an array takes.
+        # This takes a fifth of the time of making a pin.Force from an array.
         wrench = _NO_FORCE.copy()
         wrench.vector = out
         return wrench
 
     def _converted(self, **state: Any) -> Iterable[FloatArray]:
-        """A state as the kernels take it.
+        """A state, converted for the kernels.
 
         Raises:
-            InputError: One that they cannot take.
+            InputError: Not a state of this arm.
         """
         return map(np.ascontiguousarray, state_vectors(self._model, **state))
 
@@ -97,9 +98,9 @@ class KernelArm(Arm):
 
 
 def _strict(name: str, inputs: Sequence[str]) -> Callable[..., Any]:
-    """A method that converts a state for its kernel, or refuses it.
+    """A method that converts a state for its kernel, or raises an error.
 
-    Pinocchio computes what needs more than a state, such as external forces.
+    If it gets more than a state, such as external forces, Pinocchio computes.
     """
     method = getattr(Arm, name)
 

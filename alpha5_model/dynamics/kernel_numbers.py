@@ -1,4 +1,4 @@
-"""An arm as the numbers that the generated kernels take: its base parameters.
+"""The numbers of an arm for the generated kernels: its base parameters.
 
 The kernels know the joints and frames of the Reach Alpha 5 on a fixed base with locked
 jaws. Bodies, payloads included, fluid and gravity are parameters.
@@ -39,9 +39,9 @@ def arm_parameters(arm: Any) -> FloatArray:
 
 
 def kernel_parameters(arm: Any) -> FloatArray | None:
-    """Base parameters of an arm in its fluid, (41,).
+    """Base parameters of an arm in its fluid, (41,); None for unknown joints.
 
-    They are None if the kernels do not know the arm's joints.
+    The kernels know the joints of a Reach Alpha 5 on a fixed base with locked jaws.
     """
     model = arm._model
     if not _has_the_joints_of(made_for(), model):

@@ -53,12 +53,12 @@ def load(
         floating_base: Puts base_link on Pinocchio's free-flyer joint, ``root_joint``.
         gravity: In the world, (3,) [m/s^2]; the world is base_link if the base is
             fixed, so for a tilted mount pass ``gravity_in_base(rotation)``.
-        corrections: Recorded corrections to the document. Other than the default ones,
-            the URDF is generated in memory.
-        backend: What computes single calls: ``pinocchio``, or ``kernels`` that are
-            generated from the same equations, see `alpha5_model.backend`. Batches run
-            on kernels in any case; a floating base, jaws and external forces are
-            Pinocchio's in any case.
+        corrections: Recorded corrections to the document. For other than the default
+            ones, the URDF is generated in memory.
+        backend: What computes single calls: ``pinocchio``, or the generated ``kernels``
+            of the same equations, see `alpha5_model.backend`. In any case, batches run
+            on kernels, and Pinocchio computes a floating base, jaws and external
+            forces.
 
     Returns:
         An arm, independent of every other one.

@@ -39,7 +39,9 @@ def added_body(
     volume: float,
     cob: ArrayLike | None,
 ) -> AddedBody:
-    """Check a rigid body; no inertia is a point mass, no COB is the COM.
+    """Check a rigid body.
+
+    No inertia stands for a point mass, and no COB for the COM.
 
     Raises:
         InputError: Negative mass or volume, or an inertia that no body can have.

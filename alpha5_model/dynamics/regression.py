@@ -14,7 +14,7 @@ from alpha5_model.codegen.regrouping import BASE_PARAMETERS
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.states import is_one_state, rows
 
-#: Base parameters that are no gravity.
+#: Base parameters without the gravity.
 NAMES = tuple(BASE_PARAMETERS)[:-3]
 
 

@@ -1,4 +1,4 @@
-"""The memory that Pinocchio computes an arm's answers in."""
+"""The memory in which Pinocchio computes for an arm."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class Scratch(threading.local):
     Attributes:
         data, fluid_data, net_data: pin.Data of the arm, of the fluid and of their
             difference.
-        placements: pin.SE3 of each frame that refers to `data`: the next computation
-            moves it.
+        placements: pin.SE3 of each frame. They are views of `data`, which the next
+            computation changes.
     """
 
     def __init__(self, model: Any, fluid: Any, net: Any, callers: Any) -> None:
@@ -28,7 +28,7 @@ class Scratch(threading.local):
             model: pin.Model of the arm.
             fluid: pin.Model of the displaced fluid.
             net: pin.Model of weight less buoyancy.
-            callers: pin.Model that the arm hands out.
+            callers: pin.Model for the caller, `Arm.model`.
         """
         self.data = model.createData()
         self.fluid_data = fluid.createData()
@@ -49,9 +49,9 @@ class Scratch(threading.local):
         return CollisionModel(self._model)
 
     def pool(self, model: Any, threads: int = 1) -> Any:
-        """pin.ModelPool for at least so many threads.
+        """pin.ModelPool of a model for at least this number of threads.
 
-        The model must outlive this object.
+        The model must outlive this object, because its identity is the key.
         """
         pool = self._pools.get(id(model))
         if pool is None or pool.size() < threads:

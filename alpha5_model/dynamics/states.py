@@ -1,8 +1,8 @@
 """Input checks of states, one or many.
 
-One state that is plainly clean is known by a single call. What is not (a list,
-integers, a wrong shape, NaN, masked, too large, no unit quaternion) goes through
-`array`, which converts it or says what is wrong.
+A single fast call accepts a plain state: finite float64 arrays of the right shapes. Any
+other input (lists, integers, a wrong shape, NaN, a mask, too large numbers, no unit
+quaternion) goes through `array`, which converts it or raises an error.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ Partials = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def state_check(model: Any, *rates: str) -> Callable[..., Any]:
-    """A function that checks q and rates with these names.
+    """A function that checks and converts q, and rates with these names.
 
-    It returns them, converted if need be: q alone, or all of them.
+    It returns q alone if there are no rates, else q and the rates.
     """
     nq = model.nq
     nv = model.nv
@@ -95,7 +95,7 @@ def _as_rows(name: str, value: ArrayLike, columns: int) -> FloatArray:
 
 
 def _number_of_rows(arrays: dict[str, FloatArray]) -> int:
-    """Common number of rows of arrays; those with one row go with any number."""
+    """Common number of rows of arrays; one row fits any number."""
     lengths = [len(given) for given in arrays.values()]
     several = [length for length in lengths if length != 1]
     n_rows = max(several, default=1)
@@ -108,7 +108,7 @@ def _number_of_rows(arrays: dict[str, FloatArray]) -> int:
 def is_one_state(*states: ArrayLike) -> bool:
     """Whether none of these has rows.
 
-    This refuses nothing: `rows` says what is wrong with what is no array at all.
+    It raises no error: `rows` does so for values that are not arrays.
     """
     try:
         return all(np.ndim(state) < 2 for state in states)

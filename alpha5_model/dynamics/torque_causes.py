@@ -21,8 +21,8 @@ class TorqueTerms:
         inertia: ``M(q) a``.
         coriolis: ``C(q, v) v``.
         weight: Holds the weight, ``g(q)``.
-        buoyancy: Holds the buoyancy, ``-tau_buoyancy(q)``: against the weight if the
-            water helps.
+        buoyancy: Holds the buoyancy, ``-tau_buoyancy(q)``. It is opposite to the weight
+            if buoyancy helps to carry it.
     """
 
     inertia: FloatArray

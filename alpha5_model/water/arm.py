@@ -45,7 +45,13 @@ from alpha5_model.water.kernel_water import (
     water_kernels,
 )
 from alpha5_model.water.tree import HydrodynamicTree
-from alpha5_model.water.vehicle import Trim, Vehicle, afloat, carrying, static_trim
+from alpha5_model.water.vehicle import (
+    Trim,
+    Vehicle,
+    on_floating_base,
+    static_trim,
+    with_vehicle,
+)
 
 #: One state in each row, or one for all.
 Rows = ArrayLike
@@ -380,7 +386,8 @@ class HydrodynamicArm:
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         """This arm, afloat, with a vehicle in place of the mount."""
-        floating = HydrodynamicArm(afloat(self.still), self.bodies, self.current)
+        still = on_floating_base(self.still)
+        floating = HydrodynamicArm(still, self.bodies, self.current)
         return ArmOnVehicle(floating, vehicle)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -460,15 +467,15 @@ def _is_shared(name: str) -> bool:
 class ArmOnVehicle(HydrodynamicArm):
     """A floating arm and its vehicle as one system.
 
-    q, v, a begin with those of base_link.
+    q, v and a begin with position, velocity and acceleration of base_link.
 
     Attributes:
         arm: The same arm without the vehicle.
-        vehicle: What carries it; its frame is ``vehicle``.
+        vehicle: The vehicle that carries it, in the frame ``vehicle``.
     """
 
     def __init__(self, arm: HydrodynamicArm, vehicle: Vehicle) -> None:
-        still = carrying(arm.still, vehicle)
+        still = with_vehicle(arm.still, vehicle)
         self.arm = arm
         self.vehicle = vehicle
         body = joint_water(
@@ -503,7 +510,7 @@ class ArmOnVehicle(HydrodynamicArm):
     def reaction(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
     ) -> tuple[FloatArray, FloatArray]:
-        """What a motion of the arm does to the vehicle with its thrusters off.
+        """Reaction of the vehicle, with its thrusters off, to a motion of the arm.
 
         Args:
             q: (nq,); v: (nv,).
@@ -523,9 +530,9 @@ class ArmOnVehicle(HydrodynamicArm):
         return acceleration, bias[6:] + mass[6:, :6] @ acceleration
 
     def trim(self, q: ArrayLike) -> Trim:
-        """How the vehicle hangs at rest in still water, thrusters off.
+        """Static trim of the vehicle in still water, with its thrusters off.
 
-        What the net weight needs to hold its depth acts at the vehicle's origin.
+        The force that balances the net weight acts at the vehicle's origin.
 
         Args:
             q: Joint positions, (n,).
@@ -548,9 +555,13 @@ class ArmOnVehicle(HydrodynamicArm):
 def joint_water(
     arm: Any, frame: str, data: BodyHydrodynamics, **damping: FloatArray
 ) -> JointWater:
-    """Moving water of a body in a frame of an arm, on the joint that carries the frame.
+    """Added mass and drag in a frame of an arm, on the joint that carries the frame.
 
-    ``damping`` is the `JointWater`'s, linear and quadratic.
+    Args:
+        arm: An `Arm`.
+        frame: Name of the frame.
+        data: Added mass and drag strips in the frame.
+        damping: ``linear`` and ``quadratic``, see `JointWater`.
 
     Raises:
         UnknownNameError: No such frame.

@@ -1,7 +1,8 @@
-"""What moving water adds to the torques of a tree of joints, of many states at once.
+"""What moving water adds to the torques of a tree of joints, for many states at once.
 
-Twists go down the tree and forces go up, as in Newton's and Euler's recursion, for all
-states in one pass: the last axis of every array here runs over the states.
+As in the recursive Newton-Euler algorithm, twists are computed from the base to the tip
+and forces from the tip to the base. One pass serves all states: the last axis of every
+array runs over the states.
 """
 
 from __future__ import annotations
@@ -25,10 +26,11 @@ class _Step(NamedTuple):
 
     Attributes:
         parent: Number of the joint before.
-        terms: Of the twist into the joint's frame, (18, 6); see `TreePass._weights`.
+        terms: Three matrices (6, 6), stacked. Their sum with `_weights` transforms a
+            twist of the parent into the joint's frame.
         axis: Twist of the joint at unit rate, (6,).
-        turns: Whether it turns; else it slides.
-        at_q, at_v: Its places in q and v.
+        turns: Whether the joint turns; else it slides.
+        at_q, at_v: Indices of the joint in q and v.
     """
 
     parent: int
@@ -127,10 +129,11 @@ def _set_base_motion(
 
 
 def _weights(step: _Step, q: FloatArray) -> FloatArray:
-    """Weights of the three terms of the twist into a joint's frame, (3, 1, N).
+    """Weights of the three `terms` of a step, (3, 1, N).
 
-    The twist is turned by ``exp(-angle [s]x)``: by Rodrigues' formula for a joint that
-    turns; for one that slides, the first two terms are exact.
+    A twist is transformed by ``exp(-q [s]x)`` with the axis s. For a joint that turns,
+    this is Rodrigues' formula ``1 - sin(q) [s]x + (1 - cos(q)) [s]x^2``. For a joint
+    that slides, the series ends after ``1 - q [s]x``.
     """
     angle = q[step.at_q]
     first = np.sin(angle) if step.turns else angle

@@ -1,4 +1,4 @@
-"""A vehicle that carries an arm, and how the two hang in still water."""
+"""A vehicle that carries an arm, and the static trim of both in still water."""
 
 from __future__ import annotations
 
@@ -25,15 +25,16 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.hydrodynamics import added_mass
 from alpha5_model.numbers.inertia import check_possible
 
-#: Lever of the weight below which a vehicle hangs any way round [m].
+#: With a shorter lever between weight and buoyancy, a vehicle has no trim [m].
 _LEAST_LEVER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
-    """A rigid vehicle, in a frame of its own.
+    """A rigid vehicle, with all quantities in its own frame.
 
-    Added mass and damping hold for water of 1000 kg/m^3; the arm's fluid scales them.
+    Added mass and damping are given for water of 1000 kg/m^3, and scaled with the
+    density of the arm's fluid.
 
     Attributes:
         mass: [kg].
@@ -49,8 +50,8 @@ class Vehicle:
 
     Raises:
         InputError: Negative damping, mass or volume, an inertia that no body can have,
-            an added mass that is not symmetric or has a negative eigenvalue, no rigid
-            transform; ShapeError: wrong shapes.
+            an added mass that is not symmetric or has a negative eigenvalue, or a
+            transform that is not rigid; ShapeError: wrong shapes.
 
     Warns:
         ImplausibleWarning: A mass, volume, density or distance that no vehicle has.
@@ -113,15 +114,15 @@ def _added_mass(value: ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Trim:
-    """How a free vehicle hangs in still water.
+    """Static trim of a free vehicle in still water.
 
     Attributes:
         roll, pitch: Of the vehicle's frame, fixed axes of the world, yaw 0 [rad].
         rotation_vehicle_to_world: The same, (3, 3).
-        net_weight: Weight less buoyancy of vehicle and arm [N]. A vertical force has to
-            make up for it.
-        righting_moment: For each radian off the trim [N m]. Above 0, the trim is
-            stable.
+        net_weight: Weight less buoyancy of vehicle and arm [N], which a vertical force
+            has to balance.
+        righting_moment: Righting moment for each radian off the trim [N m]; positive
+            for a stable trim.
     """
 
     roll: float
@@ -131,7 +132,7 @@ class Trim:
     righting_moment: float
 
 
-def afloat(still: Any) -> Any:
+def on_floating_base(still: Any) -> Any:
     """The arm on a floating base."""
     if still.floating_base:
         return still
@@ -142,7 +143,7 @@ def afloat(still: Any) -> Any:
     return still._rebuilt_afloat(on_free_flyer(still._joint_tree.model), volumes)
 
 
-def carrying(still: Any, vehicle: Vehicle) -> Any:
+def with_vehicle(still: Any, vehicle: Vehicle) -> Any:
     """The floating arm with the vehicle at its base, in a new frame ``vehicle``."""
     instance("vehicle", vehicle, Vehicle)
     model = still._joint_tree.model.copy()
@@ -166,7 +167,7 @@ def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
     gravity = still._model.gravity.linear
     if gravity[0] or gravity[1] or not gravity[2]:
         raise InputError("gravity", gravity.tolist(), "gravity along the world's z")
-    strength = abs(gravity[2])
+    g = abs(gravity[2])
     mass = pin.computeTotalMass(still._model)
     displaced_mass = still.fluid_density * still._volume
 
@@ -174,10 +175,11 @@ def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
     centres = np.array([still.center_of_mass(q), still.center_of_buoyancy(q)])
     com, cob = centres @ to_vehicle[:3, :3].T + to_vehicle[:3, 3]
 
-    # The moment about the vehicle's origin vanishes if this vector points up.
-    righting = strength * (displaced_mass * cob - mass * com)
+    # At the trim, this vector points up: then weight and buoyancy have no moment about
+    # the vehicle's origin.
+    righting = g * (displaced_mass * cob - mass * com)
     moment = float(np.linalg.norm(righting))
-    if moment < _LEAST_LEVER * strength * mass:
+    if moment < _LEAST_LEVER * g * mass:
         without = "a centre of buoyancy at the centre of mass"
         raise InputError("vehicle", without, "a righting moment")
 
@@ -188,6 +190,6 @@ def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
         roll=roll,
         pitch=pitch,
         rotation_vehicle_to_world=pin.rpy.rpyToMatrix(roll, pitch, 0.0),
-        net_weight=strength * (mass - displaced_mass),
+        net_weight=g * (mass - displaced_mass),
         righting_moment=moment,
     )
