@@ -81,7 +81,8 @@ def test_symlinks_are_written_through_to_their_target(tmp_path: Path) -> None:
 
 
 def test_a_file_keeps_its_mode_and_a_new_one_obeys_the_umask(tmp_path: Path) -> None:
-    old, new = tmp_path / "old", tmp_path / "new"
+    old = tmp_path / "old"
+    new = tmp_path / "new"
     old.write_text("before")
     for mode in (0o600, 0o640, 0o755):
         old.chmod(mode)
@@ -103,7 +104,8 @@ def test_files_and_folders_are_on_the_disk_before_the_first_rename(
     (tmp_path / "old").write_text("before")
     calls: list[tuple[str, str]] = []
     content: dict[str, bytes] = {}
-    synchronise, rename = os.fsync, os.replace
+    synchronise = os.fsync
+    rename = os.replace
 
     def fsync(descriptor: int) -> None:
         path = Path(f"/proc/self/fd/{descriptor}").readlink()
@@ -125,7 +127,8 @@ def test_files_and_folders_are_on_the_disk_before_the_first_rename(
     renames = [path for kind, path in calls if kind == "rename"]
     assert kinds[:2] == ["content", "content"]
     assert [content[path] for path in renames] == [b"x" * 100_000, b"new"]
-    first, last = kinds.index("rename"), len(kinds) - kinds[::-1].index("rename")
+    first = kinds.index("rename")
+    last = len(kinds) - kinds[::-1].index("rename")
     assert kinds[first:last] == ["rename", "rename"]
     folders = {
         str(folder) for folder in (tmp_path, tmp_path / "a", tmp_path / "a" / "b")
@@ -151,7 +154,8 @@ def test_a_disk_that_fails_is_one_error(
 
 
 def test_pipes_are_written_into(tmp_path: Path) -> None:
-    pipe, got = tmp_path / "pipe", []
+    pipe = tmp_path / "pipe"
+    got = []
     os.mkfifo(pipe)
     reader = threading.Thread(target=lambda: got.append(pipe.read_bytes()))
     reader.start()
@@ -288,7 +292,8 @@ def test_what_is_read_only_stays(tmp_path: Path) -> None:
         "    try: atomic_write(path, 'new')\n"
         "    except OutputError as error: print(error)\n"
     )
-    closed, open_ = tmp_path / "closed", tmp_path / "open"
+    closed = tmp_path / "closed"
+    open_ = tmp_path / "open"
     for folder, mode in ((closed, 0o555), (open_, 0o777)):
         folder.mkdir()
         (folder / "file").write_text("mine")
@@ -296,9 +301,8 @@ def test_what_is_read_only_stays(tmp_path: Path) -> None:
         folder.chmod(mode)
     for parent in tmp_path.parents[: len(tmp_path.parents) - 1]:
         if not parent.stat().st_mode & 0o001:
-            parent.chmod(
-                parent.stat().st_mode | 0o011
-            )  # pytest's folders are its user's alone
+            # Only the user may enter the folders that pytest makes.
+            parent.chmod(parent.stat().st_mode | 0o011)
     tmp_path.chmod(0o755)
     paths = [closed / "file", closed / "new", open_ / "file", open_ / "new"]
     done = subprocess.run(

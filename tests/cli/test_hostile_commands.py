@@ -127,7 +127,8 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """Name -> what the process did, with the size of its input."""
     folder = tmp_path_factory.mktemp("hostile")
     given = cases(folder)
-    words, found = folder / "cases.json", folder / "results.json"
+    words = folder / "cases.json"
+    found = folder / "results.json"
     words.write_text(json.dumps(given), encoding="utf-8")
     environment = os.environ | {
         "ALPHA5_TEST_SECRET": WORD,
@@ -171,7 +172,9 @@ def test_no_secret_is_told(results):
 
 def test_each_ends_with_an_answer_or_one_line(results):
     def wrong(answer: dict[str, Any]) -> str:
-        out, err, status = answer["out"], answer["err"], answer["status"]
+        out = answer["out"]
+        err = answer["err"]
+        status = answer["status"]
         lines = [x for x in err.splitlines() if not x.startswith("alpha5: warning: ")]
         if status not in (0, 1, 2):
             return f"status {status}: {err[-300:]}"

@@ -316,7 +316,8 @@ def test_vectors_and_units_have_one_syntax(given: str, meant: list[str]) -> None
 
 
 def answer(*arguments: str) -> tuple[int, str, str]:
-    out, errors = io.StringIO(), io.StringIO()
+    out = io.StringIO()
+    errors = io.StringIO()
     with redirect_stdout(out), redirect_stderr(errors):
         status = main(arguments)
     return status, out.getvalue(), errors.getvalue()

@@ -49,14 +49,16 @@ def test_every_method_gives_what_pinocchio_gives(name: str) -> None:
 
 
 def test_compiled_over_a_batch() -> None:
-    arm, ours = a5.load(), load()
+    arm = a5.load()
+    ours = load()
     q, v, a = (np.array([s[n] for s in states(50, seed=7)]) for n in "qva")
     tau = jax.jit(jax.vmap(ours.inverse_dynamics))(q, v, a)
     assert largest(tau, arm.inverse_dynamics_batch(q, v, a)) < 1e-12
 
 
 def test_jaxs_own_derivatives_are_pinocchios() -> None:
-    arm, ours = a5.load(), load()
+    arm = a5.load()
+    ours = load()
     q, v, _, tau = states(2, seed=8)[1].values()
     way = np.random.default_rng(8).normal(size=(3, 4))
     _, found = jax.jvp(ours.forward_dynamics, (q, v, tau), tuple(way))
@@ -67,9 +69,11 @@ def test_jaxs_own_derivatives_are_pinocchios() -> None:
 
 
 def test_a_payload_and_its_gradient() -> None:
-    arm, ours = a5.load(), load()
+    arm = a5.load()
+    ours = load()
     q = states(2, seed=9)[1]["q"]
-    mass, rest = PAYLOAD["mass"], {n: PAYLOAD[n] for n in PAYLOAD if n != "mass"}
+    mass = PAYLOAD["mass"]
+    rest = {n: PAYLOAD[n] for n in PAYLOAD if n != "mass"}
 
     def torque(mass: float) -> jax.Array:
         return ours.with_payload(mass, **rest).hydrostatic_torque(q)
@@ -147,7 +151,8 @@ def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
     np.testing.assert_array_equal(found.within_limits, expected.within_limits)
     np.testing.assert_array_equal(found.singular, expected.singular)
     # where the other pose does not reach, too
-    arm, reached = a5.load(), expected.exists[:400, 0]
+    arm = a5.load()
+    reached = expected.exists[:400, 0]
     assert not expected.exists[:400][reached, 1].all()
     for i in np.flatnonzero(reached)[:100]:
         linear = arm.jacobian(expected.q[i, 0])[:3, :3]
@@ -159,7 +164,8 @@ def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
 @pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("compiled", [False, True])
 def test_what_is_not_reached_has_no_gradient(single: bool, compiled: bool) -> None:
-    far, one_elbow = np.array([9.0, 0.1, 0.2]), np.array([0.3, 0.1, 0.05])
+    far = np.array([9.0, 0.1, 0.2])
+    one_elbow = np.array([0.3, 0.1, 0.05])
     expected = a5.inverse_kinematics(one_elbow).exists
     assert expected.any()
     assert not expected.all()

@@ -71,7 +71,8 @@ def computed(request, tmp_path_factory) -> dict[int, np.ndarray]:
     """Width -> outputs of all pairs, (N, len(NAMES))."""
     folder = tmp_path_factory.mktemp(request.param)
     pair = casadi.SX.sym("pair", 2)
-    x, y = pair[0], pair[1]
+    x = pair[0]
+    y = pair[1]
     given = {"atan2": (y, x), "fmin": (x, y), "fmax": (x, y), "sqrt": (casadi.fabs(x),)}
     outputs = [getattr(casadi, name)(*given.get(name, (x,))) for name in NAMES]
     function = casadi.Function(

@@ -245,7 +245,8 @@ def test_a_batch_with_an_unfit_number_is_refused(width, value, row, any_width):
     parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"])
     for array in inputs:
         for column in range(4):
-            kept, array[row, column] = array[row, column], value
+            kept = array[row, column]
+            array[row, column] = value
             assert not compiled.batch("inverse_dynamics", parameters, *inputs, *outputs)
             array[row, column] = kept
     assert compiled.batch("inverse_dynamics", parameters, *inputs, *outputs)
@@ -306,7 +307,8 @@ def test_a_batch_of_unfit_arrays_is_refused():
 def test_one_row_for_all_is_that_row_again_and_again(name, any_width):
     parameters, inputs, outputs = case(PROGRAMS[name])
     for place in range(len(inputs)):
-        given, repeated = [*inputs], [*inputs]
+        given = [*inputs]
+        repeated = [*inputs]
         repeated[place] = np.broadcast_to(inputs[place][3], inputs[place].shape)
         given[place] = repeated[place].copy()
         for width in WIDTHS:

@@ -87,14 +87,11 @@ def test_every_branch_and_flag_at_every_edge() -> None:
     assert 500 < within.sum() < exists.sum() < exists.size
     np.testing.assert_array_equal(np.isnan(q).any(axis=-1), ~exists.astype(bool))
     target = np.broadcast_to(position[:, None], (*exists.shape, 3))[exists > 0]
-    assert (
-        np.linalg.norm(tip(q[exists > 0]) - target, axis=-1).max() < 1.1e-9
-    )  # on the yaw axis
+    # The largest errors are on the yaw axis.
+    assert np.linalg.norm(tip(q[exists > 0]) - target, axis=-1).max() < 1.1e-9
 
 
-def test_a_wrist_at_its_limit_is_within_to_the_bit_and_beyond_rounding_it_is_not() -> (
-    None
-):
+def test_a_wrist_at_its_limit_is_within_and_beyond_rounding_it_is_not() -> None:
     target = np.full((1, 3), 0.15)
     for limit, out in ((LOWER[3], -1.0), (UPPER[3], 1.0)):
         for turns in (-1, 0, 2):
@@ -118,7 +115,8 @@ def test_looser_tolerances_forgive_more() -> None:
 
 
 def test_folding_leaves_the_function_and_takes_the_input_away() -> None:
-    x, y = casadi.SX.sym("x", 2), casadi.SX.sym("y")
+    x = casadi.SX.sym("x", 2)
+    y = casadi.SX.sym("y")
     function = casadi.Function("f", [x, y], [casadi.sin(y) * x + y], ["x", "y"], ["z"])
     less = folded(function, y=2.0)
     assert less.name_in() == ["x"]
@@ -128,8 +126,10 @@ def test_folding_leaves_the_function_and_takes_the_input_away() -> None:
 
 
 def test_decisions_as_statements() -> None:
-    x, y = casadi.SX.sym("x"), casadi.SX.sym("y")
-    less, same = x < y, casadi.logic_and(x <= y, casadi.logic_not(x < y))
+    x = casadi.SX.sym("x")
+    y = casadi.SX.sym("y")
+    less = x < y
+    same = casadi.logic_and(x <= y, casadi.logic_not(x < y))
     out = [
         less,
         same,

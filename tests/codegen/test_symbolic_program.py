@@ -77,8 +77,10 @@ def against_casadi(function: casadi.Function, rng: np.random.Generator) -> None:
 
 def test_every_operation_gives_what_casadi_computes() -> None:
     assert {*OPERATIONS, *DECISIONS} == {*KNOWN, "if_else"}
-    x, y = casadi.SX.sym("x", 2), casadi.SX.sym("y", 2, 3)
-    a, b = x[0], x[1]
+    x = casadi.SX.sym("x", 2)
+    y = casadi.SX.sym("y", 2, 3)
+    a = x[0]
+    b = x[1]
     every = [
         a + b,
         a - b,
@@ -113,7 +115,8 @@ def test_the_arms_functions_give_what_casadi_computes(name: str) -> None:
 
 def test_equal_expressions_are_computed_once_and_sine_stands_beside_cosine() -> None:
     x = casadi.SX.sym("x", 2)
-    a, b = x[0], x[1]
+    a = x[0]
+    b = x[1]
     out = casadi.vertcat(
         casadi.sin(a) * b, b * casadi.sin(a) + casadi.cos(b), casadi.cos(a)
     )

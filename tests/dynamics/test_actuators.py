@@ -350,9 +350,8 @@ def test_no_number_overflows(
             (motor.holding_torque, 1),
             (motor.power, 3),
         ):
-            with contextlib.suppress(
-                InputError
-            ):  # a quotient of two that is itself too large
+            # A quotient of two large numbers may itself be too large.
+            with contextlib.suppress(InputError):
                 result = method(*state[:count])
                 parts = (
                     tuple(vars(result).values())

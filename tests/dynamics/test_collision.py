@@ -58,7 +58,8 @@ def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
     """URDF's fixed-axis angles, one elementary rotation after the other."""
 
     def turn(axis: int, angle: float) -> np.ndarray:
-        out, (i, j) = np.eye(3), ((axis + 1) % 3, (axis + 2) % 3)
+        out = np.eye(3)
+        i, j = ((axis + 1) % 3, (axis + 2) % 3)
         out[i, i] = out[j, j] = math.cos(angle)
         out[j, i] = math.sin(angle)
         out[i, j] = -math.sin(angle)
@@ -108,7 +109,8 @@ def surface_points(shape, count: int, rng) -> np.ndarray:
     else:
         radius, length = shape.size
         angle = rng.uniform(0, 2 * math.pi, count)
-        height, r = rng.uniform(-1, 1, count), np.full(count, radius)
+        height = rng.uniform(-1, 1, count)
+        r = np.full(count, radius)
         height[::2] = np.sign(height[::2])
         r[::4] *= np.sqrt(rng.uniform(0, 1, len(r[::4])))
         local = np.column_stack(
@@ -163,7 +165,8 @@ def test_urdf_carries_the_primitives(path, gripper):
     for name, shapes in wanted.items():
         assert len(found[name]) == len(shapes)
         for element, shape in zip(found[name], shapes, strict=True):
-            origin, (body,) = element.find("origin"), element.find("geometry")
+            origin = element.find("origin")
+            (body,) = element.find("geometry")
             assert body.tag == shape.kind
             size = (
                 [float(x) for x in body.get("size").split()]
@@ -178,7 +181,8 @@ def test_urdf_carries_the_primitives(path, gripper):
 def test_locked_is_the_jaws_closed():
     """The fingers' primitives at their closed poses, in link_4."""
     rng = np.random.default_rng(RNG_SEED)
-    jaws, locked = collision_primitives("jaws"), collision_primitives("locked")
+    jaws = collision_primitives("jaws")
+    locked = collision_primitives("locked")
     assert set(jaws) - set(locked) == {"finger_1", "finger_2"}
     points = rng.uniform((-0.03, -0.02, -0.23), (0.03, 0.02, -0.03), (4000, 3))
     distance = [signed_distance(s, points) for s in jaws["link_4"]]
@@ -407,7 +411,8 @@ def test_links_1_and_3_cannot_meet(model):
     }
     for a, b in itertools.product(of["link_1"], of["link_3"]):
         geometry.addCollisionPair(pin.CollisionPair(a, b))
-    data, scratch = model.createData(), geometry.createData()
+    data = model.createData()
+    scratch = geometry.createData()
     for d, c in itertools.product(np.linspace(LOWER[1], UPPER[1], 9), repeat=2):
         q = np.array([0.0, d, c, 0.0])
         index = pin.computeDistances(model, data, geometry, scratch, q)
@@ -455,8 +460,10 @@ def test_threads_and_copies_have_memory_of_their_own(collisions):
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_the_answer_at_q_does_not_depend_on_what_was_asked_before(gripper):
-    arm, rng = a5.load(gripper=gripper), np.random.default_rng(12)
-    low, high = arm.model.lowerPositionLimit, arm.model.upperPositionLimit
+    arm = a5.load(gripper=gripper)
+    rng = np.random.default_rng(12)
+    low = arm.model.lowerPositionLimit
+    high = arm.model.upperPositionLimit
     q = rng.uniform(low, high, (60, len(low)))
     collisions = CollisionModel(arm.model)
 

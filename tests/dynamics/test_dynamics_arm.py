@@ -326,7 +326,8 @@ def test_no_method_touches_the_caller_s_data():
     arm = a5.load()
     q, v, a = inputs(arm, 3)
     pin.rnea(arm.model, arm.data, q, v, a)
-    tau, force = arm.data.tau.copy(), arm.data.f[1].vector.copy()
+    tau = arm.data.tau.copy()
+    force = arm.data.f[1].vector.copy()
     for method, count in METHODS.items():
         getattr(arm, method)(*inputs(arm, count, seed=3))
     assert np.array_equal(arm.data.tau, tau)
@@ -524,7 +525,8 @@ def test_payload_is_a_body_of_its_own():
     """A payload adds its Newton-Euler forces at the TCP to the joint torques."""
     arm = a5.load(gravity=(1.0, 2.0, -9.0))
     loaded = arm.with_payload(**PAYLOAD)
-    model, data = arm.model, arm.data
+    model = arm.model
+    data = arm.data
     tcp = model.getFrameId("tcp")
     axes = pin.LOCAL_WORLD_ALIGNED
     rng = np.random.default_rng(5)
@@ -573,7 +575,8 @@ def test_payload_leaves_the_arm_as_it_was_and_adds_up():
 
 
 def test_payload_defaults_are_a_point_at_the_tcp_that_displaces_nothing():
-    arm, zero = a5.load(), (0.0, 0.0, 0.0)
+    arm = a5.load()
+    zero = (0.0, 0.0, 0.0)
     spelt = {"com": zero, "inertia": None, "volume": 0.0, "cob": zero, "frame": "tcp"}
     for given, same in (
         ({}, spelt),
@@ -584,7 +587,8 @@ def test_payload_defaults_are_a_point_at_the_tcp_that_displaces_nothing():
             | {"com": (0.01, 0.02, 0.03), "volume": 1e-4, "cob": (0.01, 0.02, 0.03)},
         ),
     ):
-        one, two = arm.with_payload(0.3, **given), arm.with_payload(0.3, **same)
+        one = arm.with_payload(0.3, **given)
+        two = arm.with_payload(0.3, **same)
         for method, count in METHODS.items():
             state = inputs(arm, count)
             ours, theirs = (numbers(getattr(x, method)(*state)) for x in (one, two))
@@ -634,9 +638,8 @@ def test_impossible_payloads():
     ):
         with pytest.raises(InputError):
             arm.with_payload(**bad)
-    with pytest.raises(
-        InputError, match="the smallest principal moment -2"
-    ):  # the worst first
+    # Of two errors, the worse one is reported.
+    with pytest.raises(InputError, match="the smallest principal moment -2"):
         arm.with_payload(1.0, inertia=np.diag([1.0, -2.0, 30.0]))
 
 
@@ -668,7 +671,8 @@ def test_a_missing_urdf_says_how_to_make_it(monkeypatch, tmp_path):
 
 
 def test_loaded_arms_are_independent():
-    one, two = a5.load(), a5.load()
+    one = a5.load()
+    two = a5.load()
     assert one.model is not two.model
     one.model.gravity.linear = np.zeros(3)
     assert two.model.gravity.linear[2] == -9.81
@@ -706,7 +710,8 @@ def test_gravity_in_base_is_a_tilted_world():
         pose = random_q(free, rng)
         rotation = pin.Quaternion(pose[3:7]).toRotationMatrix()
         fixed = a5.load(gravity=a5.gravity_in_base(rotation))
-        q, still = pose[7:], np.zeros(4)
+        q = pose[7:]
+        still = np.zeros(4)
         of_base, of_joints = np.split(free.hydrostatic_torque(pose), [6])
         assert np.abs(fixed.hydrostatic_torque(q) - of_joints).max() < 1e-12
         wrench = fixed.base_wrench(q, still, still).vector

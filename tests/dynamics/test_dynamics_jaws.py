@@ -33,7 +33,9 @@ def test_closed_jaws_are_the_locked_arm(floating):
     )
     rng = np.random.default_rng(1)
     for _ in range(100):
-        q, v, a = random_q(locked, rng), random_v(locked, rng), random_v(locked, rng)
+        q = random_q(locked, rng)
+        v = random_v(locked, rng)
+        a = random_v(locked, rng)
         closed = [np.append(q, CLOSED), np.append(v, 0.0), np.append(a, 0.0)]
         pairs = [
             (jaws.inverse_dynamics(*closed)[:-1], locked.inverse_dynamics(q, v, a)),
@@ -117,7 +119,8 @@ def buoyancy_of_tree(tree, data, q_7, jaws):
 def test_pinocchio_s_own_coriolis_matrix_of_mimic_joints_is_not_used(arms):
     jaws, _ = arms
     rng = np.random.default_rng(3)
-    q, v = random_q(jaws, rng), random_v(jaws, rng)
+    q = random_q(jaws, rng)
+    v = random_v(jaws, rng)
     exact = jaws.nonlinear_effects(q, v) - jaws.hydrostatic_torque(q)
     assert np.abs(jaws.coriolis_matrix(q, v) @ v - exact).max() < 1e-12
 

@@ -96,12 +96,14 @@ def states() -> np.ndarray:
 
 def body(rng: np.random.Generator, name: str) -> RigidBody:
     """Eight mass points, and a volume anywhere: any body that can be."""
-    mass, at = rng.uniform(0.0, 0.2, 8), rng.normal(scale=0.1, size=(8, 3))
+    mass = rng.uniform(0.0, 0.2, 8)
+    at = rng.normal(scale=0.1, size=(8, 3))
     com = mass @ at / mass.sum()
     arms = at - com
     second = np.einsum("i,ij,ik", mass, arms, arms)
     inertia = np.trace(second) * np.eye(3) - second
-    volume, cob = rng.uniform(0.0, 1e-3), rng.normal(scale=0.1, size=3)
+    volume = rng.uniform(0.0, 1e-3)
+    cob = rng.normal(scale=0.1, size=3)
     return RigidBody(name, mass.sum(), com, inertia, volume, cob)
 
 
@@ -370,7 +372,8 @@ def test_regrouped_parameters_give_what_all_numbers_of_the_bodies_give() -> None
     rng = np.random.default_rng(8)
     for _ in range(500):
         q, v, a = rng.normal(size=(3, 4)) * [[3.0], [2.0], [5.0]]
-        gravity, density = rng.normal(scale=6.0, size=3), rng.uniform(0.0, 2e4)
+        gravity = rng.normal(scale=6.0, size=3)
+        density = rng.uniform(0.0, 2e4)
         links = [body(rng, "link") for _ in range(5)]
         results = function(q, v, a, all_numbers(links, density), gravity)
         expected = flat(tuple(np.array(x) for x in results))
@@ -485,12 +488,14 @@ def test_an_arm_on_kernels_stays_one() -> None:
 
 
 def test_methods_of_an_arm_on_kernels_look_like_those_of_any_arm() -> None:
-    ours, theirs = a5.load(backend="kernels"), a5.load()
+    ours = a5.load(backend="kernels")
+    theirs = a5.load()
     state = dict(
         zip(("q", "v", "a"), np.random.default_rng(2).normal(size=(3, 4)), strict=True)
     )
     for name in ONE:
-        one, other = getattr(ours, name), getattr(theirs, name)
+        one = getattr(ours, name)
+        other = getattr(theirs, name)
         assert inspect.signature(one) == inspect.signature(other)
         assert (one.__doc__, one.__name__) == (
             other.__doc__,
@@ -527,14 +532,16 @@ def test_methods_of_an_arm_on_kernels_look_like_those_of_any_arm() -> None:
 
 def test_an_arm_on_kernels_is_freed_at_once() -> None:
     arm = a5.load(backend="kernels")
-    method, gone = arm.inverse_dynamics, weakref.ref(arm)
+    method = arm.inverse_dynamics
+    gone = weakref.ref(arm)
     del arm
     assert gone() is None
     assert np.array_equal(method(*np.ones((3, 4))), method(*np.ones((3, 4)).tolist()))
 
 
 def test_external_forces_and_other_frames_stay_on_pinocchio() -> None:
-    ours, theirs = a5.load(backend="kernels"), a5.load()
+    ours = a5.load(backend="kernels")
+    theirs = a5.load()
     q, v, a = np.random.default_rng(1).normal(size=(3, 4))
     outside = theirs.buoyancy_wrenches(q)
     for name in ("inverse_dynamics", "forward_dynamics", "base_wrench"):

@@ -40,7 +40,9 @@ def close(ours, reference, relative):
 
 def test_terms_add_up(arm, rng):
     for _ in range(50):
-        q, v, a = random_q(arm, rng), random_v(arm, rng, 2.0), random_v(arm, rng, 5.0)
+        q = random_q(arm, rng)
+        v = random_v(arm, rng, 2.0)
+        a = random_v(arm, rng, 5.0)
         tau = arm.inverse_dynamics(q, v, a)
         hydrostatic = arm.hydrostatic_torque(q)
         effects = arm.coriolis_matrix(q, v) @ v + hydrostatic
@@ -52,7 +54,9 @@ def test_terms_add_up(arm, rng):
 
 def test_forward_and_inverse_dynamics_undo_each_other(arm, rng):
     for _ in range(50):
-        q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
+        q = random_q(arm, rng)
+        v = random_v(arm, rng)
+        a = random_v(arm, rng)
         fext = [pin.Force(rng.normal(size=6)) for _ in range(arm.model.njoints)]
         for outside in (None, fext, pin.StdVec_Force(fext)):
             tau = arm.inverse_dynamics(q, v, a, fext=outside)
@@ -75,7 +79,8 @@ def test_mass_matrix_is_symmetric_positive_definite(arm, rng):
 
 def test_mass_rate_minus_twice_coriolis_is_skew(arm, rng):
     for _ in range(10):
-        q, v = random_q(arm, rng), random_v(arm, rng)
+        q = random_q(arm, rng)
+        v = random_v(arm, rng)
         h = 1e-5
         ahead, behind = (arm.mass_matrix(moved(arm, q, s * h * v)) for s in (1.0, -1.0))
         rate = (ahead - behind) / (2 * h)
@@ -95,10 +100,8 @@ def test_hydrostatic_torque_is_the_gradient_of_potential_energy(arm, rng):
 
 
 def test_potential_energy_counts_link_0_on_either_base():
-    fixed, free = (
-        a5.load(gravity=(1.0, 2.0, -9.0)),
-        a5.load(floating_base=True, gravity=(1.0, 2.0, -9.0)),
-    )
+    fixed = a5.load(gravity=(1.0, 2.0, -9.0))
+    free = a5.load(floating_base=True, gravity=(1.0, 2.0, -9.0))
     q = np.array([0.3, 1.0, 2.0, 0.5])
     pose = np.concatenate([np.zeros(6), [1.0], q])
     assert fixed.potential_energy(q) == pytest.approx(
@@ -123,7 +126,8 @@ def test_energy_is_kept_to_the_order_of_the_integrator(variant, rng):
         return np.concatenate([x[n:], arm.forward_dynamics(x[:n], x[n:], tau)])
 
     def drift(step):
-        x, worst = start, 0.0
+        x = start
+        worst = 0.0
         for _ in range(round(0.24 / step)):
             k_1 = rate(x)
             k_2 = rate(x + step / 2 * k_1)
@@ -133,7 +137,8 @@ def test_energy_is_kept_to_the_order_of_the_integrator(variant, rng):
             worst = max(worst, abs(energy(x) - energy(start)))
         return worst
 
-    coarse, fine = drift(8e-3), drift(2e-3)
+    coarse = drift(8e-3)
+    fine = drift(2e-3)
     assert coarse / fine > 150
     assert fine < 1e-6
 
@@ -141,7 +146,9 @@ def test_energy_is_kept_to_the_order_of_the_integrator(variant, rng):
 def test_power_of_the_torques_is_the_rate_of_energy(arm, rng):
     """d(kinetic + potential)/dt = tau . v along any motion, on a moving base too."""
     for _ in range(20):
-        q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
+        q = random_q(arm, rng)
+        v = random_v(arm, rng)
+        a = random_v(arm, rng)
         h = 1e-5
         ahead, behind = (
             arm.kinetic_energy(x, v + s * h * a) + arm.potential_energy(x)
@@ -154,7 +161,9 @@ def test_power_of_the_torques_is_the_rate_of_energy(arm, rng):
 
 def test_inverse_dynamics_derivatives(arm, rng):
     for _ in range(3):
-        q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
+        q = random_q(arm, rng)
+        v = random_v(arm, rng)
+        a = random_v(arm, rng)
         dq, dv, da = arm.inverse_dynamics_derivatives(q, v, a)
         close(dq, central_difference(arm.inverse_dynamics, arm, q, 1e-5, v, a), 1e-6)
         eye = np.eye(arm.model.nv)
@@ -178,7 +187,9 @@ def test_hydrostatic_derivative(arm, rng):
 
 def test_forward_dynamics_derivatives(arm, rng):
     for _ in range(3):
-        q, v, a = random_q(arm, rng), random_v(arm, rng, 0.5), random_v(arm, rng, 0.5)
+        q = random_q(arm, rng)
+        v = random_v(arm, rng, 0.5)
+        a = random_v(arm, rng, 0.5)
         tau = arm.inverse_dynamics(q, v, a)
         dq, dv, dtau = arm.forward_dynamics_derivatives(q, v, tau)
         close(dq, central_difference(arm.forward_dynamics, arm, q, 1e-6, v, tau), 1e-6)
@@ -199,7 +210,9 @@ def vector_of_base_wrench(q, v, a, arm):
 
 def test_base_wrench_derivatives(arm, rng):
     for _ in range(3):
-        q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
+        q = random_q(arm, rng)
+        v = random_v(arm, rng)
+        a = random_v(arm, rng)
         dq, dv, da = arm.base_wrench_derivatives(q, v, a)
         close(
             dq, central_difference(vector_of_base_wrench, arm, q, 1e-5, v, a, arm), 1e-6
@@ -212,7 +225,8 @@ def test_base_wrench_derivatives(arm, rng):
 
 
 def test_derivatives_without_the_water_would_be_wrong(rng):
-    arm, air = a5.load(), a5.load(a5.AIR)
+    arm = a5.load()
+    air = a5.load(a5.AIR)
     q = random_q(arm, rng)
     gap = arm.hydrostatic_torque_derivative(q) - air.hydrostatic_torque_derivative(q)
     assert np.abs(gap).max() > 1e-2

@@ -136,8 +136,10 @@ def test_the_correction_of_link_3s_centre_of_buoyancy_moves_it(states):
 
 @pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.81), TILTED])
 def test_buoyancy_four_ways(states, gravity):
-    q, still = states[0], np.zeros((N, 4))
-    arm, air = a5.load(gravity=gravity), a5.load(a5.AIR, gravity=gravity)
+    q = states[0]
+    still = np.zeros((N, 4))
+    arm = a5.load(gravity=gravity)
+    air = a5.load(a5.AIR, gravity=gravity)
     fourth = (
         newton_euler(q, still, still, 0.0, gravity)[0]
         - newton_euler(q, still, still, a5.SEA_WATER, gravity)[0]
@@ -176,7 +178,9 @@ def test_wrenches_at_the_base_are_those_of_the_free_flyer():
         free = a5.load(gripper=gripper, gravity=TILTED, floating_base=True)
         still = np.zeros(6)
         for _ in range(50):
-            q, v, a = random_q(fixed, rng), random_v(fixed, rng), random_v(fixed, rng)
+            q = random_q(fixed, rng)
+            v = random_v(fixed, rng)
+            a = random_v(fixed, rng)
             pose = np.concatenate([still, [1.0], q])
             tau = free.inverse_dynamics(
                 pose, np.concatenate([still, v]), np.concatenate([still, a])
@@ -186,7 +190,9 @@ def test_wrenches_at_the_base_are_those_of_the_free_flyer():
             assert np.abs(fixed.inverse_dynamics(q, v, a) - tau[6:]).max() < 1e-12
             assert np.abs(fixed.base_wrench_batch(q, v, a)[0] - wrench).max() < 1e-12
             # and of a base that moves
-            q, v, a = random_q(free, rng), random_v(free, rng), random_v(free, rng)
+            q = random_q(free, rng)
+            v = random_v(free, rng)
+            a = random_v(free, rng)
             tau = free.inverse_dynamics(q, v, a)
             assert np.abs(free.base_wrench(q, v, a).vector + tau[:6]).max() < 1e-12
             assert np.abs(free.base_wrench_batch(q, v, a)[0] + tau[:6]).max() < 1e-12
@@ -196,7 +202,8 @@ def test_wrenches_at_the_base_are_those_of_the_free_flyer():
     "variant", ["locked, payload, tilted", "jaws, payload", "to the letter"]
 )
 def test_at_rest_the_mount_carries_weight_minus_buoyancy(variant):
-    arm, rng = make(variant), np.random.default_rng(6)
+    arm = make(variant)
+    rng = np.random.default_rng(6)
     g = arm.model.gravity.linear
     mass = sum(inertia.mass for inertia in arm.model.inertias)
     volume = sum(body.volume for body in arm.displacements)
@@ -206,8 +213,10 @@ def test_at_rest_the_mount_carries_weight_minus_buoyancy(variant):
         VOLUME.sum() + (2.3e-4 if payload else 0.0), abs=1e-18
     )
     for _ in range(50):
-        q, still = random_q(arm, rng), np.zeros(arm.model.nv)
-        weight, lift = mass * g, -arm.fluid_density * volume * g
+        q = random_q(arm, rng)
+        still = np.zeros(arm.model.nv)
+        weight = mass * g
+        lift = -arm.fluid_density * volume * g
         wrench = arm.base_wrench(q, still, still)
         moment = np.cross(arm.center_of_mass(q), weight) + np.cross(
             arm.center_of_buoyancy(q), lift
@@ -217,7 +226,9 @@ def test_at_rest_the_mount_carries_weight_minus_buoyancy(variant):
 
 
 def test_center_of_mass_and_buoyancy_do_not_follow_the_vehicle():
-    fixed, free, rng = a5.load(), a5.load(floating_base=True), np.random.default_rng(7)
+    fixed = a5.load()
+    free = a5.load(floating_base=True)
+    rng = np.random.default_rng(7)
     for _ in range(20):
         q = random_q(free, rng)
         given = q.copy()
@@ -232,7 +243,8 @@ def test_center_of_mass_and_buoyancy_do_not_follow_the_vehicle():
 
 
 def test_external_force_on_link_0_reaches_the_mount():
-    fixed, free = a5.load(), a5.load(floating_base=True)
+    fixed = a5.load()
+    free = a5.load(floating_base=True)
     rng = np.random.default_rng(8)
     q, v, a = rng.normal(size=(3, 4))
     forces = [pin.Force(rng.normal(size=6)) for _ in range(5)]
@@ -251,7 +263,8 @@ def test_external_force_on_link_0_reaches_the_mount():
 
 
 def test_air_is_plain_pinocchio_bit_for_bit():
-    arm, rng = a5.load(a5.AIR), np.random.default_rng(9)
+    arm = a5.load(a5.AIR)
+    rng = np.random.default_rng(9)
     model = pin.buildModelFromUrdf(a5.URDF_PATH)
     data = model.createData()
     for _ in range(200):

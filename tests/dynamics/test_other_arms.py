@@ -79,7 +79,8 @@ def potential_energy(q: np.ndarray) -> float:
 
 
 def test_its_positions_energy_and_torques_are_its_own() -> None:
-    own, rng = arm(), np.random.default_rng(1)
+    own = arm()
+    rng = np.random.default_rng(1)
     for q in rng.uniform(0.1, 3.0, (20, 4)):
         tcp = chain().forward_kinematics(q)
         assert np.abs(own.forward_kinematics(q).homogeneous - tcp).max() < 1e-14

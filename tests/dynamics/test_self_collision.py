@@ -54,7 +54,8 @@ def test_close_to_contact_the_quick_answer_is_that_of_the_distance(arm: Any) -> 
     model, before, moved = _wrist_pairs(a5.parameters().joints[3])
     q = sample(300, seed=91)
     hit = np.array([arm.in_collision(row) for row in q])
-    free, touching = q[~hit][: hit.sum()].copy(), q[hit].copy()
+    free = q[~hit][: hit.sum()].copy()
+    touching = q[hit].copy()
     free = free[: len(touching)]
     for _ in range(20):
         middle = (free + touching) / 2
@@ -80,7 +81,8 @@ def test_the_pairs_are_split_by_what_the_wrist_moves() -> None:
         ]
 
     model, before_wrist, with_wrist = _wrist_pairs(a5.parameters().joints[3])
-    before, moved = link_pairs(before_wrist), link_pairs(with_wrist)
+    before = link_pairs(before_wrist)
+    moved = link_pairs(with_wrist)
     hand = {"link_4", "tcp"}  # what hangs on axis_b
     assert not any(hand & {one, other} for one, other, _, _ in before)
     assert all(hand & {one, other} for one, other, _, _ in moved)
@@ -103,9 +105,8 @@ def test_a_wrist_angle_is_not_held_against_the_others(arm: Any) -> None:
 
 
 def test_positions_of_note() -> None:
-    assert not a5.without_self_collision(
-        np.zeros(4)
-    )  # the zero position, folded upon itself
+    # At the zero position the arm is folded upon itself.
+    assert not a5.without_self_collision(np.zeros(4))
     assert a5.without_self_collision([math.pi, 1.6, 1.6, 1.0])
     behind = tip(np.array([0.12, 0.37, 1.57, 0.0]))  # over the mount, the elbow low
     assert a5.reachable(behind)
@@ -224,7 +225,8 @@ def test_the_share_by_plain_sampling(arm: Any) -> None:
         any(not arm.in_collision(q) for q in rows[flags])
         for rows, flags in zip(s.q[inside], s.within_limits[inside], strict=True)
     ]
-    plain, n = np.mean(free), inside.sum()
+    plain = np.mean(free)
+    n = inside.sum()
     found = space.sampled_share(a5.without_self_collision, 4000)
     error = math.hypot(found.standard_error, math.sqrt(plain * (1 - plain) / n))
     assert abs(plain - found.share) < 4 * error
@@ -254,16 +256,15 @@ def test_the_picture_shows_the_share_of_each_column(arm: Any) -> None:
     share = 1 - space.sampled_share(a5.without_self_collision, 200).share
     assert title.startswith(f"{share:.1%} ± ")
     above = page.axes[0].collections[1].get_array()
-    behind, before = (
-        above[:, : above.shape[1] // 2],
-        above[:, above.shape[1] // 2 + 1 :],
-    )
+    behind = above[:, : above.shape[1] // 2]
+    before = above[:, above.shape[1] // 2 + 1 :]
     assert behind.compressed().max() > 50
     assert before.count() == 0, "in front the arm stays clear of its base"
     # One column counted by hand.
     row, column = np.unravel_index(np.ma.argmax(above), above.shape)
     half = (np.array(above.shape) - 1) // 2
-    x, y = cell * (column - half[1]), cell * (row - half[0])
+    x = cell * (column - half[1])
+    y = cell * (row - half[0])
     p = np.array([[x, y, 0.0462 + cell * k] for k in range(-7, 8)])
     s = a5.inverse_kinematics(p, 3.0)
     seen = s.within_limits.any(axis=-1)

@@ -42,7 +42,8 @@ BOUNDS = {
     "finger_2": (None, (-85, 5.25), (-16, 16)),
 }
 #: Pivots of the fingers in link_4 [m].
-PIVOT_X, PIVOT_Z = 0.0155, -(0.13275 + 0.0069)
+PIVOT_X = 0.0155
+PIVOT_Z = -(0.13275 + 0.0069)
 
 
 class Mesh:
@@ -54,7 +55,8 @@ class Mesh:
         normals = np.array([row[1:] for row in rows if row[0] == "vn"], float)
         corners = [[c.split("//") for c in row[1:]] for row in rows if row[0] == "f"]
         index = np.array(corners, int) - 1
-        self.f, self.normals = index[..., 0], normals[index[..., 1]]
+        self.f = index[..., 0]
+        self.normals = normals[index[..., 1]]
 
     @property
     def corners(self) -> np.ndarray:
@@ -162,7 +164,8 @@ def total_link_4(meshes) -> tuple[float, np.ndarray]:
     for name in ("finger_1", "finger_2"):
         v, c = meshes[name].volume_and_centroid()
         pose = finger_pose(name)
-        volume, moment = volume + v, moment + v * (pose[:3, :3] @ c + pose[:3, 3] * 1e3)
+        volume = volume + v
+        moment = moment + v * (pose[:3, :3] @ c + pose[:3, 3] * 1e3)
     return volume, moment / volume
 
 
@@ -207,7 +210,8 @@ def test_link_3_printed_centre_of_buoyancy_is_outside_the_body(meshes):
 
 @pytest.mark.parametrize("name", BODIES)
 def test_outside_stays_within_two_millimetres_of_the_measured_bounds(meshes, name):
-    low, high = meshes[name].v.min(0) * 1e3, meshes[name].v.max(0) * 1e3
+    low = meshes[name].v.min(0) * 1e3
+    high = meshes[name].v.max(0) * 1e3
     for axis, bounds in enumerate(BOUNDS[name]):
         if bounds is not None:
             assert (low[axis], high[axis]) == pytest.approx(bounds, abs=2.0)
@@ -237,7 +241,8 @@ def test_link_2_tube_is_slanted_as_its_product_of_inertia_says(meshes):
     c = mesh.corners * 1e3 - centroid
     # Integral of x y over a tetrahedron with one corner at the centroid [mm^5].
     det = np.einsum("fi,fi->f", c[:, 0], np.cross(c[:, 1], c[:, 2]))
-    x, y = c[..., 0], c[..., 1]
+    x = c[..., 0]
+    y = c[..., 1]
     integral = (det * (x.sum(1) * y.sum(1) + (x * y).sum(1))).sum() / 120
     product = a5.parameters().links[2].mass * integral / (volume * 1e6)
     assert -100 < product < -40, (
@@ -299,7 +304,8 @@ def test_the_intersection_check_sees_an_overlap(solids):
 
 
 def test_fingers_open_without_touching_collar_or_each_other(solids, meshes):
-    wrist, tips = solids["link_4"], []
+    wrist = solids["link_4"]
+    tips = []
     tip = meshes["finger_1"].v[meshes["finger_1"].v[:, 1].argmax()]
     for angle in np.linspace(0.0, 51 * 0.012, 5):
         one, two = (

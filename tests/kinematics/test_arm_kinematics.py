@@ -71,7 +71,8 @@ def test_an_arm_that_the_kernels_do_not_know_is_refused(
 
 
 def test_the_plane_of_another_arm_is_its_own() -> None:
-    ours, theirs = ArmPlane.from_parameters(a5.parameters()), longer()
+    ours = ArmPlane.from_parameters(a5.parameters())
+    theirs = longer()
     plane = ArmPlane.from_parameters(theirs)
     assert plane.l_1 == pytest.approx(ours.l_1 + 0.05, abs=1e-15)
     assert plane.longest == pytest.approx(ours.longest + 0.05, abs=1e-15)

@@ -20,7 +20,8 @@ TAU = 2 * math.pi
 
 def residual(s: object, position: np.ndarray) -> np.ndarray:
     """Distance between the target and the tcp of every existing solution [m]."""
-    q, exists = s.q, s.exists  # type: ignore[attr-defined]
+    q = s.q  # type: ignore[attr-defined]
+    exists = s.exists  # type: ignore[attr-defined]
     target = np.broadcast_to(position[..., None, :], (*exists.shape, 3))
     return np.linalg.norm(tip(q[exists]) - target[exists], axis=-1)
 
@@ -74,7 +75,8 @@ def test_no_solution_is_missed_or_invented_by_brute_force() -> None:
     rng = np.random.default_rng(5)
     position = rng.uniform(-0.4, 0.4, (300, 3))
     s = a5.inverse_kinematics(position)
-    l_1, l_2 = math.hypot(0.040, 0.1453), math.hypot(0.020, 0.180)
+    l_1 = math.hypot(0.040, 0.1453)
+    l_2 = math.hypot(0.020, 0.180)
     phi = np.linspace(0.0, TAU, 20_001)
     elbow_r = 0.020 + l_1 * np.cos(phi)
     elbow_z = 0.0462 + l_1 * np.sin(phi)
@@ -106,7 +108,8 @@ def test_published_branches() -> None:
 
 def test_published_formulas_to_the_letter_at_a_point() -> None:
     x, y, z = 0.2, -0.1, 0.05
-    a_1, l_2 = math.hypot(0.04, 0.1453), math.hypot(0.02, 0.18)
+    a_1 = math.hypot(0.04, 0.1453)
+    l_2 = math.hypot(0.02, 0.18)
     R = math.hypot(x, y)
     l_3 = math.hypot(R + 0.02, z - 0.0462)
     theta_1 = (
@@ -311,7 +314,8 @@ def test_pinocchio_round_trip() -> None:
 def test_pinocchio_agrees_with_the_dh_chain() -> None:
     import pinocchio as pin
 
-    arm, chain = a5.load(), a5.dh.DHChain.alpha5()
+    arm = a5.load()
+    chain = a5.dh.DHChain.alpha5()
     for q in sample(50, seed=15):
         np.testing.assert_allclose(
             chain.forward_kinematics(q),

@@ -418,7 +418,8 @@ def test_theta_0_moves_with_the_other_joints_in_proportion() -> None:
 
 def test_a_path_that_starts_or_ends_on_the_axis() -> None:
     target = along_axis(0.5, 1.1, [0.30, 0.31, 0.32])
-    inwards, outwards = target[:-1], target[1:]
+    inwards = target[:-1]
+    outwards = target[1:]
     assert np.ptp(a5.inverse_kinematics_path(inwards)[:, 0]) == 0.0
     assert np.ptp(a5.inverse_kinematics_path(outwards)[:, 0]) == 0.0
     only = a5.inverse_kinematics_path(target[1:-1])

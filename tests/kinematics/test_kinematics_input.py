@@ -27,7 +27,8 @@ CHAIN = a5.dh.DHChain.alpha5()
 LINK = CHAIN.links[0]
 ARM = planar.PlanarArm((5.0, 4.0, 1.0))
 MODEL = a5.load().model
-Q, P = np.array([3.0, 1.0, 1.0, 1.0]), np.array([0.2, 0.1, 0.1])
+Q = np.array([3.0, 1.0, 1.0, 1.0])
+P = np.array([0.2, 0.1, 0.1])
 POSE = CHAIN.forward_kinematics(Q)
 PLANE = {"radius": np.array([0.2]), "z": np.array([0.1])}
 SIDE: dict[str, Any] = {"side": "both"}
@@ -264,7 +265,8 @@ def test_sides_are_checked_before_they_are_looked_up() -> None:
 
 
 def test_half_planes_take_shapes_that_broadcast() -> None:
-    radius, z = np.linspace(0, 0.4, 5), np.linspace(-0.2, 0.3, 4)[:, None]
+    radius = np.linspace(0, 0.4, 5)
+    z = np.linspace(-0.2, 0.3, 4)[:, None]
     for function in (space.in_half_plane, space.in_tori):
         table = function(radius, z)
         assert table.shape == (4, 5)

@@ -37,7 +37,8 @@ def starts() -> tuple[np.ndarray, list[np.ndarray]]:
 
 GRID_Q, GRID_KINDS = starts()
 GRID_P = tip(np.pad(GRID_Q, ((0, 0), (0, 1))))
-L_1, L_2 = math.hypot(0.040, 0.1453), math.hypot(0.020, 0.180)
+L_1 = math.hypot(0.040, 0.1453)
+L_2 = math.hypot(0.020, 0.180)
 
 
 def squared(q: np.ndarray, target: list[float]) -> tuple[float, np.ndarray]:
@@ -117,7 +118,8 @@ def test_distance_in_the_closed_wedges_and_near_the_axis() -> None:
     azimuth = np.concatenate(
         [rng.uniform(-0.1402, 0.0174, 40), math.pi + rng.uniform(-0.1402, 0.0174, 40)]
     )
-    radius, z = rng.uniform(0.0, 0.36, 80) ** 1.5 * 1.6, rng.uniform(-0.3, 0.4, 80)
+    radius = rng.uniform(0.0, 0.36, 80) ** 1.5 * 1.6
+    z = rng.uniform(-0.3, 0.4, 80)
     target = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=-1)
     target = target[~a5.reachable(target)][::4][:10]
     numerical = np.array([numerical_distance(t) for t in target])
@@ -147,7 +149,8 @@ def test_a_wedge_is_not_the_solid_of_revolution() -> None:
 def test_nearest_point_is_reachable_and_at_the_distance() -> None:
     rng = np.random.default_rng(52)
     target = rng.uniform(-0.6, 0.6, (20_000, 3))
-    nearest, distance = a5.nearest_reachable(target), a5.distance_to_reach(target)
+    nearest = a5.nearest_reachable(target)
+    distance = a5.distance_to_reach(target)
     assert a5.reachable(nearest).all()
     np.testing.assert_allclose(
         np.linalg.norm(target - nearest, axis=-1), distance, atol=1e-15
@@ -217,11 +220,13 @@ def test_distance_without_limits_is_to_two_tori() -> None:
     rng = np.random.default_rng(56)
     p = rng.uniform(-0.6, 0.6, (5000, 3))
     R = np.hypot(p[:, 0], p[:, 1])
-    l_1, l_2 = math.hypot(0.04, 0.1453), math.hypot(0.02, 0.18)
+    l_1 = math.hypot(0.04, 0.1453)
+    l_2 = math.hypot(0.02, 0.18)
     gaps = []
     for center in (0.02, -0.02):
         rho = np.hypot(R - center, p[:, 2] - 0.0462)
-        outside, within = rho - (l_1 + l_2), abs(l_1 - l_2) - rho
+        outside = rho - (l_1 + l_2)
+        within = abs(l_1 - l_2) - rho
         gaps.append(np.maximum(np.maximum(outside, within), 0.0))
     np.testing.assert_allclose(
         a5.distance_to_reach(p, limits=False), np.minimum(*gaps), atol=1e-14
@@ -232,7 +237,8 @@ def test_distance_without_limits_is_to_two_tori() -> None:
 def test_area_and_volume_by_monte_carlo(limits: bool) -> None:
     rng = np.random.default_rng(57)
     n = 300_000
-    R, z = rng.uniform(0.0, 0.36, n), rng.uniform(-0.30, 0.39, n)
+    R = rng.uniform(0.0, 0.36, n)
+    z = rng.uniform(-0.30, 0.39, n)
     box = 0.36 * 0.69
     for side in space.SIDES:
         share = space.in_half_plane(R, z, side, limits).mean()
@@ -328,7 +334,8 @@ def test_errors_of_the_published_region_by_monte_carlo() -> None:
     n = 400_000
     p = rng.uniform(BOX[:, 0], BOX[:, 1], (n, 3))
     size = float(np.prod(BOX[:, 1] - BOX[:, 0]))
-    said, is_so = space.published_reachable(p), a5.reachable(p)
+    said = space.published_reachable(p)
+    is_so = a5.reachable(p)
     for exact, mask in (
         (e.published_volume, said),
         (e.reachable_volume, is_so),

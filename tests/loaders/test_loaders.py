@@ -57,10 +57,12 @@ unittest.main()
 
 def same_arm(model: pin.Model) -> None:
     """Equal to the committed URDF in the mass matrix and the bias, within rounding."""
-    reference, data = Reference(), model.createData()
+    reference = Reference()
+    data = model.createData()
     rng = np.random.default_rng(1)
     for _ in range(10):
-        q, v = rng.uniform(LOWER, UPPER), rng.uniform(-1, 1, 4)
+        q = rng.uniform(LOWER, UPPER)
+        v = rng.uniform(-1, 1, 4)
         upper = np.triu(pin.crba(model, data, q))
         mass = upper + np.triu(upper, 1).T
         np.testing.assert_allclose(mass, reference.mass_matrix(q), atol=1e-15)
@@ -148,7 +150,8 @@ def test_its_loaders_of_the_urdf_read_the_same_arm(loader):
     assert len(robot.scene.geometry) == 7
     assert robot.actuated_joint_names == ["axis_e", "axis_d", "axis_c", "axis_b"]
     reference = pin.buildModelFromUrdf(a5.URDF_PATH)
-    data, tcp = reference.createData(), reference.getFrameId("tcp")
+    data = reference.createData()
+    tcp = reference.getFrameId("tcp")
     rng = np.random.default_rng(2)
     for _ in range(5):
         q = rng.uniform(LOWER, UPPER)

@@ -106,7 +106,8 @@ def test_finger_2_has_smaller_holes_than_finger_1():
 
 def test_the_closed_jaws_move_about_what_their_parts_move():
     """A little more than the sum is possible: a longer body has less of an end."""
-    closed, parts = hydrodynamics()["link_4"], hydrodynamics("jaws")
+    closed = hydrodynamics()["link_4"]
+    parts = hydrodynamics("jaws")
     for i, j in ((0, 0), (1, 2)):
         wrist = parts["link_4"].added_mass[i, i]
         fingers = sum(parts[f"finger_{k}"].added_mass[j, j] for k in (1, 2))
@@ -216,7 +217,8 @@ def test_the_points_on_the_strips_are_enough(speed):
 def test_malformed_numbers_are_refused(old, new):
     if "0.00447" in old:  # whatever the digits are
         first = TEXT.split("added_mass = [\n")[1].splitlines()[1]
-        old, new = first, first.replace('["-0.', '["-1.').replace('["0.', '["1.')
+        old = first
+        new = first.replace('["-0.', '["-1.').replace('["0.', '["1.')
     assert old in TEXT
     with pytest.raises(a5.Alpha5Error) as error:
         parse_hydrodynamics("some.toml", TEXT.replace(old, new, 1))

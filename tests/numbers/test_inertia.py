@@ -67,15 +67,15 @@ def test_flip_products_against_solidworks_definition(seed: int) -> None:
     np.testing.assert_array_equal(
         mod.flip_products(mod.flip_products(solidworks)), solidworks
     )
-    assert (
-        np.abs(solidworks - cloud.tensor()).max() > 1e-6
-    )  # the control: the sign matters
+    # As a control, the sign matters.
+    assert np.abs(solidworks - cloud.tensor()).max() > 1e-6
 
 
 @given(seeds)
 def test_parallel_axis_both_ways(seed: int) -> None:
     cloud = Cloud(seed)
-    at_com, at_origin = cloud.tensor(cloud.com), cloud.tensor()
+    at_com = cloud.tensor(cloud.com)
+    at_origin = cloud.tensor()
     size = np.abs(at_origin).max()
     there = mod.tensor_at_origin(cloud.mass, cloud.com, at_com)
     back = mod.tensor_at_com(cloud.mass, cloud.com, at_origin)
@@ -89,7 +89,8 @@ def test_parallel_axis_both_ways(seed: int) -> None:
 
 @given(seeds, seeds)
 def test_rotation_of_a_tensor(seed: int, turn: int) -> None:
-    cloud, r = Cloud(seed), rotation(turn)
+    cloud = Cloud(seed)
+    r = rotation(turn)
     turned = Cloud(seed)
     turned.p = cloud.p @ r.T
     size = np.abs(cloud.tensor()).max()
@@ -134,9 +135,11 @@ def test_pinocchio_agrees(seed: int) -> None:
 
 @given(seeds)
 def test_combine_joins_and_takes_out(seed: int) -> None:
-    a, b = Cloud(seed), Cloud(seed + 1)
+    a = Cloud(seed)
+    b = Cloud(seed + 1)
     whole = Cloud(seed)
-    whole.m, whole.p = np.concatenate([a.m, b.m]), np.vstack([a.p, b.p])
+    whole.m = np.concatenate([a.m, b.m])
+    whole.p = np.vstack([a.p, b.p])
     mass, com, tensor = mod.combine(
         [a.mass, b.mass], [a.com, b.com], [a.tensor(a.com), b.tensor(b.com)]
     )
@@ -180,7 +183,9 @@ def test_arguments_are_left_alone_and_checked() -> None:
         mod.combine([1.0, -1.0], np.zeros((2, 3)), np.zeros((2, 3, 3)))
 
 
-ONE, THREE, TENSOR = np.ones(()), np.zeros(3), np.eye(3)
+ONE = np.ones(())
+THREE = np.zeros(3)
+TENSOR = np.eye(3)
 BODY = {"mass": ONE, "com": THREE, "inertia_com": TENSOR}
 #: Every function with arguments that fit.
 CALLS = {
@@ -204,7 +209,8 @@ CALLS = {
 
 @pytest.mark.parametrize("name", CALLS)
 def test_wrong_shapes_and_numbers_are_errors_of_the_package(name: str) -> None:
-    function, given = getattr(mod, name), CALLS[name]
+    function = getattr(mod, name)
+    given = CALLS[name]
     function(**given)
     wrong = [None, "abc", {}, [[1], [1, 2]], 1j, np.ma.masked_array([1.0], mask=[True])]
     for argument, value in given.items():
@@ -225,7 +231,8 @@ def test_wrong_shapes_and_numbers_are_errors_of_the_package(name: str) -> None:
 
 
 def test_leading_shapes_must_fit_one_another() -> None:
-    two, three = np.ones(2), np.ones(3)
+    two = np.ones(2)
+    three = np.ones(3)
     for call in (
         lambda: mod.point_mass_tensor(two, np.zeros((3, 3))),
         lambda: mod.tensor_at_origin(two, np.zeros(3), np.zeros((3, 3, 3))),

@@ -53,7 +53,8 @@ def test_links_to_the_last_bit(i: int) -> None:
 
 def test_dh_table() -> None:
     p = a5.parameters()
-    theta_c, a_1 = math.atan(40 / 145.3), math.sqrt(0.04**2 + 0.1453**2)
+    theta_c = math.atan(40 / 145.3)
+    a_1 = math.sqrt(0.04**2 + 0.1453**2)
     expected = [
         (0.0462, math.pi, 0.02, math.pi / 2, "theta_0"),
         (0.0, theta_c - math.pi / 2, a_1, math.pi, "theta_1"),

@@ -67,9 +67,11 @@ def test_table_1_arrived() -> None:
 
 @needs_seed
 def test_caption_and_torus_numbers_arrived() -> None:
-    text, printed = SEED.read_text(encoding="utf-8"), a5.published()
+    text = SEED.read_text(encoding="utf-8")
+    printed = a5.published()
     caption = next(line for line in text.splitlines() if line.startswith("Table 1:"))
-    opposite, adjacent = printed.elbow.opposite.text, printed.elbow.adjacent.text
+    opposite = printed.elbow.opposite.text
+    adjacent = printed.elbow.adjacent.text
     assert rf"\frac{{{opposite}}}{{{adjacent}}}" in caption
     assert rf"\sqrt{{{opposite}^2 + ({adjacent})^2}}" in caption
     numbers = printed.workspace
@@ -151,7 +153,8 @@ def test_the_origins_are_the_documents_words() -> None:
 
 @needs_seed
 def test_head_arrived() -> None:
-    text, source = SEED.read_text(encoding="utf-8"), a5.published().table_1.source
+    text = SEED.read_text(encoding="utf-8")
+    source = a5.published().table_1.source
     assert " ".join(text.split()).startswith(
         f"{source.document} Version {source.version} {source.date}"
     )

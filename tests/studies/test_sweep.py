@@ -122,10 +122,15 @@ def cluster() -> Iterator[Any]:
 
 def test_a_grid_against_single_calls_of_pinocchio(tmp_path: Path) -> None:
     found = a5.sweep(written(tmp_path, GRID), tmp_path / "out")
-    pitches, loads = (-np.pi / 2, 0.0, np.pi / 2), (0.0, 0.25)
-    e, d, c = (0.0, np.radians(175), np.radians(350)), (0.3, 1.7), (0.2, 1.4, 3.0)
-    v, a = np.array([0, -0.4, 0, 0]), np.array([0, 0, 0, np.pi / 2])
-    torque, moment = [], []
+    pitches = (-np.pi / 2, 0.0, np.pi / 2)
+    loads = (0.0, 0.25)
+    e = (0.0, np.radians(175), np.radians(350))
+    d = (0.3, 1.7)
+    c = (0.2, 1.4, 3.0)
+    v = np.array([0, -0.4, 0, 0])
+    a = np.array([0, 0, 0, np.pi / 2])
+    torque = []
+    moment = []
     for pitch, load in itertools.product(pitches, loads):
         rotation = rotation_from_rpy([0.0, pitch, 0.0])
         arm = a5.load(gravity=rotation.T @ [0, 0, -9.81]).with_payload(
@@ -193,13 +198,15 @@ def test_water_corrections_and_motors_against_single_calls(tmp_path: Path) -> No
     rotation = rotation_from_rpy([0.7, 0.0, 0.0])
     for row in (table[3], table[30], table[-1]):
         names = tuple(x for x in row["corrections"].split("+") if x != "none")
-        level, up = np.cos(0.3), np.sin(0.3)
+        level = np.cos(0.3)
+        up = np.sin(0.3)
         azimuth = row["current_azimuth"]
         flow = 0.6 * np.array([level * np.cos(azimuth), level * np.sin(azimuth), up])
         still = a5.load(gravity=rotation.T @ [0, 0, -9.81], corrections=names)
         arm = still.with_hydrodynamics(rotation.T @ flow)
         q = np.array([row[f"axis_{x}_pos"] for x in "edcb"])
-        v, a = np.array([0, -0.4, 0, 0]), np.array([0, 0, 0, np.pi / 2])
+        v = np.array([0, -0.4, 0, 0])
+        a = np.array([0, 0, 0, np.pi / 2])
         tau = arm.inverse_dynamics(q, v, a)
         force = arm.base_wrench(q, v, a).linear
         np.testing.assert_allclose(
@@ -260,10 +267,12 @@ def test_quantiles_and_histograms_against_the_table(drawn: tuple[Path, Path]) ->
     study, folder = drawn
     found = a5.sweep(study, folder)  # nothing is left to do
     torque = columns(folder, *(f"torque.axis_{x}" for x in "edcb"))
-    spread, bars = found.outputs["spread"], found.outputs["bars"]
+    spread = found.outputs["spread"]
+    bars = found.outputs["bars"]
     for k, joint in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
         exact = np.quantile(torque[:, k], spread["level"], method="inverted_cdf")
-        low, high = spread[f"{joint}_low"], spread[f"{joint}_high"]
+        low = spread[f"{joint}_low"]
+        high = spread[f"{joint}_high"]
         assert (low <= exact).all()
         assert (exact <= high).all()
         assert (high - low <= np.maximum(np.abs(exact) / 256, 2.0**-19)).all()
@@ -374,7 +383,8 @@ def test_recordings_of_which_one_is_broken(
     quantity = "current"
     as = "table"
     """
-    study, out = written(tmp_path, text), tmp_path / "out"
+    study = written(tmp_path, text)
+    out = tmp_path / "out"
     assert main(["sweep", str(study), "--output", str(out)]) == 1
     printed = capsys.readouterr().out
     assert "600 rows" in printed
@@ -466,7 +476,8 @@ def test_a_bad_study_ends_in_one_line_with_the_place(
 def test_folders_and_schedulers_that_cannot_be(
     drawn: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    study, other = str(drawn[0]), written(tmp_path, GRID)
+    study = str(drawn[0])
+    other = written(tmp_path, GRID)
     file = tmp_path / "file"
     file.touch()
     for arguments, problem in (

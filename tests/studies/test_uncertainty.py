@@ -64,7 +64,8 @@ def transcribed() -> dict[str, tuple[str, str]]:
         data = root[f"table_{table}"]
         for i, row in enumerate(data["rows"]):
             for column, unit in data["units"].items():
-                name, cell = f"{kind}_{i}.{column}", row[column]
+                name = f"{kind}_{i}.{column}"
+                cell = row[column]
                 if unit == "rad" or cell == "a_1":
                     continue
                 if isinstance(cell, str):
@@ -86,14 +87,16 @@ def transcribed() -> dict[str, tuple[str, str]]:
 
 
 def test_every_printed_number_has_the_interval_of_its_digits() -> None:
-    numbers, texts = u.printed_numbers(), transcribed()
+    numbers = u.printed_numbers()
+    texts = transcribed()
     tolerances = {
         name: texts.pop(name) for name in list(texts) if name.endswith("_tolerance")
     }
     assert set(numbers) == set(texts)
     assert len(tolerances) == 5
     for name, (digits, unit) in texts.items():
-        n, power = numbers[name], SI[unit]
+        n = numbers[name]
+        power = SI[unit]
         half = Decimal(10) ** -len(digits.partition(".")[2]) / 2
         if name.endswith("friction"):
             half = max(
@@ -112,7 +115,8 @@ def test_every_printed_number_has_the_interval_of_its_digits() -> None:
 
 
 def test_alternatives_change_what_they_name() -> None:
-    plain, implied = u.printed_numbers(), u.printed_numbers(["implied_mass"])
+    plain = u.printed_numbers()
+    implied = u.printed_numbers(["implied_mass"])
     assert {n for n in plain if plain[n] != implied[n]} == {
         f"link_{i}.mass" for i in range(5)
     }
@@ -124,9 +128,8 @@ def test_alternatives_change_what_they_name() -> None:
     same = u.sample(2, 1, alternatives=("torque_constant", "link3_cob")).parameters(1)
     assert all(m.voltage_constant == m.torque_constant for m in same.actuators)
     moved = a5.parameters(("base_frame", "link3_cob")).links[3].cob
-    assert (
-        np.abs(same.links[3].cob - moved).max() < 1.01e-3
-    )  # half a millimetre, and a_2's
+    # The COB's half millimetre, and that of a_2.
+    assert np.abs(same.links[3].cob - moved).max() < 1.01e-3
     other = u.sample(2, 1, alternatives=["voltage_constant"]).parameters(1)
     assert all(m.torque_constant == m.voltage_constant for m in other.actuators)
     assert other.actuators[0].torque_constant < same.actuators[0].torque_constant
@@ -242,7 +245,8 @@ def test_every_body_of_the_intervals_is_possible() -> None:
 def test_base_parameters_of_samples(
     alternatives: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn, (q, v, a) = u.sample(3, 2, alternatives=alternatives), states(5)
+    drawn = u.sample(3, 2, alternatives=alternatives)
+    q, v, a = states(5)
     for k, ours in enumerate(drawn.base_parameters(1000.0, TILTED)):
         links = drawn.parameters(k).links
         np.testing.assert_allclose(
@@ -483,7 +487,8 @@ def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
         part, k = (
             (ours.torque, column) if column < 4 else (ours.base_wrench, column - 4)
         )
-        wide, best = part.upper[:, k] - part.lower[:, k], found[1] - found[0]
+        wide = part.upper[:, k] - part.lower[:, k]
+        best = found[1] - found[0]
         assert (part.lower[:, k] <= found[0, :, column]).all()
         assert (part.upper[:, k] >= found[1, :, column]).all()
         assert (wide <= 1.01 * best[:, column]).all()
@@ -524,10 +529,8 @@ def test_bounds_hold_all_samples(alternatives: tuple[str, ...]) -> None:
         p = replace(p, dh=a5.parameters().dh)
         one = u.arm(p, gravity=TILTED).with_payload(**PAYLOAD)
         for i in (0, 15, 25):
-            kinetic, potential = (
-                one.kinetic_energy(q[i], v[i]),
-                one.potential_energy(q[i]),
-            )
+            kinetic = one.kinetic_energy(q[i], v[i])
+            potential = one.potential_energy(q[i])
             assert (
                 ours.kinetic_energy.lower[i] <= kinetic <= ours.kinetic_energy.upper[i]
             )
@@ -585,7 +588,8 @@ def test_margin_of_an_arm_with_a_correction() -> None:
 
 def test_bounds_of_one_state_are_those_of_many() -> None:
     q, v, a = states(3, 2)
-    many, one = u.bounds(q, v, a), u.bounds(q[1], v[1], a[1])
+    many = u.bounds(q, v, a)
+    one = u.bounds(q[1], v[1], a[1])
     for several, single in zip(many, one, strict=True):
         np.testing.assert_allclose(
             single.lower, several.lower[1], rtol=1e-13, atol=1e-15
@@ -640,7 +644,8 @@ def test_an_arm_of_the_printed_numbers_is_the_one_that_is_loaded() -> None:
 def test_sensitivity_of_the_reach() -> None:
     """By hand: a_1 + hypot(a_2, d_3), with a_1 = hypot(40, 145.3)."""
     found = u.sensitivity(u.reach)
-    lower, a_1 = np.hypot(20, 180), np.hypot(40, 145.3)
+    lower = np.hypot(20, 180)
+    a_1 = np.hypot(40, 145.3)
     wanted = {"link_3.d": -0.5 * 180 / lower, "elbow.opposite": 0.5 * 40 / a_1}
     wanted |= {"link_2.a": 0.5 * 20 / lower, "elbow.adjacent": 0.05 * 145.3 / a_1}
     assert found.nominal == pytest.approx((lower + a_1) / 1000, rel=1e-12)

@@ -184,7 +184,8 @@ def test_joint_limits_decide_whether_the_tool_gets_upright(
 
     Each pitch joint may turn 0.1 rad to either side.
     """
-    low, high = middle - 0.1, middle + 0.1
+    low = middle - 0.1
+    high = middle + 0.1
     links = [DHLink(*row[:4]) for row in FIVE]
     links[1:4] = [
         DHLink(0, x.d, x.a, x.alpha, lower=low, upper=high) for x in links[1:4]
@@ -251,7 +252,8 @@ def test_the_notes_conditions_for_spatial_arms() -> None:
 
 
 def test_alpha5_cannot_turn_about_a_point_but_by_its_wrist() -> None:
-    chain, rng = DHChain.alpha5(), np.random.default_rng(1)
+    chain = DHChain.alpha5()
+    rng = np.random.default_rng(1)
     q = rng.uniform(chain.lower, chain.upper, (500, 4))
     assert (orientation_freedom(chain, q) == 1).all()
     # The null space written out: it is the wrist alone.
@@ -368,7 +370,8 @@ def test_approach_directions_of_sampled_poses() -> None:
     rng = np.random.default_rng(2)
     tcp = model.getFrameId("tcp")
     q = rng.uniform(model.lowerPositionLimit, model.upperPositionLimit, (300, 4))
-    points, directions = [], []
+    points = []
+    directions = []
     for x in q:
         pin.framesForwardKinematics(model, data, x)
         tip = data.oMf[tcp].translation.copy()

@@ -55,7 +55,10 @@ def elementary(theta: float, d: float, a: float, alpha: float) -> np.ndarray:
 
 def printed(theta: float, d: float, a: float, alpha: float) -> np.ndarray:
     """The matrix as the notes print it."""
-    ct, st_, ca, sa = math.cos(theta), math.sin(theta), math.cos(alpha), math.sin(alpha)
+    ct = math.cos(theta)
+    st_ = math.sin(theta)
+    ca = math.cos(alpha)
+    sa = math.sin(alpha)
     return np.array(
         [
             [ct, -st_ * ca, st_ * sa, a * ct],
@@ -129,7 +132,8 @@ def test_link_of_the_notes() -> None:
 
 
 def test_shapes_broadcast() -> None:
-    theta, d = np.linspace(0, 1, 5), np.zeros((3, 1))
+    theta = np.linspace(0, 1, 5)
+    d = np.zeros((3, 1))
     assert dh_transform(theta, d, 0.1, 0.2).shape == (3, 5, 4, 4)
     chain = DHChain.from_table(PUMA_560)
     q = np.random.default_rng(1).normal(size=(2, 3, 6))
@@ -195,7 +199,8 @@ def test_against_roboticstoolbox(name: str, model: str) -> None:
 @pytest.mark.parametrize("name", [*TABLES, "alpha5"])
 def test_jacobian_is_the_derivative(name: str) -> None:
     chain = DHChain.alpha5() if name == "alpha5" else DHChain.from_table(TABLES[name])
-    q, h = np.random.default_rng(4).uniform(-2, 2, chain.n), 1e-6
+    q = np.random.default_rng(4).uniform(-2, 2, chain.n)
+    h = 1e-6
     for frame in (0, 2, chain.n, "tool"):
         jacobian = chain.jacobian(q, frame)
         pose = chain.forward_kinematics(q, frame)
@@ -261,7 +266,8 @@ def test_alpha5_is_table_1() -> None:
 
 def test_alpha5_is_the_generated_urdf() -> None:
     model = pin.buildModelFromUrdf(a5.URDF_PATH)
-    data, chain = model.createData(), DHChain.alpha5()
+    data = model.createData()
+    chain = DHChain.alpha5()
     tcp = model.getFrameId("tcp")
     for q in np.random.default_rng(7).uniform(-3, 3, (50, 4)):
         pin.framesForwardKinematics(model, data, q)

@@ -75,7 +75,8 @@ def test_every_motion_is_the_same_as_turning_about_the_axes() -> None:
         points, directions = random_axes(rng.choice(KINDS, 5), rng)
         sigma = rng.integers(0, 2, 6)
         end = pin.SE3(pin.exp3(rng.normal(size=3)), rng.normal(size=3))
-        drawn, q = rng.normal(size=6), rng.normal(size=6)
+        drawn = rng.normal(size=6)
+        q = rng.normal(size=6)
         chain = assign_frames(
             points, directions, sigma.tolist(), end.homogeneous, drawn
         )
@@ -98,13 +99,14 @@ def test_the_frames_obey_the_rule(kind: str) -> None:
     for _ in range(40):
         points, directions = random_axes([kind], rng)
         chain = assign_frames(points, directions, end_effector=np.eye(4))
-        frames, link = chain.frames(chain.home), chain.links[0]
-        x, z = frames[1, :3, 0], frames[:2, :3, 2]
-        assert np.abs(z @ x).max() < TIGHT  # x_1 is normal to both axes
+        frames = chain.frames(chain.home)
+        link = chain.links[0]
+        x = frames[1, :3, 0]
+        z = frames[:2, :3, 2]
+        # x_1 is normal to both axes and meets both.
+        assert np.abs(z @ x).max() < TIGHT
         gap = frames[1, :3, 3] - frames[0, :3, 3]
-        assert (
-            np.abs(np.cross(gap - (gap @ z[0]) * z[0], x)).max() < TIGHT
-        )  # and meets both
+        assert np.abs(np.cross(gap - (gap @ z[0]) * z[0], x)).max() < TIGHT
         if kind == "skew":
             assert link.a > 0
         if kind == "intersecting":
@@ -127,7 +129,8 @@ def test_nearly_parallel_axes(angle: float) -> None:
     """Little accuracy is lost although the common normal is far away."""
     rng = np.random.default_rng(31)
     for _ in range(20):
-        p, z = rng.normal(size=(2, 3)), rng.normal(size=3)
+        p = rng.normal(size=(2, 3))
+        z = rng.normal(size=3)
         z = z / np.linalg.norm(z)
         side = np.cross(z, rng.normal(size=3))
         tilted = z + angle * side / np.linalg.norm(side)
@@ -205,7 +208,8 @@ def test_common_normal_is_the_shortest_way() -> None:
 
 
 def test_alpha5_axes_from_its_urdf_give_table_1() -> None:
-    chain, table = DHChain.from_urdf(a5.URDF_PATH, "tcp"), DHChain.alpha5()
+    chain = DHChain.from_urdf(a5.URDF_PATH, "tcp")
+    table = DHChain.alpha5()
     for ours, printed in zip(chain.links, table.links, strict=True):
         assert (ours.d, ours.a) == pytest.approx((printed.d, printed.a), abs=TIGHT)
         for a, b in ((ours.offset, printed.offset), (ours.alpha, printed.alpha)):

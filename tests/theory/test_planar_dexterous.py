@@ -178,7 +178,8 @@ def test_more_joints_by_enumeration(lengths) -> None:
     q = rng.uniform(-math.pi, math.pi, (200000, arm.n - 1))
     q[:5000] = rng.choice([0, math.pi], (5000, arm.n - 1))
     wrist = np.linalg.norm(arm.part(0, arm.n - 1).forward_kinematics(q)[:, :2], axis=1)
-    low, high = wrist.min(), wrist.max()
+    low = wrist.min()
+    high = wrist.max()
     phi = np.arange(360) * math.pi / 180
     for r in np.linspace(0, sum(lengths), 101):
         circle = np.hypot(r - lengths[-1] * np.cos(phi), lengths[-1] * np.sin(phi))
@@ -201,15 +202,15 @@ def test_lengths_that_vary_by_enumeration() -> None:
         grid = [np.linspace(a, b, 41) for a, b in ranges]
         l_1, l_2 = np.meshgrid(grid[0], grid[1], indexing="ij")
         # radii that the first two links reach, with any lengths: a union of annuli
-        low, high = np.abs(l_1 - l_2).ravel(), (l_1 + l_2).ravel()
+        low = np.abs(l_1 - l_2).ravel()
+        high = (l_1 + l_2).ravel()
         for r in rng.uniform(0, 4, 4):
             link = grid[2]
-            circle = np.hypot(
-                r - link[:, None] * np.cos(phi), link[:, None] * np.sin(phi)
-            )  # length, orientation
-            hit = ((circle[..., None] >= low) & (circle[..., None] <= high)).any(
-                axis=-1
-            )
+            # Axes: length of the last link, orientation.
+            x = r - link[:, None] * np.cos(phi)
+            y = link[:, None] * np.sin(phi)
+            circle = np.hypot(x, y)[..., None]
+            hit = ((circle >= low) & (circle <= high)).any(axis=-1)
             found = bool(hit.any(axis=0).all())
             if found:
                 assert turns_fully(arm, r)
@@ -321,7 +322,8 @@ def test_the_mirror_image_reaches_as_much(kinds: str) -> None:
     rng = np.random.default_rng(9)
     some = 0
     for _ in range(10):
-        lengths, angles = rng.uniform(0.5, 2, 3), rng.uniform(-1, 1, 3)
+        lengths = rng.uniform(0.5, 2, 3)
+        angles = rng.uniform(-1, 1, 3)
         limits = np.sort(rng.uniform(-2, 2, (3, 2)))
         slides = np.array([k == "P" for k in kinds])
         limits[slides] = np.abs(limits[slides].sum(axis=1))[:, None] + [0.1, 1.0]

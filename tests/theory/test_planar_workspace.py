@@ -149,13 +149,15 @@ def test_the_boundary_divides_reachable_from_unreachable(name: str) -> None:
     space = arm.workspace()
     assert space.edges
     step = 2e-3 * arm.reach
-    on, normal = [], []
+    on = []
+    normal = []
     for edge in space.edges:
         low, high = edge.curve.interval
         t = low + (high - low) * rng.uniform(0.3, 0.7)
         on.append(edge.curve.point(t))
         normal.append(edge.curve.left(t) * (1 if edge.inside_left else -1))
-    on, normal = np.array(on), np.array(normal)
+    on = np.array(on)
+    normal = np.array(normal)
     assert space.contains(on).all()
     # On the boundary itself the arm is singular: convergence is slow there.
     assert (distances(arm, on, rng) < 1e-5 * arm.reach).all()
@@ -172,7 +174,8 @@ def test_the_boundary_divides_reachable_from_unreachable(name: str) -> None:
 
 @pytest.mark.parametrize("name", LIMITED)
 def test_points_inside_are_reached_and_points_outside_are_not(name: str) -> None:
-    arm, rng = LIMITED[name], np.random.default_rng(3)
+    arm = LIMITED[name]
+    rng = np.random.default_rng(3)
     points = rng.uniform(-1, 1, (30, 2)) * arm.reach
     reached = distances(arm, points, rng) < 1e-6 * arm.reach
     assert np.array_equal(reached, arm.workspace().contains(points))
@@ -298,18 +301,22 @@ def test_annulus_of_varying_lengths_by_enumeration() -> None:
 
 
 def test_forward_kinematics_is_that_of_the_dh_chain() -> None:
-    lengths, rng = (5, 4, 1), np.random.default_rng(7)
+    lengths = (5, 4, 1)
+    rng = np.random.default_rng(7)
     chain = DHChain.from_table([[0, 0, a, 0, 0] for a in lengths])
     q = rng.uniform(-3, 3, (50, 3))
-    pose, tip = chain.forward_kinematics(q), PlanarArm(lengths).forward_kinematics(q)
+    pose = chain.forward_kinematics(q)
+    tip = PlanarArm(lengths).forward_kinematics(q)
     assert np.abs(tip[:, :2] - pose[:, :2, 3]).max() < 1e-14
     assert np.abs(np.cos(tip[:, 2]) - pose[:, 0, 0]).max() < 1e-14
 
 
 @pytest.mark.parametrize("name", ["RR", "RPR", "PP, oblique", "PRR"])
 def test_jacobian_is_the_derivative(name: str) -> None:
-    arm, rng = LIMITED[name], np.random.default_rng(8)
-    q, h = rng.uniform(-2, 2, (20, arm.n)), 1e-6
+    arm = LIMITED[name]
+    rng = np.random.default_rng(8)
+    q = rng.uniform(-2, 2, (20, arm.n))
+    h = 1e-6
     for j in range(arm.n):
         e = h * np.eye(arm.n)[j]
         rate = (arm.forward_kinematics(q + e) - arm.forward_kinematics(q - e)) / (2 * h)

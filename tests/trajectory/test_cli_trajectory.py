@@ -17,9 +17,8 @@ JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
 
 @pytest.fixture(autouse=True)
 def wide(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(
-        "COLUMNS", "200"
-    )  # sentences stay whole, paths of this machine too
+    # A terminal this wide breaks neither sentences nor paths.
+    monkeypatch.setenv("COLUMNS", "200")
 
 
 @pytest.fixture
@@ -93,10 +92,8 @@ def test_json_is_the_library_summary(
     )
     bounds = a5.uncertainty.bounds(*state, arm).torque
     for k, joint in enumerate(got["joints"].values()):
-        ends, at = (
-            joint["torque_peak"].pop("interval"),
-            np.abs(expected.torque[:, k]).argmax(),
-        )
+        ends = joint["torque_peak"].pop("interval")
+        at = np.abs(expected.torque[:, k]).argmax()
         assert ends == pytest.approx(
             [end[at, k] for end in bounds], rel=1e-9, abs=1e-12
         )

@@ -84,12 +84,10 @@ def test_the_example_changes_what_it_names_and_nothing_else() -> None:
     # What is no limit is untouched.
     for text in (plain, own):
         assert len(text.splitlines()) == len(plain.splitlines())
-    different = sum(
-        a != b for a, b in zip(plain.splitlines(), own.splitlines(), strict=True)
-    )
-    assert (
-        different == 5 + 5
-    )  # five limits; ends of two interfaces' ranges and of one's speeds
+    pairs = zip(plain.splitlines(), own.splitlines(), strict=True)
+    different = sum(a != b for a, b in pairs)
+    # Five limits, the ends of two interfaces' ranges, and one interface's speed.
+    assert different == 5 + 5
 
 
 def test_a_robots_own_xacro_and_a_start_within_the_limits(tmp_path: Path) -> None:

@@ -100,7 +100,8 @@ def planned(count: int = 4001, duration: float = 6.0) -> a5.trajectory.Motion:
     t = np.linspace(0, duration, count)
     s = t / duration
     blend = s**3 * (10 - 15 * s + 6 * s**2)
-    start, end = np.array([1.0, 0.4, 0.5, 2.0]), np.array([2.4, 1.9, 2.0, 3.5])
+    start = np.array([1.0, 0.4, 0.5, 2.0])
+    end = np.array([2.4, 1.9, 2.0, 3.5])
     return a5.trajectory.motion(t, start + np.outer(blend, end - start))
 
 
@@ -115,7 +116,8 @@ def test_work_at_the_joints_is_the_change_of_energy(density: float) -> None:
     work = np.concatenate([[0], np.cumsum(work_per_step)])
     at_start = arm.potential_energy(r.smooth.position[0])
     for k in range(0, 4001, 400):
-        q, v = r.smooth.position[k], r.smooth.velocity[k]
+        q = r.smooth.position[k]
+        v = r.smooth.velocity[k]
         gained = arm.kinetic_energy(q, v) + arm.potential_energy(q) - at_start
         assert work[k] == pytest.approx(gained, abs=2e-6)
     assert np.abs(work).max() > 0.05
@@ -159,7 +161,8 @@ def test_motors_case_by_case() -> None:
     seen = set()
     for k in range(201):
         for j, (resistance, friction, eta, k_t, k_v, gear) in enumerate(TABLE_4):
-            tau, v = r.torque[k, j], r.smooth.velocity[k, j]
+            tau = r.torque[k, j]
+            v = r.smooth.velocity[k, j]
             if abs(v) < 0.002 * RATED[j]:
                 # At rest, friction up to F holds a load of either sign: no current.
                 case = "rest"
@@ -388,10 +391,8 @@ def test_the_interval_of_energy_is_that_of_the_extremes_of_friction(
 def test_summary_of_the_whole_motion() -> None:
     """Every figure beside the joints', by its definition."""
     t = np.concatenate([[3.0], np.arange(3.5, 9.0, 0.01), [10.25]])
-    start, way = (
-        np.array([1.0, 0.4, 0.5, 2.0, 0.003]),
-        np.array([1.4, 1.5, 1.5, 1.5, 0.009]),
-    )
+    start = np.array([1.0, 0.4, 0.5, 2.0, 0.003])
+    way = np.array([1.4, 1.5, 1.5, 1.5, 0.009])
     q = start + np.outer((t - 3) / 7.25, way)
     motion = a5.trajectory.motion(t, q)
     arm = a5.load(fluid_density=1003.0, gripper="jaws", gravity=(0.5, 0, -9.7))

@@ -165,9 +165,8 @@ def test_bad_file_says_where(name: str, tmp_path: Path) -> None:
 def test_a_short_and_a_long_line_do_not_make_two_right_ones(tmp_path: Path) -> None:
     rows = [[*row, "note"] for row in table()]
     rows[3] = rows[3][:-1]
-    short = write(
-        tmp_path / "short.csv", [*HEADER, "note"], rows
-    )  # of a column nobody uses
+    # The missing field is of a column that nobody uses.
+    short = write(tmp_path / "short.csv", [*HEADER, "note"], rows)
     with pytest.raises(FileFormatError, match="line 5: 5 fields, expected 6"):
         a5.trajectory.read_motion(short)
     rows[8] = [rows[8][0], *rows[8]]
@@ -426,7 +425,8 @@ def test_what_no_path_can_be_is_one_error() -> None:
 
 @pytest.mark.parametrize("size", [1.01e9, 1e300])
 def test_what_would_overflow_is_refused(size: float, tmp_path: Path) -> None:
-    time, q = np.arange(10.0), np.ones((10, 4))
+    time = np.arange(10.0)
+    q = np.ones((10, 4))
     for argument in ("position", "velocity"):
         arrays = {"position": q.copy(), "velocity": q.copy()}
         arrays[argument][6, 2] = -size
@@ -450,7 +450,8 @@ def test_what_would_overflow_is_refused(size: float, tmp_path: Path) -> None:
 
 
 def test_times_nearer_than_a_nanosecond_are_the_same() -> None:
-    time, q = np.arange(10.0), np.ones((10, 4))
+    time = np.arange(10.0)
+    q = np.ones((10, 4))
     for step, dropped in ((0.99e-9, 1), (1.01e-9, 0), (0.0, 1)):
         near = np.concatenate([[-step], time])
         motion = a5.trajectory.motion(near, np.ones((11, 4)))

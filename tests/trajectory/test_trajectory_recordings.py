@@ -34,7 +34,8 @@ def samples(count: int = 40) -> list[State]:
     rng = np.random.default_rng(4)
     stamps = START + np.cumsum(rng.integers(19_000_000, 21_000_000, count))
     phase = np.linspace(0, 2, count)[:, None]
-    middle, swing = (3.0, 1.5, 1.4, 1.2, 0.007), np.array((0.3, 0.2, 0.2, 0.4, 0.001))
+    middle = (3.0, 1.5, 1.4, 1.2, 0.007)
+    swing = np.array((0.3, 0.2, 0.2, 0.4, 0.001))
     q = middle + swing * np.sin(phase) + 1e-6 * rng.normal(size=(count, 5))
     v = 2.5 * swing * np.cos(phase) + 1e-6 * rng.normal(size=(count, 5))
     effort = rng.normal(size=(count, 5))
@@ -96,7 +97,8 @@ def test_every_kind_gives_the_analysis_of_the_csv_to_the_last_digit(
         if kind == ".parquet"
         else write_bag(tmp_path, kind, states)
     )
-    expected, got = analysis_of(csv), analysis_of(path)
+    expected = analysis_of(csv)
+    got = analysis_of(path)
     assert got == expected
     assert expected[0]["joints"]["axis_a"]["effort"]["samples"] == len(states)
     # One bit of one number, and it is another analysis.
@@ -301,8 +303,10 @@ def test_zero_is_a_time_if_simulated_times_follow(
 def test_messages_out_of_order_are_sorted_by_their_stamps(tmp_path: Path) -> None:
     states = samples()
     mixed = [replace(s, received=START + k) for k, s in enumerate(states)]
-    mixed[10].stamp, mixed[11].stamp = states[11].stamp, states[10].stamp
-    mixed[10].position, mixed[11].position = states[11].position, states[10].position
+    mixed[10].stamp = states[11].stamp
+    mixed[11].stamp = states[10].stamp
+    mixed[10].position = states[11].position
+    mixed[11].position = states[10].position
     motion = a5.trajectory.read_motion(write_bag(tmp_path, ".bag", mixed))
     assert motion.position[:, 0].tolist() == [s.position[1] for s in states]
     assert (np.diff(motion.time) > 0).all()

@@ -56,7 +56,9 @@ def rng():
 
 def test_forward_and_inverse_dynamics_undo_each_other(wet, rng):
     for _ in range(10):
-        q, v, a = random_q(wet, rng), random_v(wet, rng), random_v(wet, rng)
+        q = random_q(wet, rng)
+        v = random_v(wet, rng)
+        a = random_v(wet, rng)
         fext = [pin.Force(rng.normal(size=6)) for _ in range(wet.model.njoints)]
         for outside in (None, fext):
             tau = wet.inverse_dynamics(q, v, a, fext=outside)
@@ -80,7 +82,8 @@ def test_terms_add_up_in_still_water(wet, rng):
 
 def test_rate_of_the_mass_matrix_less_twice_coriolis_is_skew(wet, rng):
     for _ in range(3):
-        q, v = random_q(wet, rng), random_v(wet, rng, 0.5)
+        q = random_q(wet, rng)
+        v = random_v(wet, rng, 0.5)
         rate = rate_of(wet.mass_matrix, wet, q, v)
         skew = rate - 2 * wet.coriolis_matrix(q, v)
         close(skew + skew.T, np.zeros_like(skew), 1e-9)
@@ -112,7 +115,8 @@ def test_power_balance(wet, rng):
 
 def test_drag_never_adds_energy(wet, rng):
     for _ in range(20):
-        q, v = random_q(wet, rng), random_v(wet, rng, 3.0)
+        q = random_q(wet, rng)
+        v = random_v(wet, rng, 3.0)
         assert wet.dissipated_power(q, v) >= 0
         assert wet.dissipated_power(q, 0 * v, current=np.zeros(3)) == 0
 
@@ -122,15 +126,18 @@ def test_moving_with_the_water_takes_no_force(variant, rng):
     arm = make(variant)
     wet = arm.with_hydrodynamics(CURRENT)
     for _ in range(5):
-        q, v = random_q(arm, rng), np.zeros(arm.model.nv)
+        q = random_q(arm, rng)
+        v = np.zeros(arm.model.nv)
         rotation = pin.XYZQUATToSE3(q[:7]).rotation
         v[:3] = rotation.T @ CURRENT
         close(wet.inverse_dynamics(q, v, 0 * v), arm.hydrostatic_torque(q), 1e-12)
         assert wet.dissipated_power(q, v) < 1e-24
         # Any motion, seen from the water: as in still water.
-        v, a = random_v(arm, rng), random_v(arm, rng)
+        v = random_v(arm, rng)
+        a = random_v(arm, rng)
         stream = rotation.T @ np.array(CURRENT)
-        drifting, rate = v.copy(), a.copy()
+        drifting = v.copy()
+        rate = a.copy()
         drifting[:3] += stream
         rate[:3] -= np.cross(v[3:6], stream)
         ours = wet.inverse_dynamics(q, drifting, rate)
@@ -140,7 +147,9 @@ def test_moving_with_the_water_takes_no_force(variant, rng):
 def test_derivatives(wet, rng):
     n = wet.model.nv
     for _ in range(2):
-        q, v, a = random_q(wet, rng), random_v(wet, rng), random_v(wet, rng)
+        q = random_q(wet, rng)
+        v = random_v(wet, rng)
+        a = random_v(wet, rng)
         dq, dv, da = wet.inverse_dynamics_derivatives(q, v, a)
         du = wet.inverse_dynamics_current_derivative(q, v, a)
         wq, wv, wa = wet.base_wrench_derivatives(q, v, a)
@@ -169,12 +178,15 @@ def test_derivatives(wet, rng):
 
 
 def test_forward_dynamics_derivatives(wet, rng):
-    q, v, a = random_q(wet, rng), random_v(wet, rng, 0.5), random_v(wet, rng, 0.5)
+    q = random_q(wet, rng)
+    v = random_v(wet, rng, 0.5)
+    a = random_v(wet, rng, 0.5)
     tau = wet.inverse_dynamics(q, v, a)
     dq, dv, dtau = wet.forward_dynamics_derivatives(q, v, tau)
     du = wet.forward_dynamics_current_derivative(q, v, tau)
     close(dq, central_difference(wet.forward_dynamics, wet, q, 1e-6, v, tau), 1e-6)
-    h, u = 1e-5, np.array(CURRENT)
+    h = 1e-5
+    u = np.array(CURRENT)
     for i, e in enumerate(np.eye(wet.model.nv)):
         rate = wet.forward_dynamics(q, v + h * e, tau) - wet.forward_dynamics(
             q, v - h * e, tau
@@ -283,7 +295,9 @@ def test_what_kernels_refuse_is_told(call, wrong):
 
 def test_without_moving_water_it_is_the_arm(arm, rng):
     dry = HydrodynamicArm(arm, ())
-    q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
+    q = random_q(arm, rng)
+    v = random_v(arm, rng)
+    a = random_v(arm, rng)
     close(dry.inverse_dynamics(q, v, a), arm.inverse_dynamics(q, v, a), 1e-12)
     close(dry.mass_matrix(q), arm.mass_matrix(q), 1e-13)
     close(dry.coriolis_matrix(q, v), arm.coriolis_matrix(q, v), 1e-12)
@@ -364,7 +378,8 @@ def test_levels_are_in_order():
 
 
 def test_current_load_is_what_the_current_adds_at_rest(wet, rng):
-    q, still = random_q(wet, rng), np.zeros(wet.model.nv)
+    q = random_q(wet, rng)
+    still = np.zeros(wet.model.nv)
     torque, wrench = wet.current_load(q)
     close(
         torque, wet.inverse_dynamics(q, still, still) - wet.hydrostatic_torque(q), 1e-12
@@ -440,7 +455,8 @@ def cylinder(
 
 def test_pendulum_in_water_has_its_closed_period():
     rod = cylinder(pin.JointModelRZ(), cd=0.0)
-    down, mass = np.array([-np.pi / 2]), 1.5
+    down = np.array([-np.pi / 2])
+    mass = 1.5
     inertia = (mass + SIDE * L) * L**2 / 3
     stiffness = (mass - 1000.0 * np.pi * R**2 * L) * 9.81 * L / 2
     dq, _, _ = rod.forward_dynamics_derivatives(down, np.zeros(1), np.zeros(1))
@@ -572,7 +588,9 @@ def test_a_payload_brings_its_own_water(rng):
 
 def test_it_can_be_pickled_and_printed(wet, rng):
     again = pickle.loads(pickle.dumps(wet))
-    q, v, a = random_q(wet, rng), random_v(wet, rng), random_v(wet, rng)
+    q = random_q(wet, rng)
+    v = random_v(wet, rng)
+    a = random_v(wet, rng)
     assert np.array_equal(
         again.inverse_dynamics(q, v, a), wet.inverse_dynamics(q, v, a)
     )

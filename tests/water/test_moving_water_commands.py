@@ -198,11 +198,8 @@ def test_table_summary_and_text_have_the_cause(file, tmp_path, capsys):
         at = np.abs(nominal).argmax()
         peak = joint["moving_water_peak"]
         assert peak["value"] == pytest.approx(nominal[at], rel=1e-8)
-        ends = (
-            low[at],
-            nominal[at],
-            high[at],
-        )  # terms of other signs may put the nominal outermost
+        # As terms have different signs, the nominal value may be the outermost.
+        ends = (low[at], nominal[at], high[at])
         assert peak["interval"] == pytest.approx([min(ends), max(ends)], rel=1e-8)
         assert joint["causes_peak"]["moving_water"] == pytest.approx(abs(peak["value"]))
         causes = ("inertia", "coriolis", "weight", "buoyancy", "moving_water")
@@ -250,13 +247,15 @@ def test_the_plot_shows_the_cause_with_a_band(file):
 
 def test_a_floating_base_has_no_mount_to_load():
     arm = a5.load(floating_base=True)
-    q, v = np.zeros((1, 11)), np.zeros((1, 10))
+    q = np.zeros((1, 11))
+    v = np.zeros((1, 10))
     with pytest.raises(a5.errors.InputError, match="fixed base"):
         water_terms(arm, q, v, v, CURRENT)
 
 
 def test_the_polar_picture_is_the_load_over_the_direction(tmp_path, capsys):
-    q, arm = (3.1, 1.2, 1.8, 0.4), a5.load()
+    q = (3.1, 1.2, 1.8, 0.4)
+    arm = a5.load()
     page = mount_load_figure(arm, q, 0.8)
     angles = page.axes[0].lines[0].get_xdata()
     for i in (0, 11, 40, 72):

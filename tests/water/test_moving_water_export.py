@@ -187,10 +187,13 @@ def moving(gripper: str = "locked", **options):
 
 def own_torque(q, v, current) -> np.ndarray:
     """Torque of drag at the joints, (4,), by the tests' own frames and sums."""
-    frames, rows, out = reference.inertial_frames(q), current_load.bodies(), np.zeros(4)
+    frames = reference.inertial_frames(q)
+    rows = current_load.bodies()
+    out = np.zeros(4)
     axes = [(f[:3, 3], f[:3, 2]) for f in frames[1:]]
     for i, frame in enumerate(frames):
-        turn, at = frame[:3, :3], frame[:3, 3]
+        turn = frame[:3, :3]
+        at = frame[:3, 3]
         spin = sum((v[k] * axes[k][1] for k in range(i)), np.zeros(3))
         speed = sum(
             (v[k] * np.cross(axes[k][1], at - axes[k][0]) for k in range(i)),
@@ -198,7 +201,8 @@ def own_torque(q, v, current) -> np.ndarray:
         )
         nu = np.concatenate([turn.T @ (speed - current), turn.T @ spin])
         drag = wrench(rows[f"link_{i}"], nu)
-        force, moment = turn @ drag[:3], turn @ drag[3:]
+        force = turn @ drag[:3]
+        moment = turn @ drag[3:]
         for k in range(i):
             origin, axis = axes[k]
             out[k] += axis @ (moment + np.cross(at - origin, force))

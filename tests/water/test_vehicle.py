@@ -66,10 +66,13 @@ def test_nothing_as_a_vehicle_leaves_the_floating_arm(gripper, rng):
     free = a5.load(gripper=gripper, floating_base=True)
     system = a5.load(gripper=gripper).on_vehicle(a5.Vehicle(**NOTHING))
     for _ in range(5):
-        q, v, a = random_q(free, rng), random_v(free, rng), random_v(free, rng)
+        q = random_q(free, rng)
+        v = random_v(free, rng)
+        a = random_v(free, rng)
         close(system.inverse_dynamics(q, v, a), free.inverse_dynamics(q, v, a), 1e-12)
         close(system.mass_matrix(q), free.mass_matrix(q), 1e-12)
-        ours, theirs = system.forward_kinematics(q), free.forward_kinematics(q)
+        ours = system.forward_kinematics(q)
+        theirs = free.forward_kinematics(q)
         assert ours.isApprox(theirs, 1e-12)
         close(system.center_of_buoyancy(q), free.center_of_buoyancy(q), 1e-13)
         assert system.potential_energy(q) == pytest.approx(
@@ -172,11 +175,9 @@ def test_momentum_of_the_free_system_is_kept():
 def test_reaction_leaves_the_thrusters_without_force(rng):
     system = a5.load().with_hydrodynamics(CURRENT).on_vehicle(vehicle())
     for _ in range(5):
-        q, v, joints = (
-            random_q(system, rng),
-            random_v(system, rng, 0.3),
-            rng.normal(size=4),
-        )
+        q = random_q(system, rng)
+        v = random_v(system, rng, 0.3)
+        joints = rng.normal(size=4)
         base, torque = system.reaction(q, v, joints)
         tau = system.inverse_dynamics(q, v, np.concatenate([base, joints]))
         close(tau, np.concatenate([np.zeros(6), torque]), 1e-11)
@@ -190,7 +191,8 @@ def test_a_drifting_vehicle_comes_to_rest_with_the_water(rng):
     to_base = pin.SE3(np.array(vehicle().transform_vehicle_to_base))
     nu = rng.normal(size=6)
     v = np.concatenate([to_base.act(pin.Motion(nu)).vector, np.zeros(4)])
-    linear, quadratic = vehicle().linear_damping, vehicle().quadratic_damping
+    linear = vehicle().linear_damping
+    quadratic = vehicle().quadratic_damping
     expected = 1.025 * (linear * nu**2 + quadratic * np.abs(nu) ** 3).sum()
     assert system.dissipated_power(q, v) == pytest.approx(expected, rel=1e-12)
     rotation = pin.XYZQUATToSE3(q[:7]).rotation
@@ -202,11 +204,9 @@ def test_a_drifting_vehicle_comes_to_rest_with_the_water(rng):
 
 def test_derivatives_with_the_vehicle(rng):
     system = a5.load().with_hydrodynamics(CURRENT).on_vehicle(vehicle())
-    q, v, a = (
-        random_q(system, rng),
-        random_v(system, rng, 0.5),
-        random_v(system, rng, 0.5),
-    )
+    q = random_q(system, rng)
+    v = random_v(system, rng, 0.5)
+    a = random_v(system, rng, 0.5)
     _, dv, da = system.inverse_dynamics_derivatives(q, v, a)
     h = 1e-6
     for i, e in enumerate(np.eye(10)):
@@ -274,7 +274,9 @@ def test_trim_follows_the_arm():
 def test_it_carries_payloads_and_is_copied(rng):
     system = a5.load().with_hydrodynamics(CURRENT).on_vehicle(vehicle())
     loaded = system.with_payload(**PAYLOAD, added_mass=0.1 * np.eye(6))
-    q, v, a = random_q(system, rng), random_v(system, rng), random_v(system, rng)
+    q = random_q(system, rng)
+    v = random_v(system, rng)
+    a = random_v(system, rng)
     again = pickle.loads(pickle.dumps(loaded))
     assert np.array_equal(
         again.inverse_dynamics(q, v, a), loaded.inverse_dynamics(q, v, a)
