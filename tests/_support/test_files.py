@@ -13,6 +13,7 @@ import sys
 import threading
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -407,20 +408,18 @@ COMMANDS = {
 }
 
 
+def takes_path(annotation: Any) -> bool:
+    """Whether an annotated type is a path or a union with one."""
+    annotated = getattr(annotation, "__origin__", annotation)
+    return annotated is Path or Path in getattr(annotated, "__args__", ())
+
+
 def test_no_command_has_a_path_that_is_not_tested_here() -> None:
     read = {"file", "motion", "other", "urdf", "study"}
     for command in application(*COMMAND_NAMES).registered_commands:
         assert command.callback is not None
         parameters = inspect.signature(command.callback, eval_str=True).parameters
-        paths = {
-            name
-            for name, p in parameters.items()
-            if Path
-            in getattr(
-                getattr(p.annotation, "__origin__", p.annotation), "__args__", ()
-            )
-            or getattr(p.annotation, "__origin__", None) is Path
-        }
+        paths = {name for name, p in parameters.items() if takes_path(p.annotation)}
         words, outputs = COMMANDS.get(str(command.name), ([], {}))
         known = {option.lstrip("-") for option in outputs} | read
         folder = {"output"} if command.name in ("demo", "sweep") else set()

@@ -447,13 +447,10 @@ def test_generate_names_all_that_it_wrote(
         before = {*tmp_path.rglob("*")}
         status, out, _ = answer("generate", *words.split())
         assert status == 0
-        named = {
-            tmp_path / folder / name
-            for folder, names in re.findall(
-                r"^wrote in (\S+): (.*(?:\n  .*)*)", out, re.MULTILINE
-            )
-            for name in re.split(r",\s+", names)
-        }
+        named = set()
+        lists = re.findall(r"^wrote in (\S+): (.*(?:\n  .*)*)", out, re.MULTILINE)
+        for folder, names in lists:
+            named |= {tmp_path / folder / name for name in re.split(r",\s+", names)}
         made = {path for path in tmp_path.rglob("*") if path.is_file()} - before
         assert made <= named
         assert all(path.is_file() for path in named)

@@ -262,12 +262,8 @@ def test_tolerance_of_friction_becomes_an_interval() -> None:
         for factor in rng.uniform(1 - row[3], 1 + row[3], 20):
             changed = list(row)
             changed[2] *= factor
-            i = np.array(
-                [
-                    current_by_cases(tuple(changed), t, v)
-                    for t, v in zip(torque, velocity, strict=True)
-                ]
-            )
+            cases = zip(torque, velocity, strict=True)
+            i = np.array([current_by_cases(tuple(changed), t, v) for t, v in cases])
             assert ((i >= low - 1e-12) & (i <= high + 1e-12)).all()
         assert ((band.lower <= torque + 1e-12) & (torque <= band.upper + 1e-12)).all()
 

@@ -75,12 +75,9 @@ def signed_distance(shape, points: np.ndarray) -> np.ndarray:
         beyond = np.abs(local) - np.array(shape.size) / 2
     else:
         radius, length = shape.size
-        beyond = np.column_stack(
-            [
-                np.hypot(local[:, 0], local[:, 1]) - radius,
-                np.abs(local[:, 2]) - length / 2,
-            ]
-        )
+        beyond_side = np.hypot(local[:, 0], local[:, 1]) - radius
+        beyond_end = np.abs(local[:, 2]) - length / 2
+        beyond = np.column_stack([beyond_side, beyond_end])
     outside = np.linalg.norm(np.maximum(beyond, 0), axis=1)
     return outside + np.minimum(beyond.max(1), 0)
 
@@ -403,12 +400,11 @@ def test_links_1_and_3_cannot_meet(model):
     geometry = collision_geometry(model)
     objects = geometry.geometryObjects
     geometry.removeAllCollisionPairs()
-    of = {
-        name: [
-            i for i, o in enumerate(objects) if model.frames[o.parentFrame].name == name
-        ]
-        for name in LINKS
-    }
+    of = {name: [] for name in LINKS}
+    for number, body in enumerate(objects):
+        link = model.frames[body.parentFrame].name
+        if link in of:
+            of[link].append(number)
     for a, b in itertools.product(of["link_1"], of["link_3"]):
         geometry.addCollisionPair(pin.CollisionPair(a, b))
     data = model.createData()

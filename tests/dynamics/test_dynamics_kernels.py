@@ -134,25 +134,20 @@ def flat(result: Any) -> np.ndarray:
 
 def inputs(name: str) -> int:
     """Of q, v and a third one."""
-    return len(
-        [
-            given
-            for given in functions(a5.parameters())[name].name_in()
-            if given != "parameters"
-        ]
-    )
+    names = functions(a5.parameters())[name].name_in()
+    return len([given for given in names if given != "parameters"])
 
 
 @cache
 def expected(name: str) -> np.ndarray:
     """Pinocchio's results, (SETS, STATES, n); each set of states has its own arm."""
     blocks = states()[: inputs(name)].reshape(-1, SETS, STATES, 4)
-    return np.array(
-        [
-            [flat(getattr(random_arm(seed)[0], name)(*state)) for state in rows]
-            for seed, rows in enumerate(blocks.transpose(1, 2, 0, 3))
-        ]
-    )
+    results = []
+    for seed, rows in enumerate(blocks.transpose(1, 2, 0, 3)):
+        arm, _ = random_arm(seed)
+        method = getattr(arm, name)
+        results.append([flat(method(*state)) for state in rows])
+    return np.array(results)
 
 
 @cache
@@ -226,12 +221,8 @@ def test_kernels_are_our_own_newton_euler(
         )
         still = 0.0 * v
         coriolis = newton_euler(q, v, still, 0.0, (0.0, 0.0, 0.0), held=load)[0]
-        assert (
-            np.abs(
-                by_kernel(kernels, "coriolis_torque", parameters, q, v) - coriolis
-            ).max()
-            < 1e-13
-        )
+        difference = by_kernel(kernels, "coriolis_torque", parameters, q, v) - coriolis
+        assert np.abs(difference).max() < 1e-13
 
 
 def test_frames_are_those_of_table_1(kernels: Any) -> None:
@@ -501,13 +492,8 @@ def test_methods_of_an_arm_on_kernels_look_like_those_of_any_arm() -> None:
             other.__doc__,
             other.__name__,
         ) or name == "base_wrench"
-        given = dict(
-            zip(
-                list(inspect.signature(one).parameters)[: inputs(name)],
-                state.values(),
-                strict=False,
-            )
-        )
+        names = list(inspect.signature(one).parameters)[: inputs(name)]
+        given = dict(zip(names, state.values(), strict=False))
         plain = flat(one(*given.values()))
         assert np.array_equal(flat(one(**given)), plain)
         first, *rest = given

@@ -232,13 +232,10 @@ def test_center_of_mass_and_buoyancy_do_not_follow_the_vehicle():
     for _ in range(20):
         q = random_q(free, rng)
         given = q.copy()
-        assert (
-            np.abs(free.center_of_mass(q) - fixed.center_of_mass(q[7:])).max() < 1e-15
-        )
-        assert (
-            np.abs(free.center_of_buoyancy(q) - fixed.center_of_buoyancy(q[7:])).max()
-            < 1e-15
-        )
+        difference = free.center_of_mass(q) - fixed.center_of_mass(q[7:])
+        assert np.abs(difference).max() < 1e-15
+        difference = free.center_of_buoyancy(q) - fixed.center_of_buoyancy(q[7:])
+        assert np.abs(difference).max() < 1e-15
         assert np.array_equal(q, given)
 
 
@@ -296,30 +293,20 @@ def test_neutral_buoyancy_of_every_link_leaves_no_torque():
     from dataclasses import replace
 
     plain = a5.load()
-    inertias = dict(
-        zip((f"link_{i}" for i in range(5)), zip(MASS, COM, strict=True), strict=True)
-    )
-    neutral = a5.Arm(
-        plain.model,
-        [
-            replace(
-                body, volume=inertias[body.body][0] / 1025.0, cob=inertias[body.body][1]
-            )
-            for body in plain.displacements
-        ],
-        1025.0,
-    )
+    inertias = {f"link_{i}": (MASS[i], COM[i]) for i in range(5)}
+    weightless = []
+    for body in plain.displacements:
+        mass, com = inertias[body.body]
+        weightless.append(replace(body, volume=mass / 1025.0, cob=com))
+    neutral = a5.Arm(plain.model, weightless, 1025.0)
     rng = np.random.default_rng(10)
     for _ in range(100):
         q = rng.uniform(-np.pi, np.pi, 4)
         assert np.abs(neutral.hydrostatic_torque(q)).max() < 1e-15
-        assert (
-            np.abs(neutral.gravity_torque(q) - neutral.buoyancy_torque(q)).max() < 1e-15
-        )
-        assert (
-            np.abs(neutral.base_wrench(q, np.zeros(4), np.zeros(4)).vector).max()
-            < 1e-14
-        )
+        difference = neutral.gravity_torque(q) - neutral.buoyancy_torque(q)
+        assert np.abs(difference).max() < 1e-15
+        wrench = neutral.base_wrench(q, np.zeros(4), np.zeros(4))
+        assert np.abs(wrench.vector).max() < 1e-14
         assert np.abs(plain.hydrostatic_torque(q)).max() > 1e-4
 
 

@@ -209,13 +209,16 @@ def test_a_method_that_answers_does_not_take_the_catalogues_arm(name: str) -> No
     inputs = {"q": Q, "v": V, "a": A, "tau": A}
     if name.endswith("_batch"):
         inputs = {"q": ROWS[0], "v": ROWS[1], "a": ROWS[2], "tau": ROWS[2]}
-    ours, theirs = (
-        getattr(one, name)(
-            **{k: x for k, x in inputs.items() if k in arguments(one, name)}
-        )
-        for one in (arm(), a5.load())
-    )
+    ours = answer(arm(), name, inputs)
+    theirs = answer(a5.load(), name, inputs)
     assert np.abs(flat(ours) - flat(theirs)).max() > 1e-4
+
+
+def answer(one: a5.Arm, name: str, inputs: dict[str, Any]) -> Any:
+    """What a method gives for those of the inputs that it takes."""
+    names = arguments(one, name)
+    taken = {key: value for key, value in inputs.items() if key in names}
+    return getattr(one, name)(**taken)
 
 
 def arguments(one: a5.Arm, name: str) -> tuple[str, ...]:

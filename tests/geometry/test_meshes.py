@@ -278,12 +278,7 @@ NEIGHBOURS = list(itertools.pairwise(LINKS))
 #: Each named pose, the limits, and what lies between.
 JOINT_POSES = [
     *NAMED_POSES.values(),
-    *(
-        (a, b, b, a)
-        for a, b in zip(
-            np.linspace(0.02, 6.1, 9), np.linspace(0.02, 3.4, 9), strict=True
-        )
-    ),
+    *np.linspace((0.02, 0.02, 0.02, 0.02), (6.1, 3.4, 3.4, 6.1), 9),
 ]
 
 

@@ -382,12 +382,8 @@ def test_singular_sets() -> None:
         on[:, 2] = value
         assert space.singularities(on).near().all(), name
         assert space.manipulability(on).max() < 1e-16
-        assert (
-            np.linalg.matrix_rank(
-                a5.dh.DHChain.alpha5().jacobian(on)[:, :3], tol=1e-9
-            ).max()
-            <= 2
-        )
+        jacobian = a5.dh.DHChain.alpha5().jacobian(on)[:, :3]
+        assert np.linalg.matrix_rank(jacobian, tol=1e-9).max() <= 2
     assert not s.near().all()
 
 

@@ -468,13 +468,9 @@ def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
             return of_link(i, at, q, v, a, 1000.0)
 
         middle = {n: numbers[n].value for n in names}
-        rising = np.array(
-            [
-                value({**middle, n: numbers[n].upper})
-                - value({**middle, n: numbers[n].lower})
-                for n in names
-            ]
-        )
+        highest = [value({**middle, n: numbers[n].upper}) for n in names]
+        lowest = [value({**middle, n: numbers[n].lower}) for n in names]
+        rising = np.subtract(highest, lowest)
         for side, row, column in np.ndindex(2, 3, 10):
             up = (rising[:, row, column] > 0) == (side == 1)
             at = {

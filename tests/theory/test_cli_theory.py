@@ -74,14 +74,10 @@ def test_dh_as_json(capsys) -> None:
     data = json.loads(out)
     chain = a5.dh.DHChain.alpha5()
     assert data["q"] == q
-    assert (
-        np.abs(np.array(data["frames"]["tool"]) - chain.forward_kinematics(q)).max()
-        < 1e-15
-    )
-    assert (
-        np.abs(np.array(data["frames"]["{2}"]) - chain.forward_kinematics(q, 2)).max()
-        < 1e-15
-    )
+    difference = np.array(data["frames"]["tool"]) - chain.forward_kinematics(q)
+    assert np.abs(difference).max() < 1e-15
+    difference = np.array(data["frames"]["{2}"]) - chain.forward_kinematics(q, 2)
+    assert np.abs(difference).max() < 1e-15
     assert data["links"][3]["d"] == -0.18
     assert data["type"]["kind"] == "revolute"
     assert data["tasks"]["general"] is False
@@ -96,12 +92,9 @@ def test_dh_of_another_arm(capsys) -> None:
     data = json.loads(out)
     assert data["links"][0]["lower"] is None  # no limit; JSON knows no infinity
     chain = a5.dh.DHChain.from_table([[float(x) for x in row.split()] for row in rows])
-    assert (
-        np.abs(
-            np.array(data["frames"]["tool"]) - chain.forward_kinematics([-0.4, 0.2])
-        ).max()
-        < 1e-15
-    )
+    pose = chain.forward_kinematics([-0.4, 0.2])
+    difference = np.array(data["frames"]["tool"]) - pose
+    assert np.abs(difference).max() < 1e-15
     status, out, _ = run(capsys, "dh", "--urdf", a5.URDF_PATH, "--frame", "tcp")
     assert status == 0
     assert "axis_b" in out

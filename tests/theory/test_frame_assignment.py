@@ -88,9 +88,8 @@ def test_every_motion_is_the_same_as_turning_about_the_axes() -> None:
                 pin.Motion(u, np.zeros(3)) if slides else pin.Motion(np.cross(p, u), u)
             )
             pose = pose * pin.exp6(x * twist)
-        assert (
-            np.abs((pose * end).homogeneous - chain.forward_kinematics(q)).max() < 1e-11
-        )
+        difference = (pose * end).homogeneous - chain.forward_kinematics(q)
+        assert np.abs(difference).max() < 1e-11
 
 
 @pytest.mark.parametrize("kind", KINDS)

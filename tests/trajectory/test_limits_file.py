@@ -42,6 +42,17 @@ def joints(text: str, prefix: str = "") -> dict[str, dict[str, float]]:
     }
 
 
+def ranges_of_interfaces(text: str) -> dict[str | None, list[float]]:
+    """Name of a joint -> the ends of the ranges of its command interfaces."""
+    ranges: dict[str | None, list[float]] = {}
+    for joint in ET.fromstring(text).iter("joint"):
+        for interface in joint.findall("command_interface"):
+            limits = [p for p in interface if p.get("name") in ("min", "max")]
+            ends = [float(limit.text or "") for limit in limits]
+            ranges.setdefault(joint.get("name"), []).extend(ends)
+    return ranges
+
+
 def test_the_example_changes_what_it_names_and_nothing_else() -> None:
     arguments = ["alpha5.urdf.xacro", "gripper:=jaws", "ros2_control:=true"]
     plain, own = (
@@ -62,16 +73,7 @@ def test_the_example_changes_what_it_names_and_nothing_else() -> None:
         expected[finger]["upper"] = pytest.approx(51 * (0.010 - 0.0013))
         expected[finger]["effort"] = pytest.approx(5.0 / 51)
     assert joints(own) == expected
-    ranges = {
-        joint.get("name"): [
-            float(p.text)
-            for i in joint.findall("command_interface")
-            for p in i
-            if p.get("name") in ("min", "max")
-        ]
-        for joint in ET.fromstring(own).iter("joint")
-        if joint.find("command_interface") is not None
-    }
+    ranges = ranges_of_interfaces(own)
     for name, (low, high, slow, fast) in ranges.items():
         j = expected[name]
         assert (low, high, slow, fast) == (

@@ -173,12 +173,11 @@ def test_several_topics_or_prefixes_are_a_choice(
     assert "topic: expected one of /a, /b" in capsys.readouterr().err
     assert main(["trajectory", str(path), "--topic", "/b", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["samples"] == len(states)
-    both = [
-        replace(
-            s, names=[f"left_{n}" for n in s.names] + [f"right_{n}" for n in s.names]
-        )
-        for s in states
-    ]
+    both = []
+    for s in states:
+        left = [f"left_{name}" for name in s.names]
+        right = [f"right_{name}" for name in s.names]
+        both.append(replace(s, names=left + right))
     for s, m in zip(both, moved, strict=True):
         s.position, s.velocity, s.effort = (
             [*s.position, *m.position],
@@ -195,17 +194,8 @@ def test_several_topics_or_prefixes_are_a_choice(
     assert "left_axis_e" in motion.ignored
     assert main(["trajectory", str(path), "--prefix", "left_"]) == 0
     capsys.readouterr()
-    assert (
-        main(
-            [
-                "trajectory",
-                str(write_csv(tmp_path / "m.csv", states, lambda s: s.stamp)),
-                "--topic",
-                "/a",
-            ]
-        )
-        == 2
-    )
+    path = write_csv(tmp_path / "m.csv", states, lambda s: s.stamp)
+    assert main(["trajectory", str(path), "--topic", "/a"]) == 2
     assert "only a ROS bag has topics" in capsys.readouterr().err
 
 
