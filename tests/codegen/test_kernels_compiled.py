@@ -279,6 +279,10 @@ def test_a_batch_of_unfit_arrays_is_refused():
     assert not taken(q, v, a, frozen)
     assert not taken(q, v, a)
     assert not taken(q, v, a, tau, tau)
+
+
+def test_unfit_parameters_are_refused():
+    parameters, (q, v, a), (tau,) = case(PROGRAMS["inverse_dynamics"])
     with pytest.raises(ValueError, match="parameters"):
         compiled.bind("inverse_dynamics")
     for parameter in (
@@ -291,6 +295,10 @@ def test_a_batch_of_unfit_arrays_is_refused():
             compiled.bind("inverse_dynamics", parameter)
         with pytest.raises(ValueError, match="parameters"):
             compiled.batch("inverse_dynamics", parameter, q, v, a, tau)
+
+
+def test_what_is_no_name_of_a_kernel_is_refused():
+    parameters, _, _ = case(PROGRAMS["inverse_dynamics"])
     with pytest.raises(ValueError, match="no kernel 'none'"):
         compiled.bind("none", parameters)
     for name in (None, 3, b"inverse_dynamics"):

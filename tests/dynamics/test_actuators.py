@@ -200,14 +200,23 @@ def test_holding_interval_is_where_a_pushed_joint_stays(joint: str) -> None:
     torque, _ = states()
     currents = np.linspace(-1.5, 1.5, 601) * (friction + 3 / (gear * eta)) / k_t
     low, high = motor.holding_current(torque)
-    for tau, lo, hi in zip(torque, low, high, strict=True):
+    for tau, lowest, highest in zip(torque, low, high, strict=True):
         driving = tau / (gear * eta)
         driven = tau * eta / gear
         rises = k_t * currents - friction > (driving if tau > 0 else driven)
         falls = k_t * currents + friction < (driven if tau > 0 else driving)
-        inside = (currents >= lo) & (currents <= hi)
+        inside = (currents >= lowest) & (currents <= highest)
         np.testing.assert_array_equal(inside, ~(rises | falls))
-    for current in currents[::60]:
+
+
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_holding_currents_and_holding_torques_agree(joint: str) -> None:
+    _, _, friction, _, eta, k_t, _, gear = TABLE_4[joint]
+    motor = actuators.actuator(joint)
+    torque, _ = states()
+    currents = np.linspace(-1.5, 1.5, 11) * (friction + 3 / (gear * eta)) / k_t
+    low, high = motor.holding_current(torque)
+    for current in currents:
         t_low, t_high = motor.holding_torque(current)
         held_by_current = (low <= current) & (current <= high)
         held_by_torque = (t_low <= torque) & (torque <= t_high)

@@ -10,6 +10,7 @@ import shutil
 import signal
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -120,52 +121,105 @@ def cluster() -> Iterator[Any]:
         yield cluster
 
 
-def test_a_grid_against_single_calls_of_pinocchio(tmp_path: Path) -> None:
-    found = a5.sweep(written(tmp_path, GRID), tmp_path / "out")
-    pitches = (-np.pi / 2, 0.0, np.pi / 2)
-    loads = (0.0, 0.25)
+#: The values of GRID's axes.
+PITCHES = (-np.pi / 2, 0.0, np.pi / 2)
+LOADS = (0.0, 0.25)
+AXIS_D = (0.3, 1.7)
+
+
+@dataclass(frozen=True)
+class GridRows:
+    """What single calls give for the rows of GRID."""
+
+    load: np.ndarray  # (n,)
+    axis_d: np.ndarray  # (n,)
+    torque: np.ndarray  # (n, 4)
+    moment: np.ndarray  # (n, 3)
+
+
+@pytest.fixture(scope="module")
+def grid_rows() -> GridRows:
     e = (0.0, np.radians(175), np.radians(350))
-    d = (0.3, 1.7)
     c = (0.2, 1.4, 3.0)
     v = np.array([0, -0.4, 0, 0])
     a = np.array([0, 0, 0, np.pi / 2])
+    inputs = []
     torque = []
     moment = []
-    for pitch, load in itertools.product(pitches, loads):
-        rotation = rotation_from_rpy([0.0, pitch, 0.0])
-        arm = a5.load(gravity=rotation.T @ [0, 0, -9.81]).with_payload(
-            load, (0, 0, 0.03)
-        )
-        for q in itertools.product(e, d, c, (0.5,)):
+    for pitch, load in itertools.product(PITCHES, LOADS):
+        gravity = rotation_from_rpy([0.0, pitch, 0.0]).T @ [0, 0, -9.81]
+        arm = a5.load(gravity=gravity).with_payload(load, (0, 0, 0.03))
+        for q in itertools.product(e, AXIS_D, c, (0.5,)):
+            inputs.append((load, q[1]))
             torque.append(arm.inverse_dynamics(np.array(q), v, a))
-            moment.append((load, q[1], *arm.base_wrench(np.array(q), v, a).angular))
-    rows = columns(tmp_path / "out", *(f"torque.axis_{x}" for x in "edcb"))
-    assert found.rows == len(torque) == len(rows)
-    np.testing.assert_allclose(rows, torque, rtol=1e-12, atol=1e-14)
-    np.testing.assert_array_equal(
-        columns(tmp_path / "out", "row")[:, 0], range(len(rows))
+            moment.append(arm.base_wrench(np.array(q), v, a).angular)
+    loads, axis_d = np.transpose(inputs)
+    return GridRows(
+        load=loads,
+        axis_d=axis_d,
+        torque=np.array(torque),
+        moment=np.array(moment),
     )
-    peak = np.abs(torque).max(axis=0)
-    for k, joint in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
-        assert found.outputs["torque"][joint][0] == pytest.approx(peak[k], rel=1e-12)
-        effort = a5.parameters().joints[k].effort
-        assert found.outputs["least"][joint][0] == pytest.approx(
-            effort - peak[k], rel=1e-12
-        )
-        row = int(found.outputs["torque"][f"{joint}_row"][0])
-        behind = found.inputs(row)
-        assert abs(behind[f"torque.{joint}"]) == found.outputs["torque"][joint][0]
-        assert [behind["mount_pitch"], behind["payload_mass"]] == pytest.approx(
-            [pitches[row // 36], loads[row // 18 % 2]]
-        )
-    table = np.array(moment)
-    for k, (load, axis_d) in enumerate(itertools.product(loads, d)):
-        own = table[(table[:, 0] == load) & (table[:, 1] == axis_d), 2:]
-        assert found.outputs["map"]["payload_mass"][k] == load
-        assert found.outputs["map"]["axis_d_pos"][k] == axis_d
-        assert found.outputs["map"]["x"][k] == pytest.approx(own[:, 0].max(), abs=1e-13)
-        norm = np.linalg.norm(own, axis=1).max()
-        assert found.outputs["map"]["norm"][k] == pytest.approx(norm, rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def grid(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
+    """The folder of the results of GRID, and what `sweep` returns."""
+    folder = tmp_path_factory.mktemp("grid")
+    found = a5.sweep(written(folder, GRID), folder / "out")
+    return folder / "out", found
+
+
+def test_rows_of_a_grid_are_single_calls_of_pinocchio(
+    grid: tuple[Path, Any], grid_rows: GridRows
+) -> None:
+    folder, found = grid
+    rows = columns(folder, *(f"torque.axis_{x}" for x in "edcb"))
+    assert found.rows == len(grid_rows.torque) == len(rows)
+    np.testing.assert_allclose(rows, grid_rows.torque, rtol=1e-12, atol=1e-14)
+    numbers = columns(folder, "row")[:, 0]
+    np.testing.assert_array_equal(numbers, range(len(rows)))
+
+
+@pytest.mark.parametrize(
+    ("k", "joint"), enumerate(("axis_e", "axis_d", "axis_c", "axis_b"))
+)
+def test_peaks_of_a_grid_are_those_of_its_rows(
+    k: int, joint: str, grid: tuple[Path, Any], grid_rows: GridRows
+) -> None:
+    _, found = grid
+    peak = np.abs(grid_rows.torque[:, k]).max()
+    largest = found.outputs["torque"][joint][0]
+    assert largest == pytest.approx(peak, rel=1e-12)
+    effort = a5.parameters().joints[k].effort
+    least = found.outputs["least"][joint][0]
+    assert least == pytest.approx(effort - peak, rel=1e-12)
+
+    row = int(found.outputs["torque"][f"{joint}_row"][0])
+    behind = found.inputs(row)
+    assert abs(behind[f"torque.{joint}"]) == largest
+    expected = [PITCHES[row // 36], LOADS[row // 18 % 2]]
+    assert [behind["mount_pitch"], behind["payload_mass"]] == pytest.approx(expected)
+
+
+def test_a_map_of_a_grid_has_the_peaks_of_each_cell(
+    grid: tuple[Path, Any], grid_rows: GridRows
+) -> None:
+    _, found = grid
+    cells = found.outputs["map"]
+    for k, (load, axis_d) in enumerate(itertools.product(LOADS, AXIS_D)):
+        in_cell = (grid_rows.load == load) & (grid_rows.axis_d == axis_d)
+        moment = grid_rows.moment[in_cell]
+        assert cells["payload_mass"][k] == load
+        assert cells["axis_d_pos"][k] == axis_d
+        assert cells["x"][k] == pytest.approx(moment[:, 0].max(), abs=1e-13)
+        norm = np.linalg.norm(moment, axis=1).max()
+        assert cells["norm"][k] == pytest.approx(norm, rel=1e-12)
+
+
+def named(row: dict[str, Any], quantity: str, parts: str) -> list[float]:
+    """The numbers of a quantity in a row, such as ``reach.x`` to ``reach.z``."""
+    return [row[f"{quantity}{part}"] for part in parts]
 
 
 def test_water_corrections_and_motors_against_single_calls(tmp_path: Path) -> None:
@@ -195,36 +249,36 @@ def test_water_corrections_and_motors_against_single_calls(tmp_path: Path) -> No
     """
     a5.sweep(written(tmp_path, study), tmp_path / "out")
     table = parquet.read_table(tmp_path / "out" / "rows").to_pylist()
-    rotation = rotation_from_rpy([0.7, 0.0, 0.0])
+    v = np.array([0, -0.4, 0, 0])
+    a = np.array([0, 0, 0, np.pi / 2])
     for row in (table[3], table[30], table[-1]):
-        names = tuple(x for x in row["corrections"].split("+") if x != "none")
-        level = np.cos(0.3)
-        up = np.sin(0.3)
-        azimuth = row["current_azimuth"]
-        flow = 0.6 * np.array([level * np.cos(azimuth), level * np.sin(azimuth), up])
-        still = a5.load(gravity=rotation.T @ [0, 0, -9.81], corrections=names)
-        arm = still.with_hydrodynamics(rotation.T @ flow)
+        arm = arm_of_row(row)
         q = np.array([row[f"axis_{x}_pos"] for x in "edcb"])
-        v = np.array([0, -0.4, 0, 0])
-        a = np.array([0, 0, 0, np.pi / 2])
         tau = arm.inverse_dynamics(q, v, a)
+        np.testing.assert_allclose(named(row, "torque.axis_", "edcb"), tau, rtol=1e-9)
         force = arm.base_wrench(q, v, a).linear
-        np.testing.assert_allclose(
-            [row[f"torque.axis_{x}"] for x in "edcb"], tau, rtol=1e-9
-        )
-        np.testing.assert_allclose(
-            [row[f"mount_force.{x}"] for x in "xyz"], force, rtol=1e-9
-        )
+        np.testing.assert_allclose(named(row, "mount_force.", "xyz"), force, rtol=1e-9)
         tcp = arm.forward_kinematics(q).translation
-        np.testing.assert_allclose([row[f"reach.{x}"] for x in "xyz"], tcp, atol=1e-14)
+        np.testing.assert_allclose(named(row, "reach.", "xyz"), tcp, atol=1e-14)
         motor = a5.actuators.actuator("axis_d")
-        assert row["current.axis_d"] == pytest.approx(
-            float(motor.current(tau[1], -0.4))
-        )
+        current = float(motor.current(tau[1], -0.4))
+        assert row["current.axis_d"] == pytest.approx(current)
         electrical = motor.power(tau[1], -0.4).electrical
         assert row["power.axis_d"] == pytest.approx(float(electrical))
         low, high = a5.actuators.actuator("axis_c").holding_current(tau[2])
         assert row["current.axis_c"] == pytest.approx(float(np.clip(0.0, low, high)))
+
+
+def arm_of_row(row: dict[str, Any]) -> Any:
+    """The rolled arm in the current, with the corrections, of a row."""
+    rotation = rotation_from_rpy([0.7, 0.0, 0.0])
+    corrections = tuple(x for x in row["corrections"].split("+") if x != "none")
+    azimuth = row["current_azimuth"]
+    level = np.cos(0.3)
+    up = np.sin(0.3)
+    flow = 0.6 * np.array([level * np.cos(azimuth), level * np.sin(azimuth), up])
+    still = a5.load(gravity=rotation.T @ [0, 0, -9.81], corrections=corrections)
+    return still.with_hydrodynamics(rotation.T @ flow)
 
 
 def test_parameter_samples_are_those_of_uncertainty(tmp_path: Path) -> None:
@@ -355,21 +409,21 @@ def test_a_disk_that_is_full(drawn: tuple[Path, Path], tmp_path: Path) -> None:
     assert content(tmp_path) == content(drawn[1])
 
 
-def test_recordings_of_which_one_is_broken(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def season(tmp_path: Path) -> tuple[Path, Path]:
+    """A folder of three recordings, and a study of it."""
     folder = tmp_path / "season"
     folder.mkdir()
     time = np.linspace(0, 6, 150)
+    head = ",".join(["time_secs", *(f"axis_{x}_pos" for x in "edcb")])
     for k in range(3):
         q = np.array([3.1, 1.2, 1.8, 0.0]) + (0.1 + 0.1 * k) * np.sin(time)[:, None]
-        head = ",".join(["time_secs", *(f"axis_{x}_pos" for x in "edcb")])
-        path = folder / f"dive_{k}.csv"
         np.savetxt(
-            path, np.column_stack([time, q]), delimiter=",", header=head, comments=""
+            folder / f"dive_{k}.csv",
+            np.column_stack([time, q]),
+            delimiter=",",
+            header=head,
+            comments="",
         )
-    good = (folder / "dive_1.csv").read_text()
-    (folder / "dive_1.csv").write_text(good.replace("1.8", "one.8", 1))
     (folder / "notes.txt").write_text("no recording")
     text = """
     [axes]
@@ -383,18 +437,33 @@ def test_recordings_of_which_one_is_broken(
     quantity = "current"
     as = "table"
     """
-    study = written(tmp_path, text)
+    return folder, written(tmp_path, text)
+
+
+def test_a_broken_recording_is_left_out_and_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, study = season(tmp_path)
     out = tmp_path / "out"
+    broken = folder / "dive_1.csv"
+    good = broken.read_text()
+    broken.write_text(good.replace("1.8", "one.8", 1))
     assert main(["sweep", str(study), "--output", str(out)]) == 1
     printed = capsys.readouterr().out
     assert "600 rows" in printed
     assert "not used: season/dive_1.csv" in printed
     assert "line 2" in printed
-    assert (
-        "season/dive_1.csv"
-        in json.loads((out / "summary.json").read_text())["failures"]
-    )
-    (folder / "dive_1.csv").write_text(good)
+    summary = json.loads((out / "summary.json").read_text())
+    assert "season/dive_1.csv" in summary["failures"]
+
+    broken.write_text(good)
+    found = a5.sweep(study, out)
+    assert (found.rows, found.failures) == (900, {})
+
+
+def test_rows_of_recordings_are_those_of_their_analysis(tmp_path: Path) -> None:
+    folder, study = season(tmp_path)
+    out = tmp_path / "out"
     found = a5.sweep(study, out)
     assert (found.rows, found.failures) == (900, {})
     table = parquet.read_table(out / "rows").to_pylist()

@@ -459,10 +459,7 @@ def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
     ours = u.bounds(q, v, a, a5.load(1000.0, gravity=TILTED))
     found = np.zeros((2, 3, 10))
     for i in range(5):
-        names = [
-            n for n in numbers if n.startswith(f"link_{i}.") and "_link" not in n[7:]
-        ]
-        names = [n for n in names if not n.endswith((".d", ".a"))]
+        names = [name for name in numbers if is_of_body(name, i)]
 
         def value(at: dict[str, float], i: int = i) -> np.ndarray:
             return of_link(i, at, q, v, a, 1000.0)
@@ -477,74 +474,96 @@ def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
                 n: numbers[n].upper if high else numbers[n].lower
                 for n, high in zip(names, up, strict=True)
             }
-            if column in (1, 2, 5, 7):  # the others would show nothing new
+            # The other columns would show nothing new.
+            if column in (1, 2, 5, 7):
                 found[side, row, column] += value(at)[row, column]
+    lower = np.hstack([ours.torque.lower, ours.base_wrench.lower])
+    upper = np.hstack([ours.torque.upper, ours.base_wrench.upper])
     for column in (1, 2, 5, 7):
-        part, k = (
-            (ours.torque, column) if column < 4 else (ours.base_wrench, column - 4)
-        )
-        wide = part.upper[:, k] - part.lower[:, k]
-        best = found[1] - found[0]
-        assert (part.lower[:, k] <= found[0, :, column]).all()
-        assert (part.upper[:, k] >= found[1, :, column]).all()
-        assert (wide <= 1.01 * best[:, column]).all()
+        lowest, highest = found[:, :, column]
+        wide = upper[:, column] - lower[:, column]
+        assert (lower[:, column] <= lowest).all()
+        assert (upper[:, column] >= highest).all()
+        assert (wide <= 1.01 * (highest - lowest)).all()
         assert (wide > 1e-6).all()
+
+
+def is_of_body(name: str, link: int) -> bool:
+    """Whether a printed number is of a link's body, and not of its length or shape."""
+    body = name.startswith(f"link_{link}.") and "_link" not in name[7:]
+    return body and not name.endswith((".d", ".a"))
+
+
+def holds(interval: Any, value: Any, i: Any = slice(None)) -> bool:
+    """Whether row i of an interval contains a value."""
+    return bool(((interval.lower[i] <= value) & (value <= interval.upper[i])).all())
 
 
 @pytest.mark.parametrize(
     "alternatives", [(), ("link3_cob",), ("implied_mass",), ("link2_mass",)]
 )
 def test_bounds_hold_all_samples(alternatives: tuple[str, ...]) -> None:
-    """Also of the energies, in Pinocchio, and for an arm that holds something."""
-    q, v, a = states(30, 4)
-    v[:10], a[:10], v[20:] = 0, 0, 20 * v[20:]
+    """Torques and mount loads of 20 000 samples, by base parameters."""
+    q, v, a = still_and_fast_states()
     arm = a5.load(gravity=TILTED).with_payload(**PAYLOAD)
     ours = u.bounds(q, v, a, arm, alternatives)
-    drawn = u.sample(20_000, 11, alternatives=alternatives).base_parameters(
-        gravity=TILTED
-    )
+    sample = u.sample(20_000, 11, alternatives=alternatives)
+    drawn = sample.base_parameters(gravity=TILTED)[:, :38]
     linear = regressor_rows(q, v, a, np.array(TILTED))
     bare = a5.load(gravity=TILTED)
-    load = linear @ (
-        arm.regressor(q, v, a).parameters - bare.regressor(q, v, a).parameters
-    )
-    for start in range(0, 20_000, 2000):
-        every = drawn[start : start + 2000, :38] @ linear.reshape(-1, 38).T
-        every = every.reshape(-1, 30, 10) + load
-        assert (
-            (ours.torque.lower <= every[..., :4])
-            & (every[..., :4] <= ours.torque.upper)
-        ).all()
-        wrench = ours.base_wrench
-        assert (
-            (wrench.lower <= every[..., 4:]) & (every[..., 4:] <= wrench.upper)
-        ).all()
-    for k in range(20):
-        p = u.sample(20, 12, alternatives=alternatives).parameters(k)
-        # Table 1 is not part of the bounds.
-        p = replace(p, dh=a5.parameters().dh)
-        one = u.arm(p, gravity=TILTED).with_payload(**PAYLOAD)
+    payload = arm.regressor(q, v, a).parameters - bare.regressor(q, v, a).parameters
+    load = linear @ payload
+    for some in np.split(drawn, 10):
+        every = (some @ linear.reshape(-1, 38).T).reshape(-1, 30, 10) + load
+        assert holds(ours.torque, every[..., :4])
+        assert holds(ours.base_wrench, every[..., 4:])
+
+
+def still_and_fast_states() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """q, v, a of 30 states, of which ten are at rest and ten are fast."""
+    q, v, a = states(30, 4)
+    v[:10] = 0
+    a[:10] = 0
+    v[20:] *= 20
+    return q, v, a
+
+
+def sampled_arms(count: int, seed: int, alternatives: Sequence[str]) -> Iterator[Any]:
+    """Arms of samples that hold PAYLOAD; bounds do not include Table 1's intervals."""
+    sample = u.sample(count, seed, alternatives=alternatives)
+    for k in range(count):
+        parameters = replace(sample.parameters(k), dh=a5.parameters().dh)
+        yield u.arm(parameters, gravity=TILTED).with_payload(**PAYLOAD)
+
+
+@pytest.mark.parametrize(
+    "alternatives", [(), ("link3_cob",), ("implied_mass",), ("link2_mass",)]
+)
+def test_bounds_hold_the_energies_and_torques_of_sampled_arms(
+    alternatives: tuple[str, ...],
+) -> None:
+    """The second route is Pinocchio, for an arm that holds something."""
+    q, v, a = still_and_fast_states()
+    arm = a5.load(gravity=TILTED).with_payload(**PAYLOAD)
+    ours = u.bounds(q, v, a, arm, alternatives)
+    for one in sampled_arms(20, 12, alternatives):
         for i in (0, 15, 25):
-            kinetic = one.kinetic_energy(q[i], v[i])
-            potential = one.potential_energy(q[i])
-            assert (
-                ours.kinetic_energy.lower[i] <= kinetic <= ours.kinetic_energy.upper[i]
-            )
-            assert (
-                ours.potential_energy.lower[i]
-                <= potential
-                <= ours.potential_energy.upper[i]
-            )
-            tau = one.inverse_dynamics(q[i], v[i], a[i])
-            assert ((ours.torque.lower[i] <= tau) & (tau <= ours.torque.upper[i])).all()
-    other = ["implied_mass"] if "link3_cob" in alternatives else ["link3_cob"]
-    p = replace(u.sample(1, 1, alternatives=other).parameters(0), dh=a5.parameters().dh)
-    tau = (
-        u.arm(p, gravity=TILTED).with_payload(**PAYLOAD).inverse_dynamics_batch(q, v, a)
-    )
-    assert ((tau < ours.torque.lower) | (tau > ours.torque.upper)).any(), (
-        "all would be held"
-    )
+            assert holds(ours.kinetic_energy, one.kinetic_energy(q[i], v[i]), i)
+            assert holds(ours.potential_energy, one.potential_energy(q[i]), i)
+            assert holds(ours.torque, one.inverse_dynamics(q[i], v[i], a[i]), i)
+
+
+@pytest.mark.parametrize(
+    "alternatives", [(), ("link3_cob",), ("implied_mass",), ("link2_mass",)]
+)
+def test_bounds_do_not_hold_other_alternatives(alternatives: tuple[str, ...]) -> None:
+    """So bounds that hold everything would be found."""
+    q, v, a = still_and_fast_states()
+    arm = a5.load(gravity=TILTED).with_payload(**PAYLOAD)
+    ours = u.bounds(q, v, a, arm, alternatives)
+    others = ["implied_mass"] if "link3_cob" in alternatives else ["link3_cob"]
+    (other,) = sampled_arms(1, 1, others)
+    assert not holds(ours.torque, other.inverse_dynamics_batch(q, v, a))
 
 
 def test_margin_of_an_arm_with_jaws() -> None:

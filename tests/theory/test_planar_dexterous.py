@@ -187,10 +187,29 @@ def test_more_joints_by_enumeration(lengths) -> None:
             assert turns_fully(arm, r) == (circle.min() >= low and circle.max() <= high)
 
 
-def test_lengths_that_vary_by_enumeration() -> None:
-    """Prismatic joints: every orientation may be served with another set of lengths."""
-    rng = np.random.default_rng(4)
+def each_orientation_is_reached(
+    low: np.ndarray, high: np.ndarray, last_link: np.ndarray, r: float
+) -> bool:
+    """Whether at each of 72 orientations some lengths reach a point.
+
+    Args:
+        low: The least reach of the first two links, one for each pair of lengths.
+        high: Their largest reach.
+        last_link: The lengths of the last link.
+        r: The distance of the point from the base.
+    """
     phi = np.arange(72) * (2 * math.pi / 72)
+    x = r - last_link[:, None] * np.cos(phi)
+    y = last_link[:, None] * np.sin(phi)
+    distance = np.hypot(x, y)[..., None]
+    hit = ((distance >= low) & (distance <= high)).any(axis=-1)
+    return bool(hit.any(axis=0).all())
+
+
+def test_lengths_that_vary_by_enumeration() -> None:
+    """With prismatic joints, each orientation may have another set of lengths."""
+    rng = np.random.default_rng(4)
+    slack = 0.1
     for _ in range(60):
         travel = [tuple(np.sort(rng.uniform(0, 3, 2))) for _ in range(3)]
         arm = PlanarArm(
@@ -198,28 +217,20 @@ def test_lengths_that_vary_by_enumeration() -> None:
             [limit for t in travel for limit in (None, t)],
             "RPRPRP",
         )
-        ranges = np.array(arm.length_ranges)
-        grid = [np.linspace(a, b, 41) for a, b in ranges]
-        l_1, l_2 = np.meshgrid(grid[0], grid[1], indexing="ij")
-        # radii that the first two links reach, with any lengths: a union of annuli
+        first, second, link = (np.linspace(a, b, 41) for a, b in arm.length_ranges)
+        l_1, l_2 = np.meshgrid(first, second, indexing="ij")
+        # With any lengths, the first two links reach a union of annuli.
         low = np.abs(l_1 - l_2).ravel()
         high = (l_1 + l_2).ravel()
         for r in rng.uniform(0, 4, 4):
-            link = grid[2]
-            # Axes: length of the last link, orientation.
-            x = r - link[:, None] * np.cos(phi)
-            y = link[:, None] * np.sin(phi)
-            circle = np.hypot(x, y)[..., None]
-            hit = ((circle >= low) & (circle <= high)).any(axis=-1)
-            found = bool(hit.any(axis=0).all())
-            if found:
+            if each_orientation_is_reached(low, high, link, r):
                 assert turns_fully(arm, r)
             else:
-                slack = 0.1
-                assert not turns_fully(arm, r) or not (
-                    r + link[0] <= high.max() - slack
-                    and max(abs(r - link[0]), abs(r - link[-1])) >= low.min() + slack
-                )
+                outer = r + link[0] <= high.max() - slack
+                farthest = max(abs(r - link[0]), abs(r - link[-1]))
+                inner = farthest >= low.min() + slack
+                clearly_inside = outer and inner
+                assert not turns_fully(arm, r) or not clearly_inside
 
 
 def limited_brute_force(arm: PlanarArm, point: np.ndarray, turns: int) -> float:

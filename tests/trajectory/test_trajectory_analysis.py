@@ -388,22 +388,24 @@ def test_the_interval_of_energy_is_that_of_the_extremes_of_friction(
     assert energy[end] == pytest.approx(drawn, rel=1e-9)
 
 
-def test_summary_of_the_whole_motion() -> None:
-    """Every figure beside the joints', by its definition."""
+@pytest.fixture(scope="module")
+def jaws_in_motion() -> a5.trajectory.Analysis:
+    """A straight motion of the arm with jaws, with two gaps."""
     t = np.concatenate([[3.0], np.arange(3.5, 9.0, 0.01), [10.25]])
     start = np.array([1.0, 0.4, 0.5, 2.0, 0.003])
     way = np.array([1.4, 1.5, 1.5, 1.5, 0.009])
     q = start + np.outer((t - 3) / 7.25, way)
     motion = a5.trajectory.motion(t, q)
     arm = a5.load(fluid_density=1003.0, gripper="jaws", gravity=(0.5, 0, -9.7))
-    r = a5.trajectory.analyse(motion, arm, bandwidth=3.0, constants="torque")
-    s = a5.trajectory.summary(r)
-    assert (s["source"], s["samples"], s["start_s"], s["duration_s"]) == (
-        "arrays",
-        t.size,
-        3.0,
-        7.25,
-    )
+    return a5.trajectory.analyse(motion, arm, bandwidth=3.0, constants="torque")
+
+
+def test_summary_says_what_was_analysed(jaws_in_motion: a5.trajectory.Analysis) -> None:
+    s = a5.trajectory.summary(jaws_in_motion)
+    assert s["source"] == "arrays"
+    assert s["samples"] == jaws_in_motion.motion.time.size
+    assert s["start_s"] == 3.0
+    assert s["duration_s"] == 7.25
     assert s["sample_time_s"] == {
         "median": pytest.approx(0.01),
         "longest": pytest.approx(10.25 - 8.99),
@@ -421,12 +423,19 @@ def test_summary_of_the_whole_motion() -> None:
     }
     assert s["motors"]["constants"] == "torque"
     assert s["motors"]["supply_voltage"] is s["motors"]["current_limit"] is None
+
+
+def test_summary_of_energies_and_of_the_mount(
+    jaws_in_motion: a5.trajectory.Analysis,
+) -> None:
+    r = jaws_in_motion
+    s = a5.trajectory.summary(r)
+    t = r.motion.time
     power = np.nansum(r.electrical_power, axis=1)
     energy = s["energy"]
     assert energy["electrical_peak_w"] == power.max()
-    assert energy["fed_back_j"] == pytest.approx(
-        np.trapezoid(np.clip(-power, 0, None), t)
-    )
+    fed_back = np.trapezoid(np.clip(-power, 0, None), t)
+    assert energy["fed_back_j"] == pytest.approx(fed_back)
     work = np.trapezoid(r.mechanical_power.sum(axis=1), t)
     assert energy["mechanical_j"] == pytest.approx(work, rel=1e-12)
     for key, columns_ in (
@@ -435,30 +444,39 @@ def test_summary_of_the_whole_motion() -> None:
     ):
         size = np.linalg.norm(r.base_wrench[:, columns_], axis=1)
         assert s["mount"][key] == {"value": size.max(), "time_s": t[size.argmax()]}
+
+
+def test_summary_of_the_way_of_the_tcp(jaws_in_motion: a5.trajectory.Analysis) -> None:
+    r = jaws_in_motion
+    s = a5.trajectory.summary(r)
     tcp = s["tcp"]
-    first, last = (
-        dh_frames(x[:4])[5][:3, 3]
-        for x in (r.smooth.position[0], r.smooth.position[-1])
-    )
+    first = dh_frames(r.smooth.position[0, :4])[5][:3, 3]
+    last = dh_frames(r.smooth.position[-1, :4])[5][:3, 3]
     np.testing.assert_allclose(tcp["first_m"], first, atol=1e-14)
     np.testing.assert_allclose(tcp["last_m"], last, atol=1e-14)
     np.testing.assert_array_equal(tcp["lowest_m"], r.tcp.min(axis=0))
     np.testing.assert_array_equal(tcp["highest_m"], r.tcp.max(axis=0))
-    way_gone = sum(
-        np.linalg.norm(b - a) for a, b in zip(r.tcp[:-1], r.tcp[1:], strict=True)
-    )
-    assert tcp["path_length_m"] == pytest.approx(way_gone, rel=1e-12)
+    steps = np.diff(r.tcp, axis=0)
+    path_length = sum(np.linalg.norm(step) for step in steps)
+    assert tcp["path_length_m"] == pytest.approx(path_length, rel=1e-12)
+    text = a5.trajectory.text(s)
+    assert f"from {in_text(first)} to {in_text(last)} m" in text
+    assert f"within ({r.tcp[:, 0].min():.3f}, " in text
+
+
+def in_text(point: np.ndarray) -> str:
+    """A point to millimetres, without -0.000."""
+    x, y, z = point.round(3) + 0.0
+    return f"({x:.3f}, {y:.3f}, {z:.3f})"
+
+
+def test_summary_and_text_have_the_gaps(jaws_in_motion: a5.trajectory.Analysis) -> None:
+    s = a5.trajectory.summary(jaws_in_motion)
     [gap] = s["warnings"]
     assert (gap["kind"], gap["count"], gap["first"]) == ("gap", 2, "sample 1")
     assert gap["text"] == "more than 0.1 s without a sample, bridged"
-    text = a5.trajectory.text(s)
-    points = [
-        "({:.3f}, {:.3f}, {:.3f})".format(*(x + 0.0 for x in p.round(3)))
-        for p in (first, last)
-    ]
-    assert f"from {points[0]} to {points[1]} m" in text
-    assert f"within ({r.tcp[:, 0].min():.3f}, " in text
-    assert f"arrays: {t.size} samples, 7.25 s\n" in text
+    samples = jaws_in_motion.motion.time.size
+    assert f"arrays: {samples} samples, 7.25 s\n" in a5.trajectory.text(s)
 
 
 def test_the_jaw_rod_has_its_own_units() -> None:

@@ -351,12 +351,17 @@ def test_limits_hold_a_resting_joint_and_drive_a_moving_one(rest: bool) -> None:
 # --- tables and sentences -------------------------------------------------------------
 
 
-def test_columns_by_name(tmp_path: Path) -> None:
+@pytest.fixture
+def analysis() -> a5.trajectory.Analysis:
+    """One joint in motion, with the limits of a drive."""
     t, q = resting(30)
     q[:, 1] += 0.2 * np.sin(3 * t)
-    r = a5.trajectory.analyse(
-        a5.trajectory.motion(t, q), supply_voltage=24.0, current_limit=1.0
-    )
+    motion = a5.trajectory.motion(t, q)
+    return a5.trajectory.analyse(motion, supply_voltage=24.0, current_limit=1.0)
+
+
+def test_columns_by_name(analysis: a5.trajectory.Analysis) -> None:
+    r = analysis
     table = columns(r)
     assert r.torque_limits is not None
     for k, name in enumerate(JOINTS):
@@ -372,7 +377,8 @@ def test_columns_by_name(tmp_path: Path) -> None:
             ("mechanical_power", r.mechanical_power),
         ):
             np.testing.assert_array_equal(table.pop(f"{name}_{suffix}"), values[:, k])
-        if name != "axis_a":  # its motor cannot be computed without a screw lead
+        # The rod's motor cannot be computed without a screw lead.
+        if name != "axis_a":
             for suffix, values in (
                 ("torque_friction", r.friction),
                 ("current", r.current),
@@ -383,33 +389,37 @@ def test_columns_by_name(tmp_path: Path) -> None:
                 ("torque_min", r.torque_limits.lower),
                 ("torque_max", r.torque_limits.upper),
             ):
-                np.testing.assert_array_equal(
-                    table.pop(f"{name}_{suffix}"), values[:, k]
-                )
+                column = table.pop(f"{name}_{suffix}")
+                np.testing.assert_array_equal(column, values[:, k])
     for k, axis in enumerate("xyz"):
-        np.testing.assert_array_equal(
-            table.pop(f"base_force_{axis}"), r.base_wrench[:, k]
-        )
-        np.testing.assert_array_equal(
-            table.pop(f"base_moment_{axis}"), r.base_wrench[:, 3 + k]
-        )
+        force = table.pop(f"base_force_{axis}")
+        np.testing.assert_array_equal(force, r.base_wrench[:, k])
+        moment = table.pop(f"base_moment_{axis}")
+        np.testing.assert_array_equal(moment, r.base_wrench[:, 3 + k])
         np.testing.assert_array_equal(table.pop(f"tcp_{axis}"), r.tcp[:, k])
     assert list(table) == ["time_secs"]
-    # Times keep all their digits, as the sample times of recordings need them.
-    late = replace(r, smooth=replace(r.smooth, time=1.7e9 + t))
+
+
+def test_written_times_keep_the_digits_that_recordings_need(
+    analysis: a5.trajectory.Analysis, tmp_path: Path
+) -> None:
+    time = 1.7e9 + analysis.smooth.time
+    late = replace(analysis, smooth=replace(analysis.smooth, time=time))
     a5.trajectory.write(late, tmp_path / "t.csv")
-    times = [
-        float(line.split(",")[0])
-        for line in (tmp_path / "t.csv").read_text().splitlines()[1:]
-    ]
-    np.testing.assert_allclose(times, 1.7e9 + t, rtol=0, atol=5e-7)
-    # JSON has no NaN.
-    holes = replace(r, torque=np.where(np.arange(30)[:, None] == 7, np.nan, r.torque))
-    a5.trajectory.write(replace(holes, warnings=()), tmp_path / "t.csv")
-    assert time_series._json_column(holes.torque[:, 0])[7] is None
-    assert [x is None for x in time_series._json_column(holes.torque[:, 0])].count(
-        True
-    ) == 1
+    lines = (tmp_path / "t.csv").read_text("utf-8").splitlines()
+    written = [float(line.split(",")[0]) for line in lines[1:]]
+    np.testing.assert_allclose(written, time, rtol=0, atol=5e-7)
+
+
+def test_a_missing_number_is_written_and_is_null_in_json(
+    analysis: a5.trajectory.Analysis, tmp_path: Path
+) -> None:
+    torque = analysis.torque.copy()
+    torque[7] = np.nan
+    holes = replace(analysis, torque=torque, warnings=())
+    a5.trajectory.write(holes, tmp_path / "t.csv")
+    column = time_series._json_column(torque[:, 0])
+    assert [k for k, number in enumerate(column) if number is None] == [7]
 
 
 def test_quoted_cells_and_unused_columns(tmp_path: Path) -> None:

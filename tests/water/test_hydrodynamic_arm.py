@@ -144,37 +144,48 @@ def test_moving_with_the_water_takes_no_force(variant, rng):
         close(ours, wet.inverse_dynamics(q, v, a, current=np.zeros(3)), 1e-12)
 
 
-def test_derivatives(wet, rng):
-    n = wet.model.nv
+def check_derivatives(function, wet, state, derivatives, by_current):
+    """Derivatives by q, v, a and the current agree with differences of a function."""
+    q, v, a = state
+    by_q, by_v, by_a = derivatives
+    h = 1e-6
+    close(by_q, central_difference(function, wet, q, h, v, a), 1e-6)
+    for i, e in enumerate(np.eye(wet.model.nv)):
+        rate = (function(q, v + h * e, a) - function(q, v - h * e, a)) / (2 * h)
+        close(by_v[:, i], rate, 1e-6)
+        close(by_a[:, i], function(q, v, a + e) - function(q, v, a), 1e-9)
+    u = np.array(CURRENT)
+    for i, e in enumerate(np.eye(3)):
+        ahead = function(q, v, a, current=u + h * e)
+        behind = function(q, v, a, current=u - h * e)
+        close(by_current[:, i], (ahead - behind) / (2 * h), 1e-6)
+
+
+def random_state(wet, rng):
+    q = random_q(wet, rng)
+    v = random_v(wet, rng)
+    a = random_v(wet, rng)
+    return q, v, a
+
+
+def test_inverse_dynamics_derivatives(wet, rng):
     for _ in range(2):
-        q = random_q(wet, rng)
-        v = random_v(wet, rng)
-        a = random_v(wet, rng)
-        dq, dv, da = wet.inverse_dynamics_derivatives(q, v, a)
-        du = wet.inverse_dynamics_current_derivative(q, v, a)
-        wq, wv, wa = wet.base_wrench_derivatives(q, v, a)
-        wu = wet.base_wrench_current_derivative(q, v, a)
+        state = random_state(wet, rng)
+        derivatives = wet.inverse_dynamics_derivatives(*state)
+        by_current = wet.inverse_dynamics_current_derivative(*state)
+        check_derivatives(wet.inverse_dynamics, wet, state, derivatives, by_current)
+        close(derivatives[2], wet.mass_matrix(state[0]), 1e-12)
 
-        def wrench(q, v, a, current=None):
-            return wet.base_wrench(q, v, a, current=current).vector
 
-        h = 1e-6
-        for function, by_q, by_v, by_a, by_u in (
-            (wet.inverse_dynamics, dq, dv, da, du),
-            (wrench, wq, wv, wa, wu),
-        ):
-            close(by_q, central_difference(function, wet, q, 1e-6, v, a), 1e-6)
-            for i, e in enumerate(np.eye(n)):
-                rate = (function(q, v + h * e, a) - function(q, v - h * e, a)) / (2 * h)
-                close(by_v[:, i], rate, 1e-6)
-                close(by_a[:, i], function(q, v, a + e) - function(q, v, a), 1e-9)
-            for i, e in enumerate(np.eye(3)):
-                u = np.array(CURRENT)
-                ahead, behind = (
-                    function(q, v, a, current=u + s * h * e) for s in (1, -1)
-                )
-                close(by_u[:, i], (ahead - behind) / (2 * h), 1e-6)
-        close(da, wet.mass_matrix(q), 1e-12)
+def test_base_wrench_derivatives(wet, rng):
+    def wrench(q, v, a, current=None):
+        return wet.base_wrench(q, v, a, current=current).vector
+
+    for _ in range(2):
+        state = random_state(wet, rng)
+        derivatives = wet.base_wrench_derivatives(*state)
+        by_current = wet.base_wrench_current_derivative(*state)
+        check_derivatives(wrench, wet, state, derivatives, by_current)
 
 
 def test_forward_dynamics_derivatives(wet, rng):

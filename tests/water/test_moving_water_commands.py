@@ -178,23 +178,37 @@ def test_a_motion_in_a_current_is_that_of_the_arm_in_moving_water(file):
     np.testing.assert_allclose(total, a.torque, atol=1e-14)
 
 
-def test_table_summary_and_text_have_the_cause(file, tmp_path, capsys):
+def columns_of_the_command(file, tmp_path):
+    """The table that the command writes for a current: name -> numbers."""
     table = tmp_path / "out.csv"
-    assert (
-        main(["trajectory", str(file), "--current", TEXT, "--output", str(table)]) == 0
-    )
+    words = ["trajectory", str(file), "--current", TEXT, "--output", str(table)]
+    assert main(words) == 0
+    with table.open(encoding="utf-8") as lines:
+        rows = list(csv.DictReader(lines))
+    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+
+
+def summary_of_the_command(file, capsys):
+    assert main(["trajectory", str(file), "--current", TEXT, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_text_and_summary_have_the_current(file, tmp_path, capsys):
+    columns_of_the_command(file, tmp_path)
     said = capsys.readouterr().out
     assert "current (0.4, -0.7, 0.3) m/s; estimated, not published" in said
-    assert main(["trajectory", str(file), "--current", TEXT, "--json"]) == 0
-    summary = json.loads(capsys.readouterr().out)
+    summary = summary_of_the_command(file, capsys)
     assert summary["model"]["water_current"] == list(CURRENT)
-    with table.open() as lines:
-        rows = list(csv.DictReader(lines))
-    column = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+
+
+def test_table_and_summary_have_the_cause(file, tmp_path, capsys):
+    column = columns_of_the_command(file, tmp_path)
+    capsys.readouterr()
+    summary = summary_of_the_command(file, capsys)
     for name, joint in summary["joints"].items():
-        nominal, low, high = (
-            column[f"{name}_torque_moving_water{end}"] for end in ("", "_low", "_high")
-        )
+        nominal = column[f"{name}_torque_moving_water"]
+        low = column[f"{name}_torque_moving_water_low"]
+        high = column[f"{name}_torque_moving_water_high"]
         at = np.abs(nominal).argmax()
         peak = joint["moving_water_peak"]
         assert peak["value"] == pytest.approx(nominal[at], rel=1e-8)
@@ -205,6 +219,10 @@ def test_table_summary_and_text_have_the_cause(file, tmp_path, capsys):
         causes = ("inertia", "coriolis", "weight", "buoyancy", "moving_water")
         total = sum(column[f"{name}_torque_{cause}"] for cause in causes)
         np.testing.assert_allclose(total, column[f"{name}_torque"], atol=1e-8)
+
+
+def test_summary_has_the_cause_on_the_mount(file, capsys):
+    summary = summary_of_the_command(file, capsys)
     a = a5.trajectory.analyse(a5.trajectory.read_motion(file), current=CURRENT)
     for key, part in (
         ("water_force_peak_n", slice(3)),
@@ -212,10 +230,9 @@ def test_table_summary_and_text_have_the_cause(file, tmp_path, capsys):
     ):
         sizes = np.linalg.norm(a.moving_water.wrench[:, :, part], axis=2)
         at = sizes[:, 1].argmax()
-        assert summary["mount"][key]["value"] == pytest.approx(sizes[at, 1])
-        assert summary["mount"][key]["interval"] == pytest.approx(
-            sorted(sizes[at, [0, 2]])
-        )
+        load = summary["mount"][key]
+        assert load["value"] == pytest.approx(sizes[at, 1])
+        assert load["interval"] == pytest.approx(sorted(sizes[at, [0, 2]]))
 
 
 def test_without_a_current_nothing_is_said_of_moving_water(file):
