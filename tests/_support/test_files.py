@@ -101,7 +101,7 @@ def test_a_file_keeps_its_mode_and_a_new_one_obeys_the_umask(tmp_path: Path) -> 
 def test_files_and_folders_are_on_the_disk_before_the_first_rename(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What the system is asked for, in order: contents, names, renames, names again."""
+    """The system calls are in order: contents, names, renames, names again."""
     (tmp_path / "old").write_text("before")
     calls: list[tuple[str, str]] = []
     content: dict[str, bytes] = {}
@@ -186,7 +186,7 @@ def test_a_pipe_whose_reader_leaves_is_one_error(tmp_path: Path) -> None:
 @as_root
 @linux
 def test_devices_are_written_into(tmp_path: Path) -> None:
-    """Nodes of our own: if the guard fails, the machine's stay what they are."""
+    """The devices are made here, so that a failure cannot harm the machine's."""
     try:
         for name, minor in (("null", 3), ("full", 7)):
             os.mknod(tmp_path / name, stat.S_IFCHR | 0o666, os.makedev(1, minor))
@@ -284,7 +284,7 @@ def test_two_names_of_one_file_are_refused(tmp_path: Path) -> None:
 
 @as_root
 def test_what_is_read_only_stays(tmp_path: Path) -> None:
-    """As nobody, since root may write everywhere."""
+    """The command runs as nobody, since root may write everywhere."""
     code = (
         "import sys; from alpha5_model._support.writing import atomic_write\n"
         "from alpha5_model.errors import OutputError\n"

@@ -149,7 +149,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 
 def told(results: dict[str, Any], wrong: Any) -> dict[str, Any]:
-    """The answers that something is wrong with, by name, and what."""
+    """Name -> what is wrong with an answer, for all wrong answers."""
     every = {name: wrong(answer) for name, answer in results.items() if name != "made"}
     return {name: what for name, what in every.items() if what}
 

@@ -87,7 +87,7 @@ class Terminal(io.StringIO):
 
 
 def folder_of_a_user() -> None:
-    """What the answers are about, into the current folder."""
+    """Write the files that the commands read into the current folder."""
     ours = Path(a5.URDF_PATH).read_text("utf-8")
     Path("arm.urdf").write_text(ours, "utf-8")
     Path("other.urdf").write_text(with_mass(ours, "0.5"), "utf-8")
@@ -162,7 +162,7 @@ def test_what_is_printed(
     once: dict[str, Any] = {}
 
     def kept(module: Any, function: str) -> None:
-        """Compute it for the first answer only."""
+        """Keep what a function returns for the first answer."""
         compute = getattr(module, function)
 
         def given(*words: Any, **more: Any) -> Any:
@@ -256,7 +256,7 @@ def test_the_help_fits_80_columns(name: str, monkeypatch: pytest.MonkeyPatch) ->
 
 @pytest.mark.parametrize("columns", [80, 120])
 def test_on_a_real_terminal(columns: int) -> None:
-    """Its width, its minus and its colours, without being told."""
+    """A real terminal's width, minus sign and colours are used without options."""
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
     words = [sys.executable, "-m", "alpha5_model", "dh", "0.5", "1.2", "1", "-0.25"]

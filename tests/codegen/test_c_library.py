@@ -84,7 +84,7 @@ def test_it_compiles_and_passes(build: str, tmp_path: Path) -> None:
 
 
 def test_the_program_sees_a_wrong_number(tmp_path: Path) -> None:
-    """Another fluid's torques, and a joint limit that is off."""
+    """It finds torques of another fluid and a wrong joint limit."""
     written(tmp_path, COptions())
     wrong = c_files(COptions(fluid_density=a5.FRESH_WATER))["alpha5.c"].decode()
     wrong = wrong.replace(str(a5.parameters().joints[1].upper), "3.3")

@@ -80,7 +80,7 @@ def test_casadis_own_derivatives_are_pinocchios(compiled: bool) -> None:
 
 
 def test_a_payload_is_an_input_too() -> None:
-    """Its mass can be differentiated by: the torque is linear in it."""
+    """The torque is linear in the payload's mass, and has a derivative by it."""
     functions = load(fold=False)
     arm = a5.load()
     mass = casadi.SX.sym("mass")

@@ -90,7 +90,7 @@ def test_a_payload_and_its_gradient() -> None:
 
 
 def test_an_arm_goes_through_transformations() -> None:
-    """Compiled once for any parameters."""
+    """A function is compiled once for the parameters of any arm."""
     q = states(2, seed=10)[1]["q"]
     holding = jax.jit(lambda arm, q: arm.hydrostatic_torque(q))
     for density in (a5.SEA_WATER, a5.AIR):

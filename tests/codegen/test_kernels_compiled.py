@@ -178,7 +178,7 @@ Q = np.array([0.5, 0.7, 0.9, 1.1])
 
 
 class Tagged(np.ndarray):
-    """A subclass of which the meaning is unknown."""
+    """A subclass whose meaning is unknown."""
 
 
 UNFIT = {
@@ -512,10 +512,10 @@ def test_the_module_was_compiled_of_these_sources():
 
 
 class Weigher:
-    """Its method is what a kernel falls back to."""
+    """A class with the method that a kernel falls back to."""
 
     def weigh(self, q: object, v: object = None, *, more: float = 0.0) -> tuple:
-        """Says what it was given."""
+        """The arguments that it was given."""
         if v == "error":
             raise ZeroDivisionError
         return q, v, more

@@ -28,13 +28,13 @@ def library() -> ctypes.CDLL:
 
 
 def sizes(of: Program) -> list[int]:
-    """Of the inputs, the parameters last."""
+    """The sizes of a program's inputs; the parameters are last."""
     ordered = sorted(of.inputs, key=lambda slot: slot.name == PARAMETERS)
     return [slot.size for slot in ordered]
 
 
 def called(library: ctypes.CDLL, name: str, given: list, wanted: list[bool]) -> list:
-    """Outputs, or None for those that nobody wants; a given None is a null pointer."""
+    """The wanted outputs, else None. An input of None is a null pointer."""
     of = PROGRAMS[name]
     pointer = ctypes.POINTER(ctypes.c_double)
     results = [np.full(slot.size, -7.0) for slot in of.outputs]
@@ -56,7 +56,7 @@ def states(of: Program) -> list[np.ndarray]:
 
 
 def expected(name: str, given: list[np.ndarray]) -> list[np.ndarray]:
-    """What the bound kernel says."""
+    """The outputs of the bound kernel."""
     of = PROGRAMS[name]
     has_parameters = any(slot.name == PARAMETERS for slot in of.inputs)
     parameters = given[-1] if has_parameters else None

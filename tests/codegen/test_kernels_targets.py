@@ -14,7 +14,7 @@ from alpha5_model.kinematics import ik
 
 @pytest.fixture(params=["_compiled", "numpy_kernels"])
 def kernels(request: pytest.FixtureRequest) -> ModuleType:
-    """Either of both; the compiled ones where they are installed."""
+    """The kernels in NumPy, and the compiled ones if they are installed."""
     name = f"alpha5_model.codegen.kernels.{request.param}"
     return pytest.importorskip(name, exc_type=ImportError)
 
@@ -25,11 +25,11 @@ LONG = 10**400
 
 
 class Real(float):
-    """A subclass of which the meaning is unknown."""
+    """A subclass whose meaning is unknown."""
 
 
 class Three(list):
-    """Another."""
+    """Another subclass whose meaning is unknown."""
 
 
 UNFIT_POSITIONS = {

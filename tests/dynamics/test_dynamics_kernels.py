@@ -133,7 +133,7 @@ def flat(result: Any) -> np.ndarray:
 
 
 def inputs(name: str) -> int:
-    """Of q, v and a third one."""
+    """The number of a kernel's inputs without its parameters."""
     names = functions(a5.parameters())[name].name_in()
     return len([given for given in names if given != "parameters"])
 
@@ -158,7 +158,7 @@ def shapes(name: str) -> list[tuple[int, ...]]:
 def by_kernel(
     kernels: Any, name: str, parameters: np.ndarray, *given: np.ndarray
 ) -> np.ndarray:
-    """Its outputs, one after the other, (N, n)."""
+    """The outputs of a kernel for N states, joined, (N, n)."""
     outputs = [
         np.empty((len(given[0]), *slot.shape))
         for slot in program(functions(a5.parameters())[name]).outputs

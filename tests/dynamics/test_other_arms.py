@@ -55,7 +55,7 @@ def afloat() -> a5.Arm:
 
 @cache
 def chain() -> DHChain:
-    """By the package's own room for any arm, which shares nothing with the dynamics."""
+    """The longer arm as a DH chain, which shares no code with the dynamics."""
     ours = DHChain.alpha5()
     links = list(ours.links)
     links[1] = dataclasses.replace(links[1], a=links[1].a + LONGER)
@@ -64,7 +64,7 @@ def chain() -> DHChain:
 
 
 def potential_energy(q: np.ndarray) -> float:
-    """Of weight and buoyancy, body by body."""
+    """The energy of weight and buoyancy, body by body."""
     frames = chain().frames(q)
     turned = [
         frame @ pose((0.0, 0.0, 0.0), (0.0, 0.0, angle + row.theta_offset))

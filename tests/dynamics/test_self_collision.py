@@ -24,7 +24,7 @@ def arm() -> Any:
 
 
 def underarm(q: np.ndarray) -> np.ndarray:
-    """The plane of the arm faces the tcp."""
+    """Whether the plane of the arm faces the tcp."""
     p = tip(q)
     return np.asarray(
         p[:, 0] * np.cos(q[:, 0] + math.pi) + p[:, 1] * np.sin(q[:, 0] + math.pi) > 0

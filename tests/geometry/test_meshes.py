@@ -197,7 +197,7 @@ def test_centroid_is_within_a_millimetre_of_the_printed_centre_of_buoyancy(
 
 
 def test_link_3_printed_centre_of_buoyancy_is_outside_the_body(meshes):
-    """It cannot be a centroid; the recorded correction is close to the body's own."""
+    """The printed point is no centroid; the corrected one is near the body's."""
     from alpha5_model import parameters
 
     printed = np.array(TABLE_3["link_3"][1])

@@ -77,7 +77,7 @@ def test_small_rotation_errors_keep_their_digits() -> None:
 
 
 def wrist_axis(q: np.ndarray) -> np.ndarray:
-    """By finite rotation: the axis that a turn of theta_3 turns about."""
+    """The axis of theta_3, from two poses that differ in theta_3 only."""
     turned = q.copy()
     turned[:, 3] += 0.5
     spin = fk(turned)[:, :3, :3] @ np.swapaxes(fk(q)[:, :3, :3], 1, 2)
@@ -85,7 +85,7 @@ def wrist_axis(q: np.ndarray) -> np.ndarray:
 
 
 def test_wrist_stays_within_its_limits_in_the_gap() -> None:
-    """Wanted beyond 6.2 rad: the nearer end of the range, and its error."""
+    """A wrist angle beyond 6.2 rad becomes the nearer end, with its error."""
     q = sample(200, seed=73)
     q[:, 3] = np.linspace(6.2, 2 * math.pi, 200)
     s = a5.inverse_kinematics_pose(fk(q))
@@ -344,7 +344,7 @@ def least_travel_of_yaw(q: np.ndarray, free: np.ndarray, max_step: float) -> flo
 def along_axis(
     first: float, last: float, heights: list[float], radius: float = 0.02
 ) -> np.ndarray:
-    """In from one azimuth, along the axis, out to another."""
+    """A path in from one azimuth, along the axis, and out to another."""
     inwards = [radius * math.cos(first), radius * math.sin(first), heights[0]]
     outwards = [radius * math.cos(last), radius * math.sin(last), heights[-1]]
     return np.array([inwards, *([0.0, 0.0, z] for z in heights), outwards])
@@ -399,7 +399,7 @@ def test_random_paths_across_the_axis_have_the_least_travel() -> None:
 
 
 def test_dwelling_on_the_axis_turns_in_equal_steps() -> None:
-    """Nothing else moves: theta_0 shares its turn evenly and the rest stands still."""
+    """On the axis only theta_0 moves, and never backwards."""
     target = along_axis(0.5, 1.1, [0.3] * 9, radius=1e-3)
     path = a5.inverse_kinematics_path(target)
     assert np.ptp(path[1:-1, 1:]) > 0
@@ -447,7 +447,7 @@ def test_a_start_beyond_the_limit_of_theta_0_comes_back_first() -> None:
 
 
 def test_too_few_points_on_the_axis_to_turn() -> None:
-    """1.5 rad in four steps of 0.3 at most, whichever pose leaves."""
+    """A turn of 1.5 rad does not fit in four steps of 0.3 rad, for any pose."""
     target = along_axis(0.5, 2.0, [0.3] * 3)
     with pytest.raises(DiscontinuousPathError, match=r"positions\[4\]") as caught:
         a5.inverse_kinematics_path(target, max_step=0.3)

@@ -296,7 +296,7 @@ def test_volume_without_limits_by_pappus() -> None:
 
 
 def test_volume_lost_to_the_wedges() -> None:
-    """Were theta_0 free, the two wedges would be as full as the rest."""
+    """If theta_0 were free, the wedges would be as full as the rest."""
     from alpha5_model.kinematics.arcs import first_moment
 
     moment = {side: first_moment(space.boundary(side)) for side in space.SIDES}

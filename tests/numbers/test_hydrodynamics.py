@@ -105,7 +105,7 @@ def test_finger_2_has_smaller_holes_than_finger_1():
 
 
 def test_the_closed_jaws_move_about_what_their_parts_move():
-    """A little more than the sum is possible: a longer body has less of an end."""
+    """The sum may be a little less than the whole: a longer body has fewer ends."""
     closed = hydrodynamics()["link_4"]
     parts = hydrodynamics("jaws")
     for i, j in ((0, 0), (1, 2)):
@@ -115,7 +115,7 @@ def test_the_closed_jaws_move_about_what_their_parts_move():
 
 
 def test_strips_cover_the_bodies():
-    """Each within the body's bounds, and of an area that its outline has."""
+    """Each strip is within its body's bounds, and has the area of the outline."""
     for name, body in hydrodynamics().items():
         bounds = a5.parameters().links[int(name[-1])].bounds
         for strip in body.strips:

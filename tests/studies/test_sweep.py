@@ -354,7 +354,7 @@ def test_any_size_of_chunks(
 def test_a_worker_killed_in_the_middle(
     drawn: tuple[Path, Path], tmp_path: Path, cluster: Any
 ) -> None:
-    """And two workers against one process, on a scheduler by its address."""
+    """Two workers of a scheduler, given by its address, do as one process does."""
     pids = [worker.pid for worker in cluster.workers.values()]
 
     def accident(stage: str, done: float) -> None:
@@ -621,7 +621,7 @@ def test_a_study_needs_axes_and_outputs(text: str, place: str, tmp_path: Path) -
 
 
 def damaged(whole: bytes) -> bytes:
-    """A part whose head is in order and whose data are not."""
+    """A part with a sound head and damaged data."""
     return whole[:4] + bytes(40) + whole[44:]
 
 
@@ -692,7 +692,7 @@ def test_the_line_of_a_long_key_is_named(tmp_path: Path) -> None:
 
 
 def test_current_and_power_alone(tmp_path: Path) -> None:
-    """Both come from a torque that is not written."""
+    """Current and power are right if their torque is not written."""
     q = (3.1, 0.5, 1.2, 0.4)
     axes = "".join(
         f"axis_{name}_pos = {angle}\naxis_{name}_vel = 0.2\n"

@@ -657,7 +657,7 @@ def test_an_arm_of_the_printed_numbers_is_the_one_that_is_loaded() -> None:
 
 
 def test_sensitivity_of_the_reach() -> None:
-    """By hand: a_1 + hypot(a_2, d_3), with a_1 = hypot(40, 145.3)."""
+    """The reach is a_1 + hypot(a_2, d_3), with a_1 = hypot(40, 145.3)."""
     found = u.sensitivity(u.reach)
     lower = np.hypot(20, 180)
     a_1 = np.hypot(40, 145.3)
@@ -708,7 +708,7 @@ def test_sensitivity_of_torques_and_currents() -> None:
 
 
 def second_lever(q: np.ndarray) -> float:
-    """Of link 2's COM about axis_d, level, by the tests' own frames."""
+    """The horizontal lever of link 2's COM about axis_d, by the tests' own frames."""
     rotations, origins = second.link_frames(q[None])
     arm = rotations[2, 0] @ second.COM[2]
     axis = rotations[2, 0][:, 2]
@@ -777,7 +777,7 @@ def test_identification_finds_the_truth(kind: str) -> None:
 
 
 def test_identification_of_an_arm_with_a_correction() -> None:
-    """It counts once, whether it is among the alternatives or not."""
+    """The correction counts once, even if it is among the alternatives."""
     moved, (q, v, a) = swing(300)
     corrections = ("base_frame", "link3_cob")
     arm = a5.load(gravity=TILTED, corrections=corrections)
@@ -902,7 +902,7 @@ def test_wrong_input_is_said(words: str) -> None:
 
 
 def test_one_constant_of_a_motor_counts_for_both_if_that_is_asked() -> None:
-    """With other alternatives the two printed constants stay apart."""
+    """With other alternatives, the two printed constants stay different."""
     for alternatives, together in (
         ((), False),
         (("implied_mass", "link2_mass"), False),

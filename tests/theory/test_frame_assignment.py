@@ -22,7 +22,7 @@ assign_frames = DHChain.from_axes
 
 
 def next_axis(kind: str, p: np.ndarray, z: np.ndarray, rng: np.random.Generator):
-    """An axis in a given position to the one before."""
+    """An axis of a kind, such as skew, relative to the previous axis."""
     slide = rng.normal()
     return {
         "skew": lambda: (rng.normal(size=3), rng.normal(size=3)),
@@ -160,7 +160,7 @@ def unit(vector: np.ndarray) -> np.ndarray:
 
 
 def worst_error(tilts, rng: np.random.Generator, **options) -> float:
-    """Of the end effector's pose, over random joint positions."""
+    """The largest error of the end effector's pose at random joint positions."""
     points, z = tilted_axes(tilts, rng)
     end = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.5, 0.5, 3)).homogeneous
     if rng.integers(3) == 0:  # along the last axis
@@ -177,7 +177,7 @@ def worst_error(tilts, rng: np.random.Generator, **options) -> float:
 def test_axes_that_are_nearly_parallel_move_the_tool_as_they_were_drawn(
     first: float,
 ) -> None:
-    """Up to six axes, with tilts from 1e-12 to 1e-6 rad in any order."""
+    """The error is small for up to six axes with tilts of 1e-12 to 1e-6 rad."""
     rng = np.random.default_rng(51)
     for _ in range(60):
         others = 10 ** rng.uniform(-12, -6, rng.integers(0, 5)) * rng.integers(0, 2)

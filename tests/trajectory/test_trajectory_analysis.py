@@ -764,7 +764,7 @@ def test_motors_and_rated_speeds_are_those_of_the_arms_record() -> None:
 
 
 def test_an_arm_in_moving_water_is_refused() -> None:
-    """Its water would count twice, or not at all: the current is an argument."""
+    """The current is an argument, so the arm's water would count twice or never."""
     time = np.linspace(0.0, 1.0, 20)
     position = np.outer(np.sin(time), [0.1, 0.2, 0.3, 0.4]) + 1.0
     motion = a5.trajectory.motion(time, position)

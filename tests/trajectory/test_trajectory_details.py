@@ -423,7 +423,7 @@ def test_a_missing_number_is_written_and_is_null_in_json(
 
 
 def test_quoted_cells_and_unused_columns(tmp_path: Path) -> None:
-    """A comma in quotes parts no cells; what is not used may be anything."""
+    """A comma in quotes separates no cells, and an unused column may hold anything."""
     header = 'note,time,axis_e,axis_d,"axis_c",axis_b'
     rows = [f'"a, {k}",{k / 10},1.0,"1.5",2,{3 + k / 100}' for k in range(8)]
     path = tmp_path / "m.csv"

@@ -36,7 +36,7 @@ COMPRESSED = [
 
 
 def states(count: int, frame: str = "") -> list[State]:
-    """An arm at rest: what compresses best of all that is real."""
+    """States of an arm at rest, the real recording that compresses best."""
     rest = [3.0, 1.5, 1.4, 1.2]
     return [
         State(10**18 + k * 10**7, NAMES, rest, [0.0] * 4, [0.1] * 4, frame=frame)
@@ -242,7 +242,7 @@ def interior(child: int, size: int) -> bytes:
 
 
 def test_a_long_table_needs_fewer_steps_than_are_allowed(tmp_path: Path) -> None:
-    """The smallest messages there are, of which only a few are the arm's."""
+    """Many of the smallest messages are read if only a few are the arm's."""
     small = [State(10**18 + k, [], [], topic="/other") for k in range(30_000)]
     path = write_bag(tmp_path, ".db3", [*small, *states(10)])
     assert a5.trajectory.read_motion(path, topic="/joint_states").time.size == 10
@@ -283,7 +283,7 @@ def test_metadata_that_grows_or_does_something(
 
 
 def test_qualities_of_service_are_not_read(tmp_path: Path) -> None:
-    """They are YAML within a bag, and may be a bomb as well."""
+    """They are YAML within a bag, so they could be a YAML bomb."""
     path = write_bag(tmp_path, ".db3", states(6))
     with sqlite3.connect(path) as database:
         database.execute("UPDATE topics SET offered_qos_profiles = ?", ["[" * 90_000])

@@ -135,7 +135,7 @@ def test_the_least_bandwidth_is_as_good_as_it_says(jitter: float) -> None:
 
 
 def test_default_bandwidth() -> None:
-    """Documented in the head of the module and in --help: the spline at 2 Hz."""
+    """The default is the spline at 2 Hz, as the module and --help document."""
     motion, _, _ = cubic_motion()
     s = a5.trajectory.smooth(motion)
     assert (s.method, s.bandwidth) == ("spline", 2.0)

@@ -41,7 +41,7 @@ def arm(request):
 
 @pytest.fixture(scope="module")
 def wet(arm):
-    """With a body that brings its own water, so that added mass couples everything."""
+    """An arm and a body with added mass of its own, which couples all joints."""
     strip = a5.DragStrip([0.0, 0.0, 0.0], [0.02, 0.05, -0.1], 0.05, 1.1, 0.2)
     added = definite(np.random.default_rng(7), scale=0.02)
     return arm.with_hydrodynamics(CURRENT).with_payload(
