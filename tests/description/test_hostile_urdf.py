@@ -9,16 +9,14 @@ import time
 from pathlib import Path
 
 import pytest
-from urdf_edits import with_mass
+from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.reading import read_urdf
-from alpha5_model.description.urdf import urdf
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 from alpha5_model.proofs.comparison.printed_digits import last_place
 
-OWN = urdf()
 NAMESPACE = "xmlns:xacro='http://www.ros.org/wiki/xacro'"
 #: What a xacro file can do to its reader; {mark} is a file that it makes, {secret} one that it reads.
 PROGRAMS = {

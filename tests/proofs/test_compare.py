@@ -16,7 +16,7 @@ import pytest
 import reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from urdf_edits import with_mass
+from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH
@@ -33,7 +33,6 @@ from alpha5_model.proofs.comparison.chains import find_chains
 from alpha5_model.proofs.comparison.measure import compare, compare_robots
 from alpha5_model.proofs.comparison.reduction import reduce_robot
 
-OWN = urdf()
 RECORD = a5.parameters()
 Defect = Callable[[ET.Element], None]
 

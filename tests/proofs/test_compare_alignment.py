@@ -13,18 +13,17 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import reference
+from urdf_edits import OWN
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
-from alpha5_model.description.urdf import urdf
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
 from alpha5_model.proofs.comparison.chains import find_chains
 from alpha5_model.proofs.comparison.measure import compare, compare_robots
 from alpha5_model.proofs.comparison.printed_digits import last_digits, meant_angle
 from alpha5_model.viewer.comparison_plot import plot_comparison
 
-OWN = urdf()
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
 MODELS = Path(a5.REPOSITORY_PATH).parent / "shared" / "data" / "models"
 

@@ -11,11 +11,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import reference
+from urdf_edits import OWN
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
-from alpha5_model.description.urdf import urdf
 from alpha5_model.numbers.parameters import parameters
 from alpha5_model.proofs.comparison.axis_findings import _misplaced
 from alpha5_model.proofs.comparison.body_findings import BodyCase, findings_of_body
@@ -28,7 +28,6 @@ from alpha5_model.proofs.comparison.records import Finding
 
 MASS_2 = a5.parameters().links[2].mass
 
-OWN = urdf()
 SAMPLES = 40
 
 

@@ -17,13 +17,12 @@ import pinocchio as pin
 import pytest
 import reference
 import shared_recordings as recordings
+from urdf_edits import OWN
 
 from alpha5_model.description.reading import parse_urdf
-from alpha5_model.description.urdf import urdf
 from alpha5_model.proofs.comparison.measure import compare_robots
 from alpha5_model.proofs.comparison.records import Comparison, Finding
 
-OWN = urdf()
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
 MODELS = recordings.RECORDINGS / "models"
 SAMPLES = 40

@@ -7,6 +7,7 @@ of each strip, and a steady current has a Munk moment ``u x (A u)`` on each link
 from __future__ import annotations
 
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ import reference
 FILES = Path(__file__).parents[2] / "alpha5_model" / "numbers"
 
 
+@cache
 def bodies(numbers: str = "estimated") -> dict:
     """The bodies of a set of numbers as they stand in its file."""
     text = (FILES / f"{numbers}_hydrodynamics.toml").read_text("utf-8")

@@ -12,11 +12,8 @@ import struct
 from pathlib import Path
 
 from bag_writer import State, write_bag
-from urdf_edits import with_mass
+from urdf_edits import OWN, with_mass
 
-from alpha5_model.description.urdf import urdf
-
-OWN = urdf()
 SPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 JOINTS = [f"axis_{x}" for x in "edcb"]
 ROWS = "".join(f"{k * 0.05:.2f},{3 + 0.01 * k},1.{k:02d},1,0.5\n" for k in range(40))

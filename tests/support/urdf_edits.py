@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import re
 
+from alpha5_model.description.urdf import urdf
+
+#: Our own arm, expanded once for all tests.
+OWN = urdf()
 _MASS = r'(<link name="{link}">(?:(?!</link>).)*?<mass value=")([^"]*)'
 
 
-def mass_text(urdf: str, link: str = "link_2") -> str:
+def mass_text(text: str, link: str = "link_2") -> str:
     """The text of a link's mass."""
-    return _mass(urdf, link)[2]
+    return _mass(text, link)[2]
 
 
-def with_mass(urdf: str, value: str, link: str = "link_2") -> str:
+def with_mass(text: str, value: str, link: str = "link_2") -> str:
     """The URDF with another text as a link's mass."""
-    found = _mass(urdf, link)
-    return urdf[: found.start(2)] + value + urdf[found.end(2) :]
+    found = _mass(text, link)
+    return text[: found.start(2)] + value + text[found.end(2) :]
 
 
-def _mass(urdf: str, link: str) -> re.Match[str]:
-    found = re.search(_MASS.format(link=link), urdf, re.DOTALL)
+def _mass(text: str, link: str) -> re.Match[str]:
+    found = re.search(_MASS.format(link=link), text, re.DOTALL)
     assert found, f"{link} has no mass"
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -48,16 +49,22 @@ class _Candidate(NamedTuple):
 
 
 def with_base_link(
-    ours: OwnArm, theirs: FourJointArm, alignment: Alignment
+    theirs: FourJointArm, com_errors: Mapping[str, float], alignment: Alignment
 ) -> Alignment:
     """The alignment, with the link that comes closest to being our base_link.
 
     A link is recognized by its frame, or by the COM of link_0 in its frame if axis_e is
     misplaced, or by its place and name if axis_e is upside down. If several links
     qualify, the one with the right name is taken.
+
+    Args:
+        theirs: The other arm.
+        com_errors: See `com_errors_by_link`.
+        alignment: How it lies in our root frame.
     """
     candidates = [
-        _candidate(ours, theirs, alignment, name) for name in theirs.base_path
+        _candidate(theirs, com_errors.get(name), alignment, name)
+        for name in theirs.base_path
     ]
     best = min(candidates, key=lambda candidate: candidate.unlikeliness)
     return replace(
@@ -66,25 +73,34 @@ def with_base_link(
 
 
 def _candidate(
-    ours: OwnArm, theirs: FourJointArm, alignment: Alignment, name: str
+    theirs: FourJointArm, com_error: float | None, alignment: Alignment, name: str
 ) -> _Candidate:
     """Judge one link."""
     pose = alignment.base @ theirs.link_poses[name]
     distance = distance_from_base(pose)
     named = name.lower().endswith(("base", "base_link"))
 
-    in_place = np.linalg.norm(origin_of(pose)) < SAME_FRAME
-    same = distance < SAME_FRAME or bool(named and in_place)
-    if theirs.mass[0]:
-        com_error = _com_error(ours, theirs, name)
-        if com_error < SAME_COM:
-            same = True
-            distance = min(distance, SAME_FRAME + com_error)
+    same = distance < SAME_FRAME
+    if named:
+        in_place = np.linalg.norm(origin_of(pose)) < SAME_FRAME
+        same = same or bool(in_place)
+    if com_error is not None and com_error < SAME_COM:
+        same = True
+        distance = min(distance, SAME_FRAME + com_error)
     return _Candidate(name=name, pose=pose, distance=distance, same=same, named=named)
 
 
+def com_errors_by_link(ours: OwnArm, theirs: FourJointArm) -> dict[str, float]:
+    """How far link_0's COM would be from ours if a link were base_link [m].
+
+    It is the same for all alignments. Without a mass of link_0 there is none.
+    """
+    if not theirs.mass[0]:
+        return {}
+    return {name: _com_error(ours, theirs, name) for name in theirs.base_path}
+
+
 def _com_error(ours: OwnArm, theirs: FourJointArm, name: str) -> float:
-    """How far link_0's COM would be from ours if a link were base_link [m]."""
     to_link: FloatArray = np.asarray(np.linalg.inv(theirs.link_poses[name]), np.float64)
     com = moved(to_link, theirs.com[0])
     return float(np.linalg.norm(com - ours.reduced.com[0]))

@@ -20,7 +20,10 @@ from alpha5_model._support.spatial import rotation_about, transform, wrap
 from alpha5_model.proofs.comparison.alignment import Alignment, allowed
 from alpha5_model.proofs.comparison.axis_fit import AxisFit
 from alpha5_model.proofs.comparison.axis_lines import Z
-from alpha5_model.proofs.comparison.base_link import with_base_link
+from alpha5_model.proofs.comparison.base_link import (
+    com_errors_by_link,
+    with_base_link,
+)
 from alpha5_model.proofs.comparison.chains import AXES
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.line_screws import POSE_UNKNOWNS, UNKNOWNS
@@ -47,17 +50,18 @@ def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
     tolerances = np.repeat([tolerance.length, tolerance.angle], 4)
     judge = Judge(ours=ours, theirs=theirs, tolerances=tolerances)
 
+    com_errors = com_errors_by_link(ours, theirs)
     starts = _close_starts(axes)
-    placed = [with_base_link(ours, theirs, start) for start in starts]
+    placed = [with_base_link(theirs, com_errors, start) for start in starts]
     likely = sorted(placed, key=judge.oddity)[:FITTED]
 
     # With all dimensions free the axes coincide: each dimension shows its own error.
     fits = [axes.fit(start, UNKNOWNS) for start in likely]
-    with_bases = [with_base_link(ours, theirs, fit) for fit in fits]
+    with_bases = [with_base_link(theirs, com_errors, fit) for fit in fits]
     all_free = min(with_bases, key=judge.oddity)
 
     fit = _with_wrong_dimensions_only(axes, all_free, tolerances)
-    best = with_base_link(ours, theirs, fit)
+    best = with_base_link(theirs, com_errors, fit)
     return replace(
         _settle_zeros(ours, theirs, best),
         exact=_settle_zeros(ours, theirs, all_free),
