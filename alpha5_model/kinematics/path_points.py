@@ -16,11 +16,11 @@ from alpha5_model.numbers.parameters import JointParameters
 
 
 class Front(NamedTuple):
-    """Where the arm may be after some points.
+    """The joint positions that the arm may have after some points.
 
     Attributes:
-        q: Joint positions, (M, 4) [rad]; NaN before a free start.
-        travel: Joint travel so far, (M,) [rad].
+        q: Joint positions, (M, 4) [rad]; NaN if the path may start anywhere.
+        travel: Least joint travel to each, (M,) [rad].
     """
 
     q: FloatArray
@@ -34,7 +34,7 @@ class Ways(NamedTuple):
         first: Number of the first of these points.
         q: Joint positions at the points, (M, L, 4) [rad].
         travel: Joint travel since the start of the path, (M,) [rad].
-        origin: Where in the front each way begins, (M,).
+        origin: Index in the front of the position where each way begins, (M,).
     """
 
     first: int
@@ -44,7 +44,7 @@ class Ways(NamedTuple):
 
     @property
     def front(self) -> Front:
-        """Where the ways end."""
+        """The ends of the ways."""
         return Front(q=self.q[:, -1], travel=self.travel)
 
     @property
@@ -59,8 +59,8 @@ class PathPoints(NamedTuple):
     Attributes:
         solutions: All solutions of all N points.
         max_step: No joint moves farther than this from one point to the next [rad].
-        plane: The arm's.
-        wrist: Its joint 3.
+        plane: The plane of the arm.
+        wrist: The arm's joint 3.
     """
 
     solutions: SolutionArrays
@@ -86,7 +86,7 @@ class PathPoints(NamedTuple):
         return options
 
     def jump(self, k: int, needed: float) -> DiscontinuousPathError:
-        """The error of a point k that no continuous motion reaches."""
+        """The error to raise if no continuous motion reaches point k."""
         position = self.solutions.position[k]
         return DiscontinuousPathError(k, position, needed, self.max_step)
 
@@ -94,7 +94,7 @@ class PathPoints(NamedTuple):
 def step_sizes(step: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Euclidean norm and largest joint of steps (..., J), (...) each.
 
-    Both are 0 for a step of NaN, which is none.
+    Both are 0 if a position is NaN, which means that it is free.
     """
     with np.errstate(over="ignore"):
         norm = np.sqrt(np.square(step).sum(axis=-1))

@@ -1,7 +1,7 @@
 """The path of least joint travel through the solutions of a sequence of points.
 
-Dynamic programming [Bellman1957], as for redundant arms [Guigue2007]: from each
-solution of a point, only the way of least travel to it is kept.
+It is found by dynamic programming [Bellman1957], as for redundant arms [Guigue2007]:
+only the way of least travel to each solution of a point is kept.
 
 References:
     [Bellman1957] Dynamic Programming, Princeton University Press.
@@ -57,8 +57,9 @@ def solve_path(
 
 def _stages(points: PathPoints, start: FloatArray) -> list[Ways]:
     """The ways of least travel, in stages: one point, or a stretch on the yaw axis."""
-    on = on_axis(points.solutions.position)
-    off_axis = np.append(np.flatnonzero(~on), points.number)
+    is_on_axis = on_axis(points.solutions.position)
+    # Numbers of the points off the axis, and of the end of the path.
+    off_axis = np.append(np.flatnonzero(~is_on_axis), points.number)
 
     stages: list[Ways] = []
     front = Front(q=start[None], travel=np.zeros(1))
@@ -76,7 +77,7 @@ def _stages(points: PathPoints, start: FloatArray) -> list[Ways]:
 
 
 def _step(points: PathPoints, k: int, front: Front) -> Ways:
-    """From a front to the solutions of point k."""
+    """Ways of least travel from a front to each solution of point k."""
     options = points.options(k)
     size, largest = step_sizes(options[:, None, :] - front.q)
     travel = np.where(largest <= points.max_step, front.travel + size, np.inf)

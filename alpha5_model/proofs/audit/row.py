@@ -19,7 +19,7 @@ Category = Literal["error", "reading", "transcription"]
 #: Bound of a figure that follows from no printed digits, in the unit of its row: what
 #: double precision leaves of a formula that holds exactly.
 EXACT = 1e-9
-#: Unit in which a figure is shown -> how many of them an SI unit has; 1 where it is not
+#: Unit in which a figure is shown -> how many of them an SI unit has; 1 if it is not
 #: listed.
 PER_SI = {
     "mm": 1e3,

@@ -1,4 +1,4 @@
-"""The comparison itself: both models measured at the same joint positions."""
+"""Compare another model of this arm with ours."""
 
 from alpha5_model.proofs.comparison.measure import (
     compare,
