@@ -124,7 +124,8 @@ class Seen:
         """First the tests of the statement, then of the file, the room, and the rest.
 
         Later tiers are needed since what a module or a cache computes once is seen in
-        one test, or in none.
+        one test, or in none. The folder of tests that mirrors the package comes first:
+        other folders pass many lines, and judge few of their results.
         """
         lines = statement(self.texts[mutant.file], mutant.line)
         own = self._lines(mutant.file)
@@ -137,11 +138,21 @@ class Seen:
                 for test, by_line in self._lines(file).items():
                     of_room[test] |= set().union(*by_line.values())
         everything = {t: set(names) for t, names in self.seconds.items()}
+        home = f"tests/{mutant.file.parts[0]}/"
+        tiers = (
+            _below(home, of_line),
+            _below(home, beside),
+            of_line,
+            of_file,
+            beside,
+            of_room,
+            everything,
+        )
         weight = {t: len(by_line) for t, by_line in own.items()}
         selections: list[Selection] = []
         asked: set[str] = set()
         total = 0.0
-        for tier in (of_line, of_file, beside, of_room, everything):
+        for tier in tiers:
             new = {t: names - asked for t, names in tier.items() if names - asked}
             for selection, seconds in self._affordable(new, weight):
                 if selections and total + seconds > BUDGET:
@@ -218,6 +229,11 @@ class Seen:
 
 def _tests(by_line: dict[int, set[str]], lines: range) -> set[str]:
     return {name for line in lines for name in by_line.get(line, ())}
+
+
+def _below(folder: str, tests: dict[str, set[str]]) -> dict[str, set[str]]:
+    """The test files in a folder."""
+    return {file: names for file, names in tests.items() if file.startswith(folder)}
 
 
 def _one_of_each_first(names: set[str], seconds: dict[str, float]) -> list[str]:
