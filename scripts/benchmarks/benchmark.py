@@ -3,8 +3,8 @@
     python scripts/benchmarks/benchmark.py                    # every section
     python scripts/benchmarks/benchmark.py kinematics --json
 
-Install the peers with ``pip install alpha5-model[bench]``; one that is missing is left out of the
-table and named below it.
+Install the peers with ``pip install alpha5-model[bench]``; one that is missing is left
+out of the table and named below it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ if __name__ == "__main__":
 
 from benchmarks.timing import Row
 
-#: Modules of ``scripts/benchmarks`` with ``rows() -> list[Row]`` and ``missing() -> list[str]``.
+#: Modules of ``scripts/benchmarks`` with ``rows() -> list[Row]`` and ``missing() ->
+#: list[str]``.
 SECTIONS = ("kernels", "kinematics", "dynamics", "trajectory")
 
 
@@ -36,7 +37,9 @@ def ratio(row: Row, rows: Sequence[Row]) -> float:
 
 
 def show(rows: Sequence[Row], missing: Sequence[str]) -> None:
-    """Print the table, the set-up of each candidate, and the peers that are not installed."""
+    """Print the table, the set-up of each candidate, and the peers that are not
+    installed.
+    """
     console = Console()
     table = Table("work", "candidate", "per unit", "ratio", "target", "success")
     work = ""

@@ -1,7 +1,8 @@
-"""Dynamics under water against raw Pinocchio, hand-made buoyancy, MuJoCo and roboticstoolbox.
+"""Dynamics under water against Pinocchio, MuJoCo and roboticstoolbox.
 
-A target here bounds what the wrapping costs: 0.4 says that this package's call, input checks and a
-result of the caller's own included, takes at most 1 / 0.4 = 2.5 times the raw calls below it.
+A target here bounds what the wrapping costs: 0.4 says that this package's call, input
+checks and a result of the caller's own included, takes at most 1 / 0.4 = 2.5 times the
+raw calls below it.
 """
 
 from __future__ import annotations
@@ -81,23 +82,119 @@ def _single(q: Any, v: Any, a: Any) -> list[Row]:
         return -(load + weight)
 
     cases: list[tuple[str, Callable[[], Any], str, Callable[[], Any], float]] = [
-        ("forward_kinematics", lambda: arm.forward_kinematics(q), "forwardKinematics, updateFramePlacement, copy", pose, WRAPPED),
-        ("jacobian", lambda: arm.jacobian(q), "computeFrameJacobian", lambda: pin.computeFrameJacobian(model, data, q, tcp, axes), WRAPPED),
-        ("mass_matrix", lambda: arm.mass_matrix(q), "crba", lambda: pin.crba(model, data, q), WRAPPED),
-        ("coriolis_matrix", lambda: arm.coriolis_matrix(q, v), "computeCoriolisMatrix", lambda: pin.computeCoriolisMatrix(model, data, q, v), WRAPPED),
-        ("gravity_torque", lambda: arm.gravity_torque(q), "computeGeneralizedGravity", lambda: gravity(model, data, q), WRAPPED),
-        ("buoyancy_torque", lambda: arm.buoyancy_torque(q), "computeGeneralizedGravity", lambda: gravity(fluid, fluid_data, q), WRAPPED),
-        ("hydrostatic_torque", lambda: arm.hydrostatic_torque(q), "computeGeneralizedGravity, no water", lambda: gravity(model, data, q), WITH_WATER),
-        ("hydrostatic_torque_derivative", lambda: arm.hydrostatic_torque_derivative(q), "computeGeneralizedGravityDerivatives, no water", lambda: derivative(model, data, q), WITH_WATER),
-        ("nonlinear_effects", lambda: arm.nonlinear_effects(q, v), "nonLinearEffects - buoyancy", effects, WRAPPED),
-        ("inverse_dynamics", lambda: arm.inverse_dynamics(q, v, a), "rnea, no water", lambda: pin.rnea(model, data, q, v, a), WITH_WATER),
-        ("forward_dynamics", lambda: arm.forward_dynamics(q, v, a), "aba, no water", lambda: pin.aba(model, data, q, v, a), WRAPPED),
-        ("inverse_dynamics_derivatives", lambda: arm.inverse_dynamics_derivatives(q, v, a), "computeRNEADerivatives - buoyancy, copies", derivatives, WRAPPED),
-        ("kinetic_energy", lambda: arm.kinetic_energy(q, v), "computeKineticEnergy", lambda: pin.computeKineticEnergy(model, data, q, v), WRAPPED),
-        ("potential_energy", lambda: arm.potential_energy(q), "computePotentialEnergy, arm and fluid", energy, WRAPPED),
-        ("center_of_mass", lambda: arm.center_of_mass(q), "centerOfMass and link_0", center, WRAPPED),
-        ("base_wrench", lambda: arm.base_wrench(q, v, a), "rnea, fluid, last step down", wrench, WRAPPED),
-    ]  # fmt: skip
+        (
+            "forward_kinematics",
+            lambda: arm.forward_kinematics(q),
+            "forwardKinematics, updateFramePlacement, copy",
+            pose,
+            WRAPPED,
+        ),
+        (
+            "jacobian",
+            lambda: arm.jacobian(q),
+            "computeFrameJacobian",
+            lambda: pin.computeFrameJacobian(model, data, q, tcp, axes),
+            WRAPPED,
+        ),
+        (
+            "mass_matrix",
+            lambda: arm.mass_matrix(q),
+            "crba",
+            lambda: pin.crba(model, data, q),
+            WRAPPED,
+        ),
+        (
+            "coriolis_matrix",
+            lambda: arm.coriolis_matrix(q, v),
+            "computeCoriolisMatrix",
+            lambda: pin.computeCoriolisMatrix(model, data, q, v),
+            WRAPPED,
+        ),
+        (
+            "gravity_torque",
+            lambda: arm.gravity_torque(q),
+            "computeGeneralizedGravity",
+            lambda: gravity(model, data, q),
+            WRAPPED,
+        ),
+        (
+            "buoyancy_torque",
+            lambda: arm.buoyancy_torque(q),
+            "computeGeneralizedGravity",
+            lambda: gravity(fluid, fluid_data, q),
+            WRAPPED,
+        ),
+        (
+            "hydrostatic_torque",
+            lambda: arm.hydrostatic_torque(q),
+            "computeGeneralizedGravity, no water",
+            lambda: gravity(model, data, q),
+            WITH_WATER,
+        ),
+        (
+            "hydrostatic_torque_derivative",
+            lambda: arm.hydrostatic_torque_derivative(q),
+            "computeGeneralizedGravityDerivatives, no water",
+            lambda: derivative(model, data, q),
+            WITH_WATER,
+        ),
+        (
+            "nonlinear_effects",
+            lambda: arm.nonlinear_effects(q, v),
+            "nonLinearEffects - buoyancy",
+            effects,
+            WRAPPED,
+        ),
+        (
+            "inverse_dynamics",
+            lambda: arm.inverse_dynamics(q, v, a),
+            "rnea, no water",
+            lambda: pin.rnea(model, data, q, v, a),
+            WITH_WATER,
+        ),
+        (
+            "forward_dynamics",
+            lambda: arm.forward_dynamics(q, v, a),
+            "aba, no water",
+            lambda: pin.aba(model, data, q, v, a),
+            WRAPPED,
+        ),
+        (
+            "inverse_dynamics_derivatives",
+            lambda: arm.inverse_dynamics_derivatives(q, v, a),
+            "computeRNEADerivatives - buoyancy, copies",
+            derivatives,
+            WRAPPED,
+        ),
+        (
+            "kinetic_energy",
+            lambda: arm.kinetic_energy(q, v),
+            "computeKineticEnergy",
+            lambda: pin.computeKineticEnergy(model, data, q, v),
+            WRAPPED,
+        ),
+        (
+            "potential_energy",
+            lambda: arm.potential_energy(q),
+            "computePotentialEnergy, arm and fluid",
+            energy,
+            WRAPPED,
+        ),
+        (
+            "center_of_mass",
+            lambda: arm.center_of_mass(q),
+            "centerOfMass and link_0",
+            center,
+            WRAPPED,
+        ),
+        (
+            "base_wrench",
+            lambda: arm.base_wrench(q, v, a),
+            "rnea, fluid, last step down",
+            wrench,
+            WRAPPED,
+        ),
+    ]
     out = []
     for name, ours, raw_name, raw, bound in cases:
         times = measure({OWN: ours, "raw": raw})
@@ -126,7 +223,9 @@ def _against_peers(q: Any, v: Any, a: Any) -> list[Row]:
 
 
 def _fext(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
-    """What one writes without this package: a wrench for each body, then RNEA with them."""
+    """What one writes without this package: a wrench for each body, then RNEA with
+    them.
+    """
     model, data = arm.model, arm.model.createData()
     volumes = [
         (model.getJointId(b.joint), b.volume, np.array(b.cob))
@@ -146,7 +245,9 @@ def _fext(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
 
 
 def _mujoco(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
-    """The URDF with a weightless body at each centre of buoyancy, which gravcomp lifts by rho V g."""
+    """The URDF with a weightless body at each centre of buoyancy, which gravcomp lifts
+    by rho V g.
+    """
     import mujoco
 
     from alpha5_model.description.urdf import Variant, urdf
@@ -179,7 +280,9 @@ def _mujoco(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
 
 
 def _roboticstoolbox(q: Any, v: Any, a: Any) -> Callable[[], Any]:
-    """The arm as a DHRobot: inertial parameters moved from the inertial frames to the DH frames."""
+    """The arm as a DHRobot: inertial parameters moved from the inertial frames to the
+    DH frames.
+    """
     from roboticstoolbox import DHRobot, RevoluteDH
 
     p, links = a5.parameters(), []

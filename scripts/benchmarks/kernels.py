@@ -1,12 +1,14 @@
-"""The generated formulas in all their forms against Pinocchio: ``backend="kernels"``, batches, CasADi, JAX.
+"""The generated formulas against Pinocchio: single calls, batches, CasADi, JAX.
 
-A call includes input checks and a result of the caller's own. Pinocchio computes in air, which is less work.
+A call includes input checks and a result of the caller's own. Pinocchio computes in
+air, which is less work.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
@@ -52,13 +54,43 @@ def _single(q: Any, v: Any, a: Any) -> list[Row]:
     model, data = arm.model, arm.model.createData()
     tcp, axes = model.getFrameId("tcp"), pin.LOCAL_WORLD_ALIGNED
     cases: dict[str, tuple[Callable[[], Any], str, Callable[[], Any], float | None]] = {
-        "inverse_dynamics": (lambda: arm.inverse_dynamics(q, v, a), "rnea", lambda: pin.rnea(model, data, q, v, a), 0.35),
-        "hydrostatic_torque": (lambda: arm.hydrostatic_torque(q), "computeGeneralizedGravity", lambda: pin.computeGeneralizedGravity(model, data, q), 0.5),
-        "mass_matrix": (lambda: arm.mass_matrix(q), "crba", lambda: pin.crba(model, data, q), 0.5),
-        "jacobian": (lambda: arm.jacobian(q), "computeFrameJacobian", lambda: pin.computeFrameJacobian(model, data, q, tcp, axes), 0.5),
-        "inverse_dynamics_derivatives": (lambda: arm.inverse_dynamics_derivatives(q, v, a), "computeRNEADerivatives", lambda: pin.computeRNEADerivatives(model, data, q, v, a), 0.25),
-        "forward_dynamics": (lambda: arm.forward_dynamics(q, v, a), "aba", lambda: pin.aba(model, data, q, v, a), None),
-    }  # fmt: skip
+        "inverse_dynamics": (
+            lambda: arm.inverse_dynamics(q, v, a),
+            "rnea",
+            lambda: pin.rnea(model, data, q, v, a),
+            0.35,
+        ),
+        "hydrostatic_torque": (
+            lambda: arm.hydrostatic_torque(q),
+            "computeGeneralizedGravity",
+            lambda: pin.computeGeneralizedGravity(model, data, q),
+            0.5,
+        ),
+        "mass_matrix": (
+            lambda: arm.mass_matrix(q),
+            "crba",
+            lambda: pin.crba(model, data, q),
+            0.5,
+        ),
+        "jacobian": (
+            lambda: arm.jacobian(q),
+            "computeFrameJacobian",
+            lambda: pin.computeFrameJacobian(model, data, q, tcp, axes),
+            0.5,
+        ),
+        "inverse_dynamics_derivatives": (
+            lambda: arm.inverse_dynamics_derivatives(q, v, a),
+            "computeRNEADerivatives",
+            lambda: pin.computeRNEADerivatives(model, data, q, v, a),
+            0.25,
+        ),
+        "forward_dynamics": (
+            lambda: arm.forward_dynamics(q, v, a),
+            "aba",
+            lambda: pin.aba(model, data, q, v, a),
+            None,
+        ),
+    }
     out = []
     for name, (ours, raw_name, raw, share) in cases.items():
         work = f'{name}, backend="kernels"'
@@ -116,13 +148,9 @@ def _batches(q: Any, v: Any, a: Any) -> list[Row]:
     ):
         candidates: dict[str, Callable[[], object]] = {}
         if kernels.backend() != "numpy":
-            candidates = {
-                f"alpha5_model, compiled ({running.width(width)}, {text})": lambda w=width, f=ours: (
-                    running.width(w),
-                    f(q, v, a, threads=1),
-                )
-                for width, text in reversed(WIDTHS.items())
-            }
+            for width, text in reversed(WIDTHS.items()):
+                label = f"alpha5_model, compiled ({running.width(width)}, {text})"
+                candidates[label] = partial(_at_width, width, ours, q, v, a)
         candidates["alpha5_model, numpy"] = lambda f=ours: _without_compiler(f, q, v, a)
         peer = f"Pinocchio: {name}InParallel, no water"
         candidates[peer] = lambda f=raw: f(1, pool, q.T, v.T, a.T)
@@ -140,6 +168,11 @@ def _batches(q: Any, v: Any, a: Any) -> list[Row]:
     if kernels.backend() != "numpy":
         running.width(max(WIDTHS))
     return out
+
+
+def _at_width(width: int, batch: Callable[..., Any], *states: Any) -> Any:
+    kernels.module().width(width)
+    return batch(*states, threads=1)
 
 
 def _without_compiler(batch: Callable[..., Any], *states: Any) -> Any:
@@ -203,7 +236,9 @@ def _jax(*states: Any) -> list[Row]:
 
 
 def _mjx() -> Any:
-    """Inverse dynamics of the exported MuJoCo model, mapped over states that are within the limits."""
+    """Inverse dynamics of the exported MuJoCo model, mapped over states that are within
+    the limits.
+    """
     import jax
     import mujoco
     from mujoco import mjx

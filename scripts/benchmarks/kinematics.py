@@ -1,9 +1,9 @@
 """Inverse kinematics against its peers: one target, a batch, and what an import costs.
 
-Every candidate gets the same targets, the tcp positions (for EAIK: the whole poses) of random joint
-positions within the limits. An iterative solver starts once, from the middle of the ranges. A target
-counts as solved where forward kinematics comes within 1e-6 m of it; where a candidate knows joint
-limits, within the limits.
+Every candidate gets the same targets, the tcp positions (for EAIK: the whole poses) of
+random joint positions within the limits. An iterative solver starts once, from the
+middle of the ranges. A target counts as solved where forward kinematics comes within
+1e-6 m of it; where a candidate knows joint limits, within the limits.
 """
 
 from __future__ import annotations
@@ -66,19 +66,20 @@ def _one() -> list[Row]:
         )
     solvers["Pinocchio CLIK"] = (
         _clik(targets),
-        f"damped least squares on the tcp's position, damping 1e-6, at most {STEPS} steps, "
-        "clipped to the limits",
+        "damped least squares on the tcp's position, damping 1e-6, "
+        f"at most {STEPS} steps, clipped to the limits",
     )
     if find_spec("roboticstoolbox"):
         solvers["roboticstoolbox"] = (
             _toolbox(targets),
-            "DHRobot from Table 1, ik_LM (C++), position only, tol 1e-12, 30 iterations, "
-            "no random restarts, joint limits checked",
+            "DHRobot from Table 1, ik_LM (C++), position only, tol 1e-12, "
+            "30 iterations, no random restarts, joint limits checked",
         )
     if find_spec("pink"):
         solvers["pin-pink"] = (
             _pink(targets),
-            f"FrameTask on the tcp's position, ConfigurationLimit, DAQP, at most {STEPS} steps",
+            "FrameTask on the tcp's position, ConfigurationLimit, DAQP, "
+            f"at most {STEPS} steps",
         )
     chosen = range(COUNT)
     seconds = measure(

@@ -1,4 +1,4 @@
-"""Side-by-side timing: candidates take turns, so that a slow moment of the machine hits all of them."""
+"""Side-by-side timing: candidates take turns, so a slow moment hits all of them."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from statistics import median
 
-#: A round of one candidate is repeated until it lasts this long [s], so that the clock's step
-#: and the cost of the loop do not show.
+#: A round of one candidate is repeated until it lasts this long [s], so that the
+#: clock's step and the cost of the loop do not show.
 SHORTEST_ROUND = 0.01
 
 
@@ -20,9 +20,11 @@ class Row:
         work: What is computed; rows of the same work are compared with each other.
         candidate: Who computes it; the first row of a work is this package's own.
         seconds: Median time per unit [s].
-        success: Share of the inputs that were solved, 0 to 1; None where nothing can fail.
+        success: Share of the inputs that were solved, 0 to 1; None where nothing can
+            fail.
         setup: How the candidate was set up.
-        target: Wanted ratio of this candidate's time to the first row's; None without a target.
+        target: Wanted ratio of this candidate's time to the first row's; None without a
+            target.
     """
 
     work: str

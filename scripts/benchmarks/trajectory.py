@@ -1,4 +1,4 @@
-"""A long recorded motion, read, computed and summarised, against the bare pieces of that work."""
+"""A long recorded motion, read, computed and summarised, against parts of that work."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ def missing() -> list[str]:
 
 
 def rows() -> list[Row]:
-    """One work: 100 000 samples from a CSV file, which should stay below 3 s on two cores."""
+    """One work: 100 000 samples from a CSV file, which should stay below 3 s on two
+    cores.
+    """
     rng = np.random.default_rng(12)
     t = np.cumsum(rng.uniform(0.005, 0.035, SAMPLES))
     shape = np.array([1.0, 0.8, 0.9, 1.2])
@@ -59,7 +61,8 @@ def rows() -> list[Row]:
             rounds=3,
         )
     setups = {
-        "alpha5_model": "read, smooth, five torque terms, currents, power, mount, tcp, summary",
+        "alpha5_model": "read, smooth, five torque terms, currents, power, mount, tcp, "
+        "summary",
         "numpy.loadtxt": "reads the same file and does nothing else",
         "pin.rnea loop": "one torque per sample in air, from arrays in memory",
     }

@@ -1,4 +1,4 @@
-"""Follow every link inside a folder of HTML pages: its file and its place in the file must be there.
+"""Find dead links inside a folder of HTML pages: a file, or a place in it, is missing.
 
     python scripts/checks/check_links.py build/docs
 

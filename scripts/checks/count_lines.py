@@ -1,7 +1,7 @@
-"""Lines of code of the package, room by room: docstrings, comments and blank lines do not count.
+"""Count the package's lines of code without docstrings, comments and blank lines.
 
-Generated modules, which say so in their first lines, are counted apart, C and JavaScript on lines of
-their own.
+Generated modules, which say so in their first lines, are counted apart, C and
+JavaScript on lines of their own.
 """
 
 from __future__ import annotations
@@ -66,7 +66,9 @@ def rooms(package: Path = PACKAGE) -> tuple[Counter[str], Counter[str], int]:
 
 
 def other_lines(suffixes: str, package: Path = PACKAGE) -> tuple[int, int, int]:
-    """Lines and files written by hand in another language, comments apart, and generated lines."""
+    """Lines and files written by hand in another language, comments apart, and
+    generated lines.
+    """
     lines = files = generated = 0
     for path in sorted(package.rglob("*")):
         if (
@@ -90,7 +92,8 @@ def main() -> None:
     for room, count in sorted(lines.items(), key=lambda item: -item[1]):
         print(f"{room:14}{count:7}{files[room]:5} files")
     print(
-        f"{'all':14}{lines.total():7}{files.total():5} files, generated ones apart: {generated}"
+        f"{'all':14}{lines.total():7}{files.total():5} files, "
+        f"generated ones apart: {generated}"
     )
     for language, suffixes in LANGUAGES.items():
         count, number, made = other_lines(suffixes)

@@ -2,11 +2,12 @@
 
     python scripts/checks/lecture_examples.py [FOLDER]
 
-Prints every example of the notes, in their order, beside what the package computes, and writes the
-pictures to FOLDER (by default ``lecture_examples``). Exit status 1 if a printed number differs.
+Prints every example of the notes, in their order, beside what the package computes, and
+writes the pictures to FOLDER (by default ``lecture_examples``). Exit status 1 if a
+printed number differs.
 
-The notes call the workspace of a 2R arm with joint limits a disc. That is topology: a region without a
-hole, bounded by arcs; and with a free first joint it keeps its hole.
+The notes call the workspace of a 2R arm with joint limits a disc. That is topology: a
+region without a hole, bounded by arcs; and with a free first joint it keeps its hole.
 """
 
 from __future__ import annotations
@@ -43,7 +44,8 @@ PLANAR = {
         (5, 4, 3, 1), [(-1, 2), (-1, 1.5), (-1, 1), (-1, 2)]
     ),
 }
-#: Arms of the section on dexterous workspaces: the notes' own, and where the theorem falls short.
+#: Arms of the section on dexterous workspaces: the notes' own, and where the theorem
+#: falls short.
 DEXTEROUS = {
     "the notes' arm": a5.planar.PlanarArm((5, 4, 1)),
     "the theorem leaves out 0 to 3": a5.planar.PlanarArm((5, 5, 3)),
@@ -56,7 +58,8 @@ DEXTEROUS = {
         (5, 4, 1), [None, None, (-3, 3)]
     ),
 }
-#: Arms of the sections "Arm Types" and "Task requirements"; rows [theta, d, a, alpha, sigma].
+#: Arms of the sections "Arm Types" and "Task requirements"; rows [theta, d, a, alpha,
+#: sigma].
 ARMS = {
     "SCARA": a5.dh.DHChain.from_table(
         [
@@ -81,7 +84,9 @@ ARMS = {
 
 
 def main(folder: str = "lecture_examples") -> int:
-    """Print all examples and write the pictures; 0 if the notes' numbers are reproduced."""
+    """Print all examples and write the pictures; 0 if the notes' numbers are
+    reproduced.
+    """
     out = Path(folder)
     try:
         out.mkdir(parents=True, exist_ok=True)
@@ -99,24 +104,24 @@ def main(folder: str = "lecture_examples") -> int:
 def arm_types() -> None:
     print("Arm types and task requirements")
     for name, chain in ARMS.items():
-        kind, task = classify(chain), task_capability(chain)
+        kind = classify(chain)
+        task = task_capability(chain)
+        insertion = _yes(task.vertical_insertion)
         print(f"  {name}: {kind.joints}, {kind.kind} ({kind.reason})")
         print(f"    general tasks {_yes(task.general)}: {task.general_reason}")
-        print(
-            f"    vertical insertion {_yes(task.vertical_insertion)}: {task.insertion_reason}"
-        )
+        print(f"    vertical insertion {insertion}: {task.insertion_reason}")
         conditions = spatial_conditions(chain)
         missing = "; ".join(conditions.reasons) or "necessary conditions hold"
         print(f"    dexterous workspace with an interior: {missing}")
     point = (0.25, 0.1, 0.1)
     ways = approach_directions(point)
+    allowed = ways.directions[ways.within_limits]
     print(
-        f"  the Alpha 5 at {point} m instead has {int(ways.within_limits.sum())} approach direction(s):"
+        f"  the Alpha 5 at {point} m instead has {len(allowed)} approach direction(s):"
     )
-    for direction in ways.directions[ways.within_limits]:
-        print(
-            f"    ({', '.join(f'{x:.4f}' for x in direction)}), any wrist roll in its range"
-        )
+    for direction in allowed:
+        numbers = ", ".join(f"{x:.4f}" for x in direction)
+        print(f"    ({numbers}), any wrist roll in its range")
 
 
 def workspaces(out: Path) -> None:
@@ -126,11 +131,11 @@ def workspaces(out: Path) -> None:
         space = arm.workspace()
         low, high = space.radii
         print(
-            f"  {name}: {space.shape}, {low:.4g} to {high:.4g} m from the base, {space.area:.6g} m^2"
+            f"  {name}: {space.shape}, {low:.4g} to {high:.4g} m from the base, "
+            f"{space.area:.6g} m^2"
         )
-        plot_planar(arm, axes=ax, dexterous=False).set_title(
-            f"{name}: {space.shape}", fontsize=10
-        )
+        drawn = plot_planar(arm, axes=ax, dexterous=False)
+        drawn.set_title(f"{name}: {space.shape}", fontsize=10)
     save(axes, out / "workspaces.png")
 
 
@@ -138,9 +143,8 @@ def dexterous_workspaces(out: Path) -> None:
     print("\nDexterous workspace")
     axes = new_axes(3, 2, 4.6)
     for (name, arm), ax in zip(DEXTEROUS.items(), axes.flat, strict=True):
-        plot_planar(arm, axes=ax).set_title(
-            f"{arm.joints} {arm.lengths}\n{name}", fontsize=10
-        )
+        drawn = plot_planar(arm, axes=ax)
+        drawn.set_title(f"{arm.joints} {arm.lengths}\n{name}", fontsize=10)
         if arm.length_ranges is None:
             print(f"  {name}: by enumeration, see the picture")
             continue
@@ -157,21 +161,23 @@ def theorem_table() -> bool:
     same = True
     for l_4, pair, half in PRINTED_TABLE:
         row = a5.planar.theorem_row(5, 4, 1, l_4)
-        equal = bool(
-            np.allclose((row.pair, row.half), (pair, half), rtol=0, atol=1e-12)
-        )
+        computed = (row.pair, row.half)
+        equal = bool(np.allclose(computed, (pair, half), rtol=0, atol=1e-12))
         same &= equal
+        verdict = "" if equal else "DIFFERS"
         print(
-            f"  {l_4:6g} {row.pair:9g} {row.half:8g}   {pair:5g} {half:6g} {'' if equal else 'DIFFERS':8s}"
-            f"  {_yes(row.theorem):7s}   {_yes(row.exact)}"
+            f"  {l_4:6g} {row.pair:9g} {row.half:8g}   {pair:5g} {half:6g} "
+            f"{verdict:8s}  {_yes(row.theorem):7s}   {_yes(row.exact)}"
         )
     low, high = a5.planar.theorem_radii(5, 4, 1) or (math.nan, math.nan)
     print(
-        f"  the theorem holds for {low:g} <= l_4 <= {high:g}; the exact condition adds l_4 = 0"
+        f"  the theorem holds for {low:g} <= l_4 <= {high:g}; "
+        "the exact condition adds l_4 = 0"
     )
     row = a5.planar.theorem_row(5, 5, 3, 1)
     print(
-        f"  l = (5, 5, 3), l_4 = 1: theorem {_yes(row.theorem)}, turns fully {_yes(row.exact)}"
+        f"  l = (5, 5, 3), l_4 = 1: theorem {_yes(row.theorem)}, "
+        f"turns fully {_yes(row.exact)}"
     )
     return same
 

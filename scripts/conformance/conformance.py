@@ -1,9 +1,10 @@
 """Run every tool on the generated files and compare it with Pinocchio: one table.
 
-    python scripts/conformance/conformance.py [--readme docs/conformance.md] [--json FILE] [--states N] [--tools NAME,...]
+    python scripts/conformance/conformance.py [--readme docs/conformance.md]
+        [--json FILE] [--states N] [--tools NAME,...]
 
-A tool that is not installed is reported as not run; what one warns of is listed below the table. Exit status 1 if one
-that ran is off.
+A tool that is not installed is reported as not run; what one warns of is listed below
+the table. Exit status 1 if one that ran is off.
 """
 
 from __future__ import annotations
@@ -73,7 +74,7 @@ class Tool:
         file: Format of the file it reads.
         module: What must be importable.
         package: Whose version is printed.
-        compute: Function of `conformance_tools`.
+        compute: Function of `tools`, `libraries` or `simulators`.
         bounds: Largest error allowed of each quantity.
     """
 
@@ -138,7 +139,7 @@ class Row:
     Attributes:
         tool, file, version: Version is empty if the tool is not installed.
         errors: Largest error of each quantity that the tool computes.
-        status: ``agrees``, ``differs``, ``not run``, ``not run: ...`` or ``failed: ...``.
+        status: ``agrees``, ``differs``, or ``not run`` or ``failed`` with the reason.
         warnings: Lines that it printed.
     """
 
@@ -178,7 +179,7 @@ def random_states(count: int) -> States:
 
 
 def reference(files: Path, states: States) -> Arrays:
-    """The same quantities by Pinocchio, the water as a second model of displaced mass."""
+    """The same quantities by Pinocchio, with a second model of the displaced water."""
     model = pin.buildModelFromUrdf(str(files / "alpha5.urdf"))
     fluid = pin.Model(model)
     for i in range(model.njoints):
@@ -210,6 +211,14 @@ def reference(files: Path, states: States) -> Arrays:
         out["mass"].append(upper + np.triu(upper, 1).T)
         out["bias"].append(pin.nonLinearEffects(model, data, q, v).copy())
         out["buoyancy"].append(buoyancy(q))
+    arrays = {name: np.array(rows) for name, rows in out.items()}
+    return {**arrays, "trajectory": _end_of_motion(states, acceleration)}
+
+
+def _end_of_motion(
+    states: States, acceleration: Callable[[np.ndarray, np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """Joint positions at the end of the free motion, by Runge and Kutta, (4,)."""
     steps = 2 * states.steps  # finer than the tools'
     h = states.duration / steps
     q, v = states.start
@@ -223,7 +232,7 @@ def reference(files: Path, states: States) -> Arrays:
         a4 = acceleration(q + h * v3, v4)
         q = q + h / 6 * (v + 2 * v2 + 2 * v3 + v4)
         v = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
-    return {**{name: np.array(rows) for name, rows in out.items()}, "trajectory": q}
+    return np.asarray(q)
 
 
 def measure(tool: Tool, files: Path, states: States, expected: Arrays) -> Row:
@@ -258,7 +267,10 @@ def measure(tool: Tool, files: Path, states: States, expected: Arrays) -> Row:
 def observed(
     compute: Callable[[Path, States], Arrays], files: Path, states: States
 ) -> tuple[Arrays, str]:
-    """What a tool computes and what it prints, C and C++ included; for a process of its own."""
+    """What a tool computes and what it prints, C and C++ included.
+
+    This is for a process of its own.
+    """
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
@@ -305,8 +317,9 @@ def table(rows: Sequence[Row], count: int) -> str:
     ]
     warnings = "\n".join(["\n\nWhat they warned of:\n", *said]) if said else ""
     note = (
-        f"Largest difference from Pinocchio {version('pin')} over {count} random states; – is what a tool "
-        "does not compute by itself. Written by `make conformance`."
+        f"Largest difference from Pinocchio {version('pin')} over {count} random "
+        "states; – is what a tool does not compute by itself. "
+        "Written by `make conformance`."
     )
     return f"{text}\n\n{note}{warnings}\n"
 

@@ -1,4 +1,7 @@
-"""What `real_tools` asks of libsdformat, ignition-physics, Drake's libsdformat, and placo, which wants a Python of its own."""
+"""Checks of `real_tools` by libsdformat, ignition-physics, Drake, and placo.
+
+placo needs a Python of its own.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,7 @@ print("answer", json.dumps(rows))
 
 
 def validate(work: Workspace) -> Result:
-    """``ign sdf`` on every file, and on one whose joint has a parent that is not there."""
+    """``ign sdf`` on every file, and on one whose joint has an unknown parent."""
     complaints, count = [], 0
     for gripper in ("locked", "jaws"):
         for name, content in sdf_files(SdfOptions(gripper)).items():
@@ -123,7 +126,10 @@ def step(work: Workspace) -> Result:
         for x, speed in zip(q, v, strict=True)
     ]
     errors = np.abs(found - expected)
-    text = f"{errors[:, :4].max():.0e} of up to {np.abs(expected)[:, :4].max():.0f}; {errors[:, 4:].max():.0e}"
+    largest = np.abs(expected)[:, :4].max()
+    text = (
+        f"{errors[:, :4].max():.0e} of up to {largest:.0f}; {errors[:, 4:].max():.0e}"
+    )
     said = tuple(
         line
         for line in done.stderr.splitlines()
@@ -140,8 +146,9 @@ def _world() -> str:
     for tag, name in (("parent", "world"), ("child", "link_0")):
         ET.SubElement(mount, tag).text = name
     return (
-        '<?xml version="1.0"?><sdf version="1.9"><world name="air"><gravity>0 0 -9.81</gravity>'
-        '<physics name="step" type="ignored"><max_step_size>0.0001</max_step_size></physics>'
+        '<?xml version="1.0"?><sdf version="1.9"><world name="air">'
+        '<gravity>0 0 -9.81</gravity><physics name="step" type="ignored">'
+        "<max_step_size>0.0001</max_step_size></physics>"
         f"{ET.tostring(model, encoding='unicode')}</world></sdf>"
     )
 

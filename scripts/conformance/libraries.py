@@ -1,4 +1,4 @@
-"""Libraries of kinematics, dynamics and control: one function each, as in `conformance_tools`."""
+"""Libraries of kinematics, dynamics and control: one function each, as in `tools`."""
 
 from __future__ import annotations
 

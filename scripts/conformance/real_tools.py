@@ -1,9 +1,10 @@
-"""Run the tools that people run, on the package as they get it, and compare with Pinocchio: one table.
+"""Run ROS, Gazebo and other tools on the package, and compare them with Pinocchio.
 
-    scripts/conformance/real_tools.sh PYTHON [--page docs/conformance.md] [--picture FILE]
+    scripts/conformance/real_tools.sh PYTHON [--page docs/conformance.md]
+        [--picture FILE]
 
-`real_tools.sh` installs from Debian what is missing. A tool that is not there is reported as not run and why. Exit
-status 1 if one that ran is off.
+`real_tools.sh` installs from Debian what is missing. A tool that is not there is
+reported as not run and why. Exit status 1 if one that ran is off.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ class Check:
 
     Attributes:
         tool: As in the table.
-        package: Debian's, whose version is printed; empty for Python's, which says it itself.
+        package: Debian's, whose version is printed; empty for Python's, which says it
+            itself.
         needs: Programs, by name or path, without which it is not run.
         compared: In words.
         run: What does it.
@@ -54,7 +56,8 @@ CHECKS = (
         "colcon, ament_cmake",
         "colcon",
         ("/usr/bin/colcon", "/usr/share/ament_cmake/cmake/ament_cmakeConfig.cmake"),
-        "the package builds; every mesh URI of the installed URDFs names an installed file",
+        "the package builds; every mesh URI of the installed URDFs names "
+        "an installed file",
         ros_tools.build,
     ),
     Check(
@@ -83,7 +86,8 @@ CHECKS = (
         "libsdformat",
         "libsdformat12-12",
         ("ign",),
-        "model and world in SDF 1.9, jaws locked and moving, are valid; a broken one is not",
+        "model and world in SDF 1.9, jaws locked and moving, are valid; "
+        "a broken one is not",
         gazebo_tools.validate,
     ),
     Check(
@@ -98,7 +102,8 @@ CHECKS = (
         "libsdformat of Drake",
         "",
         (),
-        "model in SDF 1.11 with `<mimic>` and `<fluid_added_mass>` is taken; one that follows no joint is not",
+        "model in SDF 1.11 with `<mimic>` and `<fluid_added_mass>` is taken; "
+        "one that follows no joint is not",
         gazebo_tools.follow,
     ),
     Check(

@@ -1,10 +1,12 @@
-"""Ask ROS 1's robot_state_publisher and tf where frames are; for Debian's own Python, which has rospy.
+"""Ask ROS 1's robot_state_publisher and tf where frames are.
+
+This runs in Debian's own Python, which has rospy.
 
     /usr/bin/python3 ros_states.py REQUEST ANSWER
 
-REQUEST: JSON, ``{"joints": [...], "positions": [[...], ...], "base": ..., "frames": [...]}``. ANSWER: JSON, for each
-row of positions and each frame position [m] and quaternion (x, y, z, w) in the base. A roscore and a
-robot_state_publisher must run.
+REQUEST: JSON with ``joints`` [...], ``positions`` [[...], ...], ``base`` and ``frames``
+[...]. ANSWER: JSON, for each row of positions and each frame position [m] and
+quaternion (x, y, z, w) in the base. A roscore and a robot_state_publisher must run.
 """
 
 import json

@@ -40,7 +40,10 @@ _RVIZ = """\
 Panels: []
 Visualization Manager:
   Displays:
-    - {Class: rviz/RobotModel, Name: RobotModel, Robot Description: robot_description, Enabled: true}
+    - Class: rviz/RobotModel
+      Name: RobotModel
+      Robot Description: robot_description
+      Enabled: true
   Global Options: {Background Color: 255; 255; 255, Fixed Frame: base_link}
   Views:
     Current:
@@ -50,7 +53,13 @@ Visualization Manager:
       Pitch: 0.4
       Yaw: 0.8
       Target Frame: base_link
-Window Geometry: {Width: 1024, Height: 768, X: 0, Y: 0, Hide Left Dock: true, Hide Right Dock: true}
+Window Geometry:
+  Width: 1024
+  Height: 768
+  X: 0
+  Y: 0
+  Hide Left Dock: true
+  Hide Right Dock: true
 """
 
 
@@ -157,7 +166,7 @@ def parse(work: Workspace) -> Result:
 
 @contextmanager
 def ros(work: Workspace, urdf: str) -> Iterator[tuple[dict[str, str], Path]]:
-    """A roscore with a robot_description and a robot_state_publisher: environment, and its log."""
+    """A roscore with a robot_state_publisher: its environment and its log."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -208,7 +217,10 @@ def poses(
     q: np.ndarray,
     frames: list[str],
 ) -> np.ndarray:
-    """Poses of the frames in base_link by tf, (N, F, 7): position and quaternion (x, y, z, w)."""
+    """Poses of the frames in base_link by tf, (N, F, 7).
+
+    Each is a position and a quaternion (x, y, z, w).
+    """
     request, answer = work.folder / "request.json", work.folder / "answer.json"
     asked = {
         "joints": joints,

@@ -1,4 +1,4 @@
-"""Simulators beside those of `conformance_tools`: one function each, with the same arguments and results."""
+"""Simulators beside those of `tools`: one function each, used in the same way."""
 
 from __future__ import annotations
 
@@ -155,7 +155,10 @@ def dart(files: Path, states: States) -> Arrays:
 
 
 def sapien(files: Path, states: States) -> Arrays:
-    """Without visuals, for which SAPIEN wants a GPU; gravity from its own compensation of it."""
+    """Without visuals, for which SAPIEN needs a GPU.
+
+    Gravity is that which it compensates itself.
+    """
     import sapien
     from sapien import physx
 

@@ -1,8 +1,9 @@
-"""One function per tool: load a generated file, return what the tool computes for given states.
+"""One function per tool: load a generated file, return what the tool computes.
 
-No function here knows the right answer. Each takes the folder of generated files and the states, and
-returns named arrays: ``fk`` (N, 4, 4), ``mass`` (N, 4, 4), ``bias`` (N, 4), ``buoyancy`` (N, 4) and
-``trajectory`` (4,); a quantity that a tool does not compute by itself is left out.
+No function here knows the right answer. Each takes the folder of generated files and
+the states, and returns named arrays: ``fk`` (N, 4, 4), ``mass`` (N, 4, 4), ``bias`` (N,
+4), ``buoyancy`` (N, 4) and ``trajectory`` (4,); a quantity that a tool does not compute
+by itself is left out.
 """
 
 from __future__ import annotations
@@ -178,7 +179,7 @@ def _pinocchio(model, states: States) -> Arrays:
 
 
 def drake_mjcf(files: Path, states: States) -> Arrays:
-    """It leaves out sites, so the tcp is put on link_4 as the file has it; it knows no buoyancy."""
+    """Without buoyancy, and without sites: the tcp is put on link_4 as in the file."""
     from pydrake.common.eigen_geometry import Quaternion
     from pydrake.math import RigidTransform
 
@@ -200,7 +201,9 @@ def drake_sdf(files: Path, states: States) -> Arrays:
 
 
 def _drake(file: Path, states: States, at=None) -> Arrays:
-    """``at``: link and pose of the tcp in MJCF, whose base stands; other bases are welded here."""
+    """``at``: link and pose of the tcp in MJCF, whose base stands; other bases are
+    welded here.
+    """
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.multibody.tree import FixedOffsetFrame, MultibodyForces
@@ -262,7 +265,8 @@ def roboticstoolbox_urdf(files: Path, states: States) -> Arrays:
     for q, v in states:
         fk.append(robot.fkine(q, end="tcp").A)
         mass.append(robot.inertia(q))
-        # with its own default gravity: the sign of the argument differs between versions
+        # with its own default gravity: the sign of the argument differs between
+        # versions
         bias.append(robot.rne(q, v, np.zeros(4)))
     return {"fk": np.array(fk), "mass": np.array(mass), "bias": np.array(bias)}
 

@@ -1,4 +1,4 @@
-"""Figures that explain the concepts: side views of the drawn bodies, with what the numbers say on them."""
+"""Figures that explain the concepts: side views of the drawn bodies with numbers."""
 
 from __future__ import annotations
 
@@ -135,7 +135,8 @@ def frames_figure() -> Any:
     )
     angles = ", ".join(f"{x:.0f}°" for x in np.degrees(SIDE))
     axes.set_title(
-        f"frames at q = ({angles}), seen along y: the arm moves in a plane that axis_e turns"
+        f"frames at q = ({angles}), seen along y: "
+        "the arm moves in a plane that axis_e turns"
     )
     _look(axes, (-150, 330), (-115, 185))
     return page
@@ -143,7 +144,9 @@ def frames_figure() -> Any:
 
 @style()
 def products_figure() -> Any:
-    """What the sign of the products of inertia does: the ellipse of link 3's mass, right and wrong."""
+    """What the sign of the products of inertia does: the ellipse of link 3's mass,
+    right and wrong.
+    """
     page = new_figure(9.0, 5.0)
     link = a5.parameters().links[3]
     panels = page.subplots(1, 2, sharey=True)
@@ -242,12 +245,15 @@ def branches_figure() -> Any:
     page = new_figure(9.6, 7.6)
     target = np.array([0.18, 0.05, 0.16])
     along = target[:2] / np.linalg.norm(target[:2])
-    view = np.array(
-        [[*along, 0.0], [0.0, 0.0, 1.0]]
-    )  # the vertical plane through the target
-    found, arm = a5.inverse_kinematics(target), a5.load()
-    ways = f"{found.exists.sum()} ways to one target, {found.within_limits.sum()} within the limits"
-    page.suptitle(ways, fontsize=11)
+    # The vertical plane through the target.
+    view = np.array([[*along, 0.0], [0.0, 0.0, 1.0]])
+    found = a5.inverse_kinematics(target)
+    arm = a5.load()
+    page.suptitle(
+        f"{found.exists.sum()} ways to one target, "
+        f"{found.within_limits.sum()} within the limits",
+        fontsize=11,
+    )
     for axes, name, q, allowed in zip(
         page.subplots(2, 2).flat, a5.BRANCHES, found.q, found.within_limits, strict=True
     ):

@@ -2,11 +2,13 @@
 
     python scripts/figures/make_figures.py [FOLDER]
 
-``arm.png``: the arm with its frames and centres. ``workspace.png``: the published region against the exact
-one. ``self_collision.png``: what is reached in self-collision only. ``torque.png``: the torque over a recorded
-trajectory, split into its terms; the recording is the first one found beside the checkout or in
-ALPHA5_RECORDINGS, and without one this figure is left as it is. ``mjcf/alpha5.png``: MuJoCo's own picture of the
-committed scene (MUJOCO_GL is egl if not set). Those that explain the concepts are in ``concept_figures.py``.
+``arm.png``: the arm with its frames and centres. ``workspace.png``: the published
+region against the exact
+one. ``self_collision.png``: what is reached in self-collision only. ``torque.png``: the
+torque over a recorded trajectory, split into its terms; the recording is the first one
+found beside the checkout or in ALPHA5_RECORDINGS, and without one this figure is left
+as it is. ``mjcf/alpha5.png``: MuJoCo's own picture of the committed scene (MUJOCO_GL is
+egl if not set). Those that explain the concepts are in ``concept_figures.py``.
 """
 
 from __future__ import annotations
@@ -59,7 +61,7 @@ def main(folder: Path) -> None:
 
 
 def arm_picture() -> bytes:
-    """The arm, see-through, with its link frames and the centres of mass and buoyancy."""
+    """The arm, see-through, with link frames and centres of mass and buoyancy."""
     show = ("bodies", "see-through", "labels", "frames", "com", "cob")
     size = (1600, 900)
     scene = build_scene(a5.load(), [3.6, 1.15, 1.75, 1.2], show=show)

@@ -1,14 +1,22 @@
-"""Added mass and drag strips of the arm's bodies, into ``numbers/estimated_hydrodynamics.toml``.
+"""Compute added mass and drag strips of the arm's bodies.
+
+They go into ``numbers/estimated_hydrodynamics.toml``.
 
     pip install -e '.[hydrodynamics]'
-    python scripts/hydrodynamics/added_mass.py                 # validates, computes, writes; about half an hour on one core
-    python scripts/hydrodynamics/added_mass.py --only validation link_2 whole_arm   # some of it; other bodies' numbers stay
-    python scripts/hydrodynamics/added_mass.py --check link_1  # computes one body again and compares with the file
 
-What comes first validates the method: a sphere and an ellipsoid against Lamb, cylinders against rings of sources, an
-integral equation along the outline of a body of revolution, with DNV-RP-H103's two figures beside it. Then the drawn
-bodies of `alpha5_model.geometry` over three sizes of panels, each alone, extrapolated to none; and the whole arm in
-three poses against its bodies alone, which says how far a sum of bodies goes, into ``hydrodynamics/whole_arm.toml``.
+    # Validate, compute and write: about half an hour on one core.
+    python scripts/hydrodynamics/added_mass.py
+    # Some parts only; the numbers of other bodies stay.
+    python scripts/hydrodynamics/added_mass.py --only validation link_2 whole_arm
+    # Compute one body again and compare it with the file.
+    python scripts/hydrodynamics/added_mass.py --check link_1
+
+First, the method is validated: a sphere and an ellipsoid against Lamb, and cylinders
+against rings of sources, an integral equation along the outline of a body of
+revolution, with DNV-RP-H103's figures beside it. Then come the drawn bodies of
+`alpha5_model.geometry`, each alone, with three sizes of panels, extrapolated to none.
+Last, the whole arm in three poses is compared with its bodies alone. This shows how far
+a sum of bodies goes; it is written to ``hydrodynamics/whole_arm.toml``.
 """
 
 from __future__ import annotations
@@ -18,7 +26,7 @@ import sys
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,13 +53,9 @@ from hydrodynamics.potential_flow import (
 )
 from hydrodynamics.revolution import cylinder_across
 
-FILE = (
-    Path(__file__).resolve().parents[2]
-    / "alpha5_model"
-    / "numbers"
-    / "estimated_hydrodynamics.toml"
-)
-#: Sides of the panels [mm], from which to none is extrapolated; of link 4's fingers, `FINGERS` of the wrist's.
+REPOSITORY = Path(__file__).resolve().parents[2]
+FILE = REPOSITORY / "alpha5_model" / "numbers" / "estimated_hydrodynamics.toml"
+#: Body -> sides of the panels [mm], from which the result is extrapolated to none.
 SIZES = {
     "link_1": (3.2, 2.4, 1.8),
     "link_2": (4.3, 3.5, 2.8),
@@ -61,22 +65,29 @@ SIZES = {
     "finger_1": (2.0, 1.5, 1.15),
     "finger_2": (2.0, 1.5, 1.15),
 }
+#: Of all other bodies.
 OTHERS = (5.0, 3.9, 3.0)
+#: Panels of link 4's fingers over those of its wrist.
 FINGERS = 0.4
-#: Of the whole arm; and where its comparison is kept, with motions at random that move a point so far from the base [m]
-#: as fast by turning as by moving.
+#: Sides of the panels of the whole arm [mm].
 WHOLE_ARM = {"link_0": 10.0, "link_1": 6.0, "link_2": 8.0, "link_3": 6.0, "link_4": 9.5}
+#: Where the comparison of the whole arm is kept.
 COMPARISON = Path(__file__).with_name("whole_arm.toml")
-MOTIONS, DISTANCE = 100_000, 0.25
-#: Links of which both have the same part, in frames of their own.
+#: Number of random motions in the comparison.
+MOTIONS = 100_000
+#: Distance from the base [m] at which their turning is as fast as their moving.
+DISTANCE = 0.25
+#: Link -> link with the same part, in another frame.
 TWINS = {"link_3": "link_1"}
-#: Largest difference of the extrapolations from the last two sizes and from the two before, an entry over the
-#: geometric mean of its diagonal entries; and asymmetry, over the largest entry of the same unit. A turn about a tube's
-#: own axis moves next to no water: below `SMALL` of the largest turn, it is held against that much.
+#: Largest difference of the extrapolations from the last two sizes and from the two
+#: before: an entry over the geometric mean of its diagonal entries.
 CONVERGENCE = 0.015
+#: A turn about a tube's own axis moves next to no water. Differences are compared with
+#: at least this share of the largest turn.
 SMALL = 5e-3
+#: Largest asymmetry, over the largest entry of the same unit.
 ASYMMETRY = 3e-3
-#: Of what others have computed.
+#: Largest difference from what others have computed.
 TOLERANCE = 0.015
 POSES = {
     "extended": NAMED_POSES["reach"],
@@ -96,77 +107,103 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     if chosen.check:
         return check(chosen.check)
+
     parts = solids()
-    wanted = {
-        TWINS.get(x, x) for x in chosen.only or ["validation", *parts, "whole_arm"]
-    }
-    good, found = True, {}
+    names = chosen.only or ["validation", *parts, "whole_arm"]
+    wanted = {TWINS.get(name, name) for name in names}
+    good = True
     if "validation" in wanted:
         good &= validate()
-    for name, solid in parts.items():
-        if (twin := TWINS.get(name)) in found:
-            found[name] = of_twin(name, twin, found[twin])
-        elif name in wanted:
-            found[name], converged = converge(name, solid)
-            good &= converged
+    found, converged = _computed(parts, wanted)
+    good &= converged
     if found:
-        kept = {
-            name: np.array(x["added_mass"], dtype=float)
-            for name, x in committed().items()
-        }
-        chosen.output.write_text(toml({**kept, **found}), encoding="utf-8")
+        chosen.output.write_text(toml({**_kept(), **found}), encoding="utf-8")
     if "whole_arm" in wanted:
         good &= whole_arm()
     return 0 if good else 1
 
 
+def _computed(parts: dict[str, Any], wanted: set[str]) -> tuple[dict[str, Array], bool]:
+    """Added mass of the wanted bodies and their twins; whether all have converged."""
+    found: dict[str, Array] = {}
+    good = True
+    for name, solid in parts.items():
+        twin = TWINS.get(name)
+        if twin in found:
+            found[name] = of_twin(name, twin, found[twin])
+        elif name in wanted:
+            found[name], converged = converge(name, solid)
+            good &= converged
+    return found, good
+
+
+def _kept() -> dict[str, Array]:
+    """Added mass of the bodies in the file."""
+    return {
+        name: np.array(body["added_mass"], dtype=float)
+        for name, body in committed().items()
+    }
+
+
 def told(
     what: str, value: float, reference: float, tolerance: float = TOLERANCE
 ) -> bool:
+    """Print a number beside its reference; whether they agree."""
     off = value / reference - 1
     print(f"  {what:48}{value:8.4f}{reference:8.4f}{100 * off:+7.2f} %", flush=True)
     return abs(off) <= tolerance
 
 
 def validate() -> bool:
-    """The method on bodies that others have computed, as shares of what the displaced water has."""
+    """Compare the method with what others have computed for simple bodies.
+
+    The numbers are shares of the displaced water.
+    """
     print("coefficient, reference, difference")
-    ball = kernel().Manifold.sphere(20.0, 128)
-    long = kernel().Manifold.sphere(1.0, 256).scale([100.0, 25.0, 25.0])
-    good = True
-    m = of_panels(ball, (8.0, 5.6, 4.0), SMOOTH) / mass(ball)
-    good &= told("sphere (Lamb)", m[0], 0.5)
-    m = of_panels(long, (10.0, 7.0, 5.0), SMOOTH) / mass(long)
-    good &= told("ellipsoid 4:1, along (Lamb)", m[0], 0.0816)
-    good &= told("ellipsoid 4:1, across", m[1], 0.8598)
-    good &= told(
-        "ellipsoid 4:1, turning across", m[5] / ((0.1**2 + 0.025**2) / 5), 0.6078
-    )
+    good = _validate_ellipsoids()
     for ratio, printed in ((1.2, 0.62), (2.5, 0.78), (5.0, 0.90)):
         solid = cylinder(20.0, -20.0 * ratio, 20.0 * ratio)
-        m, exact = (
-            of_panels(solid, (8.0, 5.6, 4.0)) / mass(solid),
-            cylinder_across(ratio),
-        )
-        good &= told(f"cylinder {ratio}:1, across (rings of sources)", m[0], exact)
-        told(f"cylinder {ratio}:1, across (DNV-RP-H103)", m[0], printed)
+        share = of_panels(solid, (8.0, 5.6, 4.0)) / mass(solid)
+        exact = cylinder_across(ratio)
+        good &= told(f"cylinder {ratio}:1, across (rings of sources)", share[0], exact)
+        told(f"cylinder {ratio}:1, across (DNV-RP-H103)", share[0], printed)
+    return good
+
+
+def _validate_ellipsoids() -> bool:
+    """Compare a sphere and a long ellipsoid with Lamb."""
+    ball = kernel().Manifold.sphere(20.0, 128)
+    share = of_panels(ball, (8.0, 5.6, 4.0), SMOOTH) / mass(ball)
+    good = told("sphere (Lamb)", share[0], 0.5)
+
+    long = kernel().Manifold.sphere(1.0, 256).scale([100.0, 25.0, 25.0])
+    share = of_panels(long, (10.0, 7.0, 5.0), SMOOTH) / mass(long)
+    inertia = (0.1**2 + 0.025**2) / 5
+    good &= told("ellipsoid 4:1, along (Lamb)", share[0], 0.0816)
+    good &= told("ellipsoid 4:1, across", share[1], 0.8598)
+    good &= told("ellipsoid 4:1, turning across", share[5] / inertia, 0.6078)
     return good
 
 
 def of_panels(solid: Any, sizes: tuple[float, ...], order: float = EDGED) -> Array:
     """Diagonal of the added mass, extrapolated."""
-    return np.diag(
-        extrapolated(lambda size: added_mass(*panels(solid, size)), sizes, order)[0]
-    )
+
+    def compute(size: float) -> Array:
+        return added_mass(*panels(solid, size))
+
+    value, _, _ = extrapolated(compute, sizes, order)
+    return np.diag(value)
 
 
 def mass(solid: Any) -> float:
-    """Of the water in a solid's place [kg]."""
+    """Mass of the water that a solid displaces [kg]."""
     return float(DENSITY * solid.volume() * 1e-9)
 
 
 def solids() -> dict[str, Any]:
-    """The bodies in their links' frames [mm]; link 4 with the jaws closed, open, and in parts."""
+    """The bodies in their links' frames [mm]; link 4 with the jaws closed, open, and in
+    parts.
+    """
     drawn = bodies()
     wrist = drawn["link_4"].solid
     jaws = split_link_4(parameters())
@@ -197,7 +234,10 @@ def moved(solid: Any, placement: Array) -> Any:
 
 
 def meshed(solid: Any, size: float) -> tuple[Array, Array]:
-    """Panels of a body that may be of several parts, those beside the largest of `FINGERS` of the size."""
+    """Panels of a body of one or more parts.
+
+    The size is that of the largest part; the others have `FINGERS` of it.
+    """
     parts = sorted(solid.decompose(), key=lambda part: -part.volume())
     meshes = [
         panels(part, size * (FINGERS if i else 1.0)) for i, part in enumerate(parts)
@@ -208,41 +248,56 @@ def meshed(solid: Any, size: float) -> tuple[Array, Array]:
 def joined(vertices: list[Array], faces: list[Array]) -> tuple[Array, Array]:
     """Meshes as one."""
     starts = np.cumsum([0, *map(len, vertices[:-1])])
-    return np.vstack(vertices), np.vstack(
-        [f + at for f, at in zip(faces, starts, strict=True)]
-    )
+    shifted = [mesh + start for mesh, start in zip(faces, starts, strict=True)]
+    return np.vstack(vertices), np.vstack(shifted)
 
 
 def of_twin(name: str, twin: str, matrix: Array) -> Array:
     """Added mass of a part that is another link's, too, from there."""
-    frames = {link: np.eye(4) for link in (name, twin)}
-    drawn_frames = frames_in_links(drawn_dimensions())
-    for link in {*frames} & {*drawn_frames}:
-        frames[link][:3] = drawn_frames[link]
-        frames[link][:3, 3] *= 1e-3
-    x = twist_map(frames[name] @ np.linalg.inv(frames[twin]))
+    to_twin = np.linalg.inv(_frame_of_part(twin))
+    x = twist_map(_frame_of_part(name) @ to_twin)
     return np.asarray(x.T @ matrix @ x)
+
+
+def _frame_of_part(link: str) -> Array:
+    """Pose of a drawn part in its link, (4, 4) [m]."""
+    frame = np.eye(4)
+    drawn_frames = frames_in_links(drawn_dimensions())
+    if link in drawn_frames:
+        frame[:3] = drawn_frames[link]
+        frame[:3, 3] *= 1e-3
+    return frame
 
 
 def converge(name: str, solid: Any) -> tuple[Array, bool]:
     """Added mass from three sizes of panels, made symmetric, and whether it is good."""
-    matrix, found, before = extrapolated(
-        lambda size: added_mass(*meshed(solid, size)), SIZES.get(name, OTHERS)
+    sizes = SIZES.get(name, OTHERS)
+    value, found, value_before = extrapolated(
+        lambda size: added_mass(*meshed(solid, size)), sizes
     )
-    asymmetry = float((np.abs(found[-1] - found[-1].T) / by_unit(matrix)).max())
-    matrix, before = (matrix + matrix.T) / 2, (before + before.T) / 2
-    each = np.sqrt(np.diag(matrix))
+    last = found[-1]
+    asymmetry = float((np.abs(last - last.T) / by_unit(value)).max())
+    matrix = (value + value.T) / 2
+    before = (value_before + value_before.T) / 2
+
+    diagonal = np.diag(matrix)
+    own = np.sqrt(diagonal)
+    each = own.copy()
     each[3:] = np.maximum(each[3:], np.sqrt(SMALL) * each[3:].max())
-    rest = np.abs(before - matrix) / np.outer(each, each)
-    own = np.sqrt(np.diag(matrix))
+    rest = float((np.abs(before - matrix) / np.outer(each, each)).max())
     smallest = float(np.linalg.eigvalsh(matrix / np.outer(own, own)).min())
+
+    off_before = _percent(np.diag(before) / own**2 - 1)
+    off_last = _percent(np.diag(last) / own**2 - 1)
     print(
-        f"{name}: {np.diag(matrix)}\n  from the two sizes before {_percent(np.diag(before) / own**2 - 1)} off, any "
-        f"entry {100 * rest.max():.2f} %; the last size {_percent(np.diag(found[-1]) / own**2 - 1)}; asymmetry "
-        f"{asymmetry:.1e}, least eigenvalue {smallest:.2f}",
+        f"{name}: {diagonal}\n"
+        f"  from the two sizes before {off_before} off, any entry {100 * rest:.2f} %; "
+        f"the last size {off_last}; asymmetry {asymmetry:.1e}, "
+        f"least eigenvalue {smallest:.2f}",
         flush=True,
     )
-    return matrix, rest.max() <= CONVERGENCE and asymmetry <= ASYMMETRY and smallest > 0
+    good = rest <= CONVERGENCE and asymmetry <= ASYMMETRY and smallest > 0
+    return matrix, good
 
 
 def _percent(shares: Iterable[float]) -> str:
@@ -250,7 +305,9 @@ def _percent(shares: Iterable[float]) -> str:
 
 
 def by_unit(matrix: Array) -> Array:
-    """The largest entries of the linear and the angular block, and between them their geometric mean."""
+    """The largest entries of the linear and the angular block, and between them their
+    geometric mean.
+    """
     largest = np.sqrt([np.diag(matrix)[:3].max(), np.diag(matrix)[3:].max()])
     return np.kron(np.outer(largest, largest), np.ones((3, 3)))
 
@@ -267,94 +324,152 @@ def placements(q: Iterable[float]) -> dict[str, Array]:
 
 
 def twist_map(placement: Array) -> Array:
-    """From a twist at the origin of the base, in its axes, to the twist of a link in its frame, (6, 6)."""
+    """From a twist at the origin of the base, in its axes, to the twist of a link in
+    its frame, (6, 6).
+    """
     back = np.linalg.inv(placement)
     r = back[:3, :3]
     return np.block([[r, cross_matrix(back[:3, 3]) @ r], [np.zeros((3, 3)), r]])
 
 
+class Part(NamedTuple):
+    """A body of the arm, alone.
+
+    Attributes:
+        vertices: In its link's frame, (n, 3) [m].
+        faces: (m, 3).
+        added_mass: In its link's frame, (6, 6).
+    """
+
+    vertices: Array
+    faces: Array
+    added_mass: Array
+
+
 def whole_arm() -> bool:
-    """The arm as one body of five parts in three poses, against the sum of the parts alone, panels alike."""
-    good, parts, kept = True, solids(), COMPARED
-    meshes = [meshed(parts[name], size) for name, size in WHOLE_ARM.items()]
-    numbers = [added_mass(*mesh) for mesh in meshes]
-    owner = np.repeat(range(5), [len(faces) for _, faces in meshes])
-    for what, q in POSES.items():
+    """Compare the arm as one body of five parts with the sum of the parts alone.
+
+    The panels are the same. Writes the comparison; returns whether it is good.
+    """
+    bodies_of_arm = solids()
+    parts = []
+    for name, size in WHOLE_ARM.items():
+        vertices, faces = meshed(bodies_of_arm[name], size)
+        parts.append(Part(vertices, faces, added_mass(vertices, faces)))
+
+    good = True
+    kept = COMPARED
+    for pose_name, q in POSES.items():
         at = [*placements(q).values()]
-        vertices, triangles = joined(
-            [
-                p @ to[:3, :3].T + to[:3, 3]
-                for (p, _), to in zip(meshes, at, strict=True)
-            ],
-            [faces for _, faces in meshes],
-        )
-        centres = vertices[triangles].mean(axis=1)
-        motions = [
-            motion * (owner == i)[:, None]
-            for i in range(5)
-            for motion in rigid_motions(centres)
-        ]
-        whole = added_mass(vertices, triangles, motions)
-        alone = np.zeros((30, 30))
-        for i, (placement, matrix) in enumerate(zip(at, numbers, strict=True)):
-            x = twist_map(placement)
-            alone[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = x.T @ matrix @ x
-        # The base's six motions move all parts; joint i moves parts i + 1 and on, about its axis.
-        moves = [np.tile(np.eye(6), (5, 1)).T]
-        for i in range(1, 5):
-            axis = np.linalg.inv(twist_map(at[i]))[:, 5]
-            moves.append(np.concatenate([np.zeros(6 * i), np.tile(axis, 5 - i)])[None])
-        j = np.vstack(moves).T
-        together, apart = j.T @ whole @ j, j.T @ alone @ j
-        ratio = np.diag(together) / np.diag(apart)
-        along = whole[::6, ::6].sum(axis=1), np.diag(alone)[::6]
-        kept += compared(what, len(triangles), together, apart)
+        whole, count = _together(parts, at)
+        alone = _alone(parts, at)
+        moves = _moves(at)
+        together = moves.T @ whole @ moves
+        apart = moves.T @ alone @ moves
+
+        kept += compared(pose_name, count, together, apart)
+        along = np.round(whole[::6, ::6].sum(axis=1), 4)
+        along_alone = np.round(np.diag(alone)[::6], 4)
         print(
-            f"whole arm / sum of its bodies, {what}, {len(triangles)} panels:\n"
-            f"  along x, share of each body {np.round(along[0], 4)} kg, alone {np.round(along[1], 4)} kg",
+            f"whole arm / sum of its bodies, {pose_name}, {count} panels:\n"
+            f"  along x, share of each body {along} kg, alone {along_alone} kg",
             flush=True,
         )
-        if what == "extended":  # along x the ends shield each other: see the file
+        if pose_name == "extended":  # along x the ends shield each other: see the file
+            ratio = np.diag(together) / np.diag(apart)
             good &= bool((np.abs(ratio[1:] - 1) < 0.10).all())
         COMPARISON.write_text(kept, encoding="utf-8")
     return good
 
 
+def _together(parts: list[Part], at: list[Array]) -> tuple[Array, int]:
+    """Added mass between the motions of the parts, six each, (30, 30); their panels."""
+    placed = []
+    for part, to in zip(parts, at, strict=True):
+        placed.append(part.vertices @ to[:3, :3].T + to[:3, 3])
+    vertices, triangles = joined(placed, [part.faces for part in parts])
+
+    owner = np.repeat(range(len(parts)), [len(part.faces) for part in parts])
+    centres = vertices[triangles].mean(axis=1)
+    motions = []
+    for i in range(len(parts)):
+        of_part = (owner == i)[:, None]
+        motions += [motion * of_part for motion in rigid_motions(centres)]
+    return added_mass(vertices, triangles, motions), len(triangles)
+
+
+def _alone(parts: list[Part], at: list[Array]) -> Array:
+    """The same if each part were alone, (30, 30)."""
+    alone = np.zeros((30, 30))
+    for i, (part, placement) in enumerate(zip(parts, at, strict=True)):
+        x = twist_map(placement)
+        block = slice(6 * i, 6 * i + 6)
+        alone[block, block] = x.T @ part.added_mass @ x
+    return alone
+
+
+def _moves(at: list[Array]) -> Array:
+    """Motions of the five parts by the base's six motions and four joints, (30, 10).
+
+    The base moves all parts; joint i moves parts i + 1 and on, about its axis.
+    """
+    moves = [np.tile(np.eye(6), (5, 1)).T]
+    for i in range(1, 5):
+        axis = np.linalg.inv(twist_map(at[i]))[:, 5]
+        moved_parts = [np.zeros(6 * i), np.tile(axis, 5 - i)]
+        moves.append(np.concatenate(moved_parts)[None])
+    return np.vstack(moves).T
+
+
+# The text of a committed file, with lines of its own length.
 COMPARED = """# The whole arm's added mass over the sum of its bodies' in three poses, by scripts/hydrodynamics/added_mass.py.
 # base: along and about x, y, z of base_link, all joints held; joints: axis_e to axis_b. directions: least and greatest
 # of all motions of the base. random: 1, 50 and 99 % of such motions at random. missing: the largest difference of any
 # direction over the largest added mass, moving and turning. kg: along x, y, z, the whole arm, then the sum.
-"""
+"""  # noqa: E501
 
 
 def compared(what: str, panels: int, together: Array, apart: Array) -> str:
-    """The comparison of a pose, moved by the base's six motions and the joints, as a table of TOML."""
-    rigid, parts = together[:6, :6], apart[:6, :6]
-    rigid = (rigid + rigid.T) / 2
+    """The comparison of a pose as a table of TOML.
+
+    Args:
+        what: Name of the pose.
+        panels: Their number.
+        together: Added mass of the arm moved by the base's six motions and the joints.
+        apart: The same of its bodies alone.
+    """
+    parts = apart[:6, :6]
+    rigid = (together[:6, :6] + together[:6, :6].T) / 2
     lower = np.linalg.inv(np.linalg.cholesky(parts))
-    motions = np.random.default_rng(0).normal(size=(MOTIONS, 6)) / (
-        [1.0] * 3 + [DISTANCE] * 3
-    )
-    energies = (np.einsum("ni,ij,nj->n", motions, m, motions) for m in (rigid, parts))
-    missing = [
-        np.linalg.norm((rigid - parts)[at, at], 2) / np.linalg.norm(parts[at, at], 2)
-        for at in (slice(3), slice(3, 6))
-    ]
     ratio = np.diag(together) / np.diag(apart)
     figures = {
         "base": ratio[:6],
         "joints": ratio[6:],
         "directions": np.linalg.eigvalsh(lower @ rigid @ lower.T)[[0, -1]],
-        "random": np.quantile(np.divide(*energies), [0.01, 0.5, 0.99]),
-        "missing": missing,
+        "random": np.quantile(_random_ratios(rigid, parts), [0.01, 0.5, 0.99]),
+        "missing": [_missing(rigid, parts, at) for at in (slice(3), slice(3, 6))],
         "kg": [*np.diag(rigid)[:3], *np.diag(parts)[:3]],
     }
-    lines = [
-        f"{name} = [{', '.join(f'{x:.3f}' for x in row)}]"
-        for name, row in figures.items()
-    ]
+    lines = []
+    for name, row in figures.items():
+        lines.append(f"{name} = [{', '.join(f'{x:.3f}' for x in row)}]")
     print("\n".join([what, *lines]), flush=True)
     return "\n".join([f"\n[{what}]", f"panels = {panels}", *lines, ""])
+
+
+def _random_ratios(rigid: Array, parts: Array) -> Array:
+    """Energy of the whole arm over that of its parts, for random motions."""
+    scale = [1.0] * 3 + [DISTANCE] * 3
+    motions = np.random.default_rng(0).normal(size=(MOTIONS, 6)) / scale
+    whole = np.einsum("ni,ij,nj->n", motions, rigid, motions)
+    sum_of_parts = np.einsum("ni,ij,nj->n", motions, parts, motions)
+    return np.asarray(whole / sum_of_parts)
+
+
+def _missing(rigid: Array, parts: Array, at: slice) -> float:
+    """The largest difference in a block over the block's largest added mass."""
+    difference = (rigid - parts)[at, at]
+    return float(np.linalg.norm(difference, 2) / np.linalg.norm(parts[at, at], 2))
 
 
 #: The line of a body's strip: axis of its frame.
@@ -371,24 +486,34 @@ ALONG = ("0.05", "0.15", "0.3")
 
 
 def strip(solid: Any, axis: int) -> tuple[Array, Array, float]:
-    """Ends and diameter [mm]: along an axis through the centroid, of the outline's area seen across it."""
+    """Ends and diameter [mm]: along an axis through the centroid, of the outline's area
+    seen across it.
+    """
     low, high = np.array(solid.bounding_box()).reshape(2, 3)
     centroid = _centroid(solid)
-    start, end = centroid.copy(), centroid.copy()
-    start[axis], end[axis] = low[axis], high[axis]
+    start = centroid.copy()
+    end = centroid.copy()
+    start[axis] = low[axis]
+    end[axis] = high[axis]
+
     areas = []
     for across in {0, 1, 2} - {axis}:
-        turn = {0: (0.0, 90.0, 0.0), 1: (90.0, 0.0, 0.0), 2: (0.0, 0.0, 0.0)}[across]
-        areas.append(solid.rotate(turn).project().area())
-    return start, end, float(np.mean(areas) / (high[axis] - low[axis]))
+        seen = solid.rotate(_TO_Z[across])
+        areas.append(seen.project().area())
+    diameter = np.mean(areas) / (high[axis] - low[axis])
+    return start, end, float(diameter)
+
+
+#: Axis -> roll, pitch, yaw [deg] that turn it to z.
+_TO_Z = {0: (0.0, 90.0, 0.0), 1: (90.0, 0.0, 0.0), 2: (0.0, 0.0, 0.0)}
 
 
 def _centroid(solid: Any) -> Array:
-    vertices, triangles = corners(solid)
-    volumes = np.linalg.det(vertices[triangles])
-    return np.einsum("f,fx->x", volumes, vertices[triangles].sum(axis=1)) / (
-        4 * volumes.sum()
-    )
+    vertices, faces = corners(solid)
+    triangles = vertices[faces]
+    volumes = np.linalg.det(triangles)
+    moment = np.einsum("f,fx->x", volumes, triangles.sum(axis=1))
+    return moment / (4 * volumes.sum())
 
 
 def strips(name: str) -> list[tuple[Array, Array, float]]:
@@ -399,33 +524,20 @@ def strips(name: str) -> list[tuple[Array, Array, float]]:
         end = wrist.bounding_box()[2]
         beyond = parts[name].split_by_plane([0.0, 0.0, -1.0], -end)[0]
         return [strip(wrist, 2), strip(beyond, 2)]
-    return [
-        strip(
-            parts[name],
-            STRIP_AXES[name.partition("_")[0] if "finger" in name else name],
-        )
-    ]
+    kind = "finger" if "finger" in name else name
+    return [strip(parts[name], STRIP_AXES[kind])]
 
 
 def toml(numbers: dict[str, Array]) -> str:
-    """The file of published/."""
+    """The text of ``estimated_hydrodynamics.toml``."""
     lines = [HEAD]
     for name, matrix in numbers.items():
         lines += [f"\n[bodies.{name}]", "added_mass = ["]
-        lines += [
-            f"  [{', '.join(_digits(x, i, j) for j, x in enumerate(row))}],"
-            for i, row in enumerate(matrix)
-        ]
+        for i, row in enumerate(matrix):
+            entries = [_digits(x, i, j) for j, x in enumerate(row)]
+            lines.append(f"  [{', '.join(entries)}],")
         lines += ["]", 'added_mass_factor = ["0.75", "1", "1.25"]', "strips = ["]
-        for start, end, diameter in strips(name):
-            ends = (
-                f"[{', '.join(_quoted(x, 1) for x in point)}]" for point in (start, end)
-            )
-            lines.append(
-                "  {{ start = {}, end = {}, diameter = {}, across = {}, along = {} }},".format(
-                    *ends, _quoted(diameter, 1), _list(ACROSS), _list(ALONG)
-                )
-            )
+        lines += [_line_of_strip(*strip) for strip in strips(name)]
         lines += [
             "]",
             'status = "estimated"',
@@ -435,19 +547,38 @@ def toml(numbers: dict[str, Array]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _line_of_strip(start: Array, end: Array, diameter: float) -> str:
+    values = {
+        "start": _list(_quoted(x, 1) for x in start),
+        "end": _list(_quoted(x, 1) for x in end),
+        "diameter": _quoted(diameter, 1),
+        "across": _list(_in_quotes(text) for text in ACROSS),
+        "along": _list(_in_quotes(text) for text in ALONG),
+    }
+    entries = [f"{name} = {value}" for name, value in values.items()]
+    return f"  {{ {', '.join(entries)} }},"
+
+
 def _digits(value: float, row: int, column: int) -> str:
     return _quoted(value, (5, 7, 9)[(row > 2) + (column > 2)])
 
 
 def _quoted(value: float, decimals: int) -> str:
-    return f'"{round(value, decimals) + 0.0:.{decimals}f}"'
+    return _in_quotes(f"{round(value, decimals) + 0.0:.{decimals}f}")
 
 
-def _list(texts: Iterable[str]) -> str:
-    return "[" + ", ".join(f'"{text}"' for text in texts) + "]"
+def _in_quotes(text: str) -> str:
+    return f'"{text}"'
 
 
-SOURCE = "our own calculation (scripts/hydrodynamics/added_mass.py) on our own bodies (alpha5_model/geometry)"
+def _list(entries: Iterable[str]) -> str:
+    return f"[{', '.join(entries)}]"
+
+
+SOURCE = (
+    "our own calculation (scripts/hydrodynamics/added_mass.py) "
+    "on our own bodies (alpha5_model/geometry)"
+)
 SOURCES = {
     "link_4": SOURCE + ", jaws closed",
     "link_4_open": SOURCE + ", jaws fully open, as one body",
@@ -463,11 +594,12 @@ def method(name: str) -> str:
     sizes = ", ".join(f"{size:g}" for size in SIZES.get(name, OTHERS))
     finer = f", its fingers' {FINGERS:g} of that" if name.startswith("link_4") else ""
     return (
-        "potential flow without bounds, each body alone (capytaine 3), extrapolated from panels of "
-        f"{sizes} mm{finer}; {STRIPS}"
+        "potential flow without bounds, each body alone (capytaine 3), "
+        f"extrapolated from panels of {sizes} mm{finer}; {STRIPS}"
     )
 
 
+# The text of a committed file, with lines of its own length.
 HEAD = '''# ESTIMATED, not published: what the moving water does to each body, off unless asked for. Written by
 # scripts/hydrodynamics/added_mass.py; version 7 of the document prints neither added mass nor drag.
 #
@@ -488,7 +620,7 @@ HEAD = '''# ESTIMATED, not published: what the moving water does to each body, o
 added_mass = "kg, kg.m, kg.m^2"
 start = "mm"
 end = "mm"
-diameter = "mm"'''
+diameter = "mm"'''  # noqa: E501
 
 
 def committed() -> dict[str, Any]:
@@ -497,17 +629,20 @@ def committed() -> dict[str, Any]:
 
 
 def check(name: str) -> int:
-    """Compute one body again; 1 if an entry is further off than half a per cent of its scale."""
+    """Compute one body again; 1 if an entry is further off than half a per cent of its
+    scale.
+    """
     kept = committed()
     if name not in kept:
         print(f"unknown body {name!r}; choose from {', '.join(kept)}", file=sys.stderr)
         return 2
     old = np.array(kept[name]["added_mass"], dtype=float)
     twin = TWINS.get(name, name)
-    new, *_ = extrapolated(
-        lambda size: added_mass(*meshed(solids()[twin], size)), SIZES.get(twin, OTHERS)
+    solid = solids()[twin]
+    of_part, _, _ = extrapolated(
+        lambda size: added_mass(*meshed(solid, size)), SIZES.get(twin, OTHERS)
     )
-    new = of_twin(name, twin, new)
+    new = of_twin(name, twin, of_part)
     off = float((np.abs(new - old) / by_unit(old)).max())
     print(f"{name}: {100 * off:.3f} % from the file")
     return 0 if off < 5e-3 else 1

@@ -1,7 +1,8 @@
-"""A cylinder's added mass across itself by rings of sources: another way to what the panels compute.
+"""A cylinder's added mass across itself, by rings of sources instead of panels.
 
-The potential of a body of revolution that moves across its axis goes like cos(angle), so an integral equation along
-its outline is left. The pieces get smaller towards the edge, where the velocity has no bound.
+The potential of a body of revolution that moves across its axis goes like cos(angle),
+so an integral equation along its outline is left. The pieces get smaller towards the
+edge, where the velocity has no bound.
 """
 
 from __future__ import annotations
@@ -10,8 +11,10 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-#: Pieces from the axis to the edge; the distances of their ends from the edge are powers of even steps.
-PIECES, GRADING = 20, 3
+#: Pieces from the axis to the edge.
+PIECES = 20
+#: The distances of their ends from the edge are this power of even steps.
+GRADING = 3
 
 Array = NDArray[np.float64]
 
@@ -22,53 +25,86 @@ def cylinder_across(ratio: float) -> float:
     Args:
         ratio: Length over diameter.
     """
-    inward = np.linspace(1.0, 0.0, PIECES + 1)[:, None] ** GRADING
-    edge = np.array([1.0, ratio])  # of a radius of 1
-    half = np.vstack(
-        [edge * [0, 1] + (1 - inward) * [1, 0], (edge - inward[::-1] * [0, ratio])[1:]]
-    )
-    outline = np.vstack([half, half[-2::-1] * [1, -1]])
-    starts, lines = outline[:-1], np.diff(outline, axis=0)
+    outline = _outline(ratio)
+    starts = outline[:-1]
+    lines = np.diff(outline, axis=0)
     lengths = np.linalg.norm(lines, axis=1)
     normals = np.column_stack([-lines[:, 1], lines[:, 0]]) / lengths[:, None]
     middles = starts + lines / 2
-    nodes, weights = leggauss(8)
-    nodes, weights = (nodes + 1) / 2, weights / 2
-    # Of a piece seen from others, and from its own middle, to which they crowd.
-    plain = nodes, weights
-    crowded = (
-        0.5 + 0.5 * np.concatenate([-(nodes**GRADING), nodes**GRADING]),
-        0.5 * GRADING * np.tile(nodes ** (GRADING - 1) * weights, 2),
-    )
-    single, double = np.zeros((2, len(lines), len(lines)))
-    for j, (start, line, length) in enumerate(zip(starts, lines, lengths, strict=True)):
-        for places, shares in (plain, crowded):
-            seen = (
-                [j]
-                if places is crowded[0]
-                else [i for i in range(len(lines)) if i != j]
-            )
-            ring = start + places[:, None] * line
-            source, dipole = _ring(middles[seen][:, None], ring, normals[j])
-            single[seen, j] = (source * shares * ring[:, 0]).sum(axis=1) * length
-            double[seen, j] = (dipole * shares * ring[:, 0]).sum(axis=1) * length
+
+    single, double = _layers(starts, lines, normals)
     speeds = normals[:, 0]
-    potential = np.linalg.solve(
-        2 * np.pi * np.eye(len(lines)) - double, single @ speeds
-    )
+    equations = 2 * np.pi * np.eye(len(lines)) - double
+    potential = np.linalg.solve(equations, single @ speeds)
     return float((potential * speeds * lengths * middles[:, 0]).sum() / (2 * ratio))
 
 
+def _outline(ratio: float) -> Array:
+    """Points (r, h) of a cylinder's outline from the axis to the axis, radius 1."""
+    inward = np.linspace(1.0, 0.0, PIECES + 1)[:, None] ** GRADING
+    edge = np.array([1.0, ratio])
+    face = edge * [0, 1] + (1 - inward) * [1, 0]
+    side = edge - inward[::-1] * [0, ratio]
+    half = np.vstack([face, side[1:]])
+    return np.vstack([half, half[-2::-1] * [1, -1]])
+
+
+def _layers(starts: Array, lines: Array, normals: Array) -> tuple[Array, Array]:
+    """Potential of the pieces' single and double layer at the pieces' middles, (n, n).
+
+    Args:
+        starts: Of the pieces, (n, 2).
+        lines: From start to end, (n, 2).
+        normals: (n, 2).
+    """
+    n = len(lines)
+    lengths = np.linalg.norm(lines, axis=1)
+    middles = starts + lines / 2
+    plain, crowded = _quadratures()
+    single = np.zeros((n, n))
+    double = np.zeros((n, n))
+    for j in range(n):
+        others = [i for i in range(n) if i != j]
+        for seen, (places, shares) in ((others, plain), ([j], crowded)):
+            ring = starts[j] + places[:, None] * lines[j]
+            source, dipole = _ring(middles[seen][:, None], ring, normals[j])
+            single[seen, j] = (source * shares * ring[:, 0]).sum(axis=1) * lengths[j]
+            double[seen, j] = (dipole * shares * ring[:, 0]).sum(axis=1) * lengths[j]
+    return single, double
+
+
+def _quadratures() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Places on a piece, 0 to 1, and their shares.
+
+    The first are for a piece seen from others, the second, which crowd in the middle,
+    for one seen from its own middle.
+    """
+    abscissas, weights = leggauss(8)
+    nodes = (abscissas + 1) / 2
+    shares = weights / 2
+    graded = nodes**GRADING
+    places = 0.5 + 0.5 * np.concatenate([-graded, graded])
+    crowded = 0.5 * GRADING * np.tile(nodes ** (GRADING - 1) * shares, 2)
+    return (nodes, shares), (places, crowded)
+
+
 def _ring(at: Array, ring: Array, normal: Array) -> tuple[Array, Array]:
-    """Of 1/R over a ring times cos(angle), and of its derivative along the ring's normal, seen from points at angle 0."""
+    """Potentials of a ring of sources and of one of dipoles, seen from angle 0.
+
+    They are the integrals over the ring, times cos(angle), of 1 / R and of its
+    derivative along the ring's normal.
+
+    Args:
+        at: Points (r, h).
+        ring: Points (r, h) of the rings.
+        normal: Of the ring, (2,).
+    """
     near = np.linalg.norm(at - ring, axis=-1) / ring[:, 0]
     span = np.arcsinh(np.pi / near)[..., None]
     nodes, weights = leggauss(40)
     step = (nodes + 1) / 2 * span  # angles crowd where the ring is near
-    angles, shares = (
-        near[..., None] * np.sinh(step),
-        near[..., None] * np.cosh(step) * span * weights,
-    )
+    angles = near[..., None] * np.sinh(step)
+    shares = near[..., None] * np.cosh(step) * span * weights
     x = at[..., :1] - ring[:, :1] * np.cos(angles)
     z = (at[..., 1] - ring[:, 1])[..., None]
     distance = np.sqrt(x**2 + (ring[:, :1] * np.sin(angles)) ** 2 + z**2)

@@ -1,20 +1,21 @@
 """Mutation testing: do the tests see a random change of one operator or number?
 
-    python scripts/mutating/mutation.py                              # 200 mutants of all rooms
+    python scripts/mutating/mutation.py                       # 200 mutants of all rooms
     python scripts/mutating/mutation.py --sample 30 --seed 7 dh C
-    python scripts/mutating/mutation.py --at dynamics/batch.py:79    # every mutant of one line
+    python scripts/mutating/mutation.py --at dynamics/batch.py:79       # of one line
 
-Mutants are made of all hand-written Python of the package and of all hand-written C: the
-kernels and the templates of the C library. Each room, which is a folder, a module or all C,
-has a share of the sample in proportion to its lines.
+Mutants are made of all hand-written Python of the package and of all hand-written C:
+the kernels and the templates of the C library. Each room, which is a folder, a module
+or all C, has a share of the sample in proportion to its lines.
 
 Every test file is run once, to record which test passes which line. A mutant is written
 into a copy of the checkout, where a forked child runs the tests of its line, then those
 of its file and room, until one fails. Results are appended to a file of JSON lines; the
 same command goes on where it was stopped.
 
-A mutant that makes the tests endless is reported apart and does not count as killed. One
-that no test can see may be named in ``scripts/mutating/equivalent.toml``, with the reason.
+A mutant that makes the tests endless is reported apart and does not count as killed.
+One that no test can see may be named in ``scripts/mutating/equivalent.toml``, with the
+reason.
 """
 
 from __future__ import annotations

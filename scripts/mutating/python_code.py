@@ -131,6 +131,12 @@ def _for_types(node: ast.If) -> bool:
 
 
 def _changes(source: _Text, node: ast.AST) -> Iterator[Change]:
+    yield from _changes_of_expression(source, node)
+    yield from _changes_of_statement(source, node)
+
+
+def _changes_of_expression(source: _Text, node: ast.AST) -> Iterator[Change]:
+    """Changes of an operator or a constant."""
     match node:
         case ast.BinOp():
             yield from _operator(source, node.op, node.left, node.right)
@@ -148,9 +154,15 @@ def _changes(source: _Text, node: ast.AST) -> Iterator[Change]:
             yield at, source.start(node.operand), " ", "operator dropped"
         case ast.Constant():
             yield from _constant(source, node)
+
+
+def _changes_of_statement(source: _Text, node: ast.AST) -> Iterator[Change]:
+    """Changes of a condition, a loop, a handler or a decorator."""
+    match node:
+        case ast.If() if _for_types(node):
+            return
         case ast.If() | ast.While() | ast.IfExp():
-            if not isinstance(node, ast.If) or not _for_types(node):
-                yield _negated(source, node.test)
+            yield _negated(source, node.test)
         case ast.comprehension():
             yield from (_negated(source, test) for test in node.ifs)
         case ast.For():
@@ -161,11 +173,17 @@ def _changes(source: _Text, node: ast.AST) -> Iterator[Change]:
         case ast.ExceptHandler(type=ast.expr() as kind):
             yield source.start(kind), source.end(kind), "()", "catches nothing"
         case ast.FunctionDef() | ast.ClassDef():
-            for decorator in node.decorator_list:
-                if "cache" not in ast.unparse(decorator):
-                    start = source.start(decorator)
-                    at = source.data.rindex(b"@", 0, start)
-                    yield at, source.end(decorator), "", "decorator dropped"
+            yield from _decorators(source, node)
+
+
+def _decorators(
+    source: _Text, node: ast.FunctionDef | ast.ClassDef
+) -> Iterator[Change]:
+    for decorator in node.decorator_list:
+        if "cache" not in ast.unparse(decorator):
+            start = source.start(decorator)
+            at = source.data.rindex(b"@", 0, start)
+            yield at, source.end(decorator), "", "decorator dropped"
 
 
 def _operator(

@@ -21,8 +21,8 @@ from mutating.python_code import statement
 from mutating.sandbox import Job, Outcome, Sandbox, Selection, run
 from mutating.statuses import SURVIVED
 
-#: Tests of pages, notebooks, scripts and other tools, or by a browser: they cost minutes
-#: and see a mutant by chance only.
+#: Tests of pages, notebooks, scripts and other tools, or by a browser: they cost
+#: minutes and see a mutant by chance only.
 NOT_RUN = (
     "test_added_mass_script",
     "test_benchmark",

@@ -1,4 +1,4 @@
-"""Add the arm to a checkout of example-robot-data: its folder, its loaders, their names and their tests.
+"""Add the arm to a checkout of example-robot-data: files, loaders, names and tests.
 
 python scripts/robots/add_to_example_robot_data.py ../example-robot-data
 """
@@ -26,14 +26,17 @@ LINES = {
         (
             "    def test_anymal",
             '    def test_alpha5(self):\n        self.check("alpha5", 4, 4)\n\n'
-            '    def test_alpha5_jaws(self):\n        self.check("alpha5_jaws", 7, 7)\n\n',
+            "    def test_alpha5_jaws(self):\n"
+            '        self.check("alpha5_jaws", 7, 7)\n\n',
         ),
     ),
 }
 
 
 def patch(checkout: Path) -> dict[Path, bytes]:
-    """What to write: path -> content. A checkout that has the arm gets its files anew, its lines once.
+    """Path -> content of the files to write.
+
+    A checkout that has the arm gets its files anew, its lines once.
 
     Raises:
         SystemExit: No checkout, or one in which a line has no place.
@@ -53,7 +56,8 @@ def patch(checkout: Path) -> dict[Path, bytes]:
         for before, line in lines:
             if before not in text:
                 raise SystemExit(
-                    f"{path}: no {before.strip()!r}, before which to write {line.strip()!r}"
+                    f"{path}: no {before.strip()!r}, "
+                    f"before which to write {line.strip()!r}"
                 )
             if line not in text:
                 text = text.replace(before, line + before, 1)

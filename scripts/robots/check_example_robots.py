@@ -1,7 +1,8 @@
 """Which links of the robots in example-robot-data are physically impossible?
 
-A finding about public models, not a failure: the same test that this package applies to its own
-links (`alpha5_model.numbers.inertia.inconsistencies`), applied to the inertials that those URDFs print.
+A finding about public models, not a failure: the same test that this package applies to
+its own links (`alpha5_model.numbers.inertia.inconsistencies`), applied to the inertials
+that those URDFs print.
 
     python scripts/robots/check_example_robots.py            # all robots
     python scripts/robots/check_example_robots.py panda ur5  # some
@@ -99,9 +100,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 )
     console = Console(width=None if sys.stdout.isatty() else 140)
     console.print(table)
+    which = ", ".join(sorted(impossible)) or "none"
     console.print(
-        f"{len(names)} robots, {links} links with inertia: {wrong} links of {len(impossible)} "
-        f"robots are not physically consistent ({', '.join(sorted(impossible)) or 'none'})"
+        f"{len(names)} robots, {links} links with inertia: {wrong} links of "
+        f"{len(impossible)} robots are not physically consistent ({which})"
     )
     return 0
 

@@ -1,9 +1,10 @@
-"""Measure public models of this arm by `compare`: two tables, into a page of the documentation.
+"""Compare public models of this arm: two tables for a page of the documentation.
 
     python scripts/robots/public_models.py FOLDER [--page docs/public-models.md]
 
-FOLDER holds the models, expanded to URDF, under the names of `MODELS`; they are other people's and not
-part of this repository. What is not there is left out of the tables, which the last line says.
+FOLDER holds the models, expanded to URDF, under the names of `MODELS`; they are other
+people's and not part of this repository. What is not there is left out of the tables,
+which the last line says.
 """
 
 from __future__ import annotations
@@ -24,7 +25,8 @@ from conformance.conformance import insert
 #: File in the folder -> repository, file there, as people look for it.
 MODELS = {
     "evan_palmer_alpha": "`evan-palmer/alpha`, `alpha_description`",
-    "hkolano_blue_rov": "`hkolano/UVMS-SysID-with-EAs`, `blue_rov_hardware_fixedjaw.urdf`",
+    "hkolano_blue_rov": "`hkolano/UVMS-SysID-with-EAs`, "
+    "`blue_rov_hardware_fixedjaw.urdf`",
     "diff_uvms": "`edxmorgan/diff_uvms`, `alpha_5_robot.urdf`",
 }
 BEGIN, END = "<!-- public models: begin -->", "<!-- public models: end -->"
