@@ -11,9 +11,12 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+TESTS = Path(__file__).parent
 # What several tests use is in `support`; some use a second route of another test.
+# Scripts import each other from `scripts`, and so do their tests.
 sys.path[:0] = [
-    str(folder) for folder in Path(__file__).parent.iterdir() if folder.is_dir()
+    *(str(folder) for folder in TESTS.iterdir() if folder.is_dir()),
+    str(TESTS.parent / "scripts"),
 ]
 # On a busy machine any example may take long. The benchmarks time what must be quick.
 settings.register_profile("any machine", deadline=None)

@@ -26,8 +26,8 @@ _NO_CODE = (
 _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
-def code_lines(source: str) -> int:
-    """Number of lines that hold a token of code."""
+def lines_of_code(source: str) -> set[int]:
+    """The numbers of the lines that hold a token of code."""
     docstrings: set[int] = set()
     for node in ast.walk(ast.parse(source)):
         if (
@@ -42,7 +42,12 @@ def code_lines(source: str) -> int:
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type not in _NO_CODE:
             used |= set(range(token.start[0], token.end[0] + 1))
-    return len(used - docstrings)
+    return used - docstrings
+
+
+def code_lines(source: str) -> int:
+    """How many lines hold a token of code."""
+    return len(lines_of_code(source))
 
 
 def rooms(package: Path = PACKAGE) -> tuple[Counter[str], Counter[str], int]:

@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from committed_texts import check_committed
 from demo_run import demo_run
 from urdf_edits import with_mass
 
@@ -137,15 +138,6 @@ def printed(arguments: tuple[str, ...], terminal: bool) -> str:
     return re.sub(r"\b\d(\.\d+)?e-1\d\b", "0", out.getvalue() + errors.getvalue())
 
 
-def held(name: str, text: str) -> None:
-    """Compare an answer with the committed one, or write this anew."""
-    path = FOLDER / f"{name}.txt"
-    if os.environ.get("ALPHA5_UPDATE_PRINTED"):
-        FOLDER.mkdir(exist_ok=True)
-        path.write_text(text, "utf-8")
-    assert text == path.read_text("utf-8")
-
-
 def fits(text: str, columns: int) -> None:
     """No line is longer than the terminal, nothing is cut, and units have one form."""
     lines = COLOUR.sub("", text).splitlines()
@@ -191,7 +183,7 @@ def test_what_is_printed(
         if terminal:
             assert not re.search(r"(?<![\w.,=-])-\d", text)
         if (columns, terminal) == KEPT:
-            held(name, text)
+            check_committed(FOLDER / f"{name}.txt", text)
 
 
 def test_a_verbose_check_says_every_row(
@@ -233,7 +225,7 @@ def test_the_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         )
         fits(text, columns)
         if (columns, terminal) == KEPT:
-            held("demo", text)
+            check_committed(FOLDER / "demo.txt", text)
 
 
 def test_every_command_is_looked_at() -> None:

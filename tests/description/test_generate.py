@@ -1,4 +1,4 @@
-"""Generation: every argument changes the output as it says, plain xacro agrees, nothing is stale."""
+"""Generation: arguments change the output, plain xacro agrees, nothing is stale."""
 
 from __future__ import annotations
 

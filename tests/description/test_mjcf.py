@@ -1,4 +1,4 @@
-"""The MuJoCo model: the same arm, in the same water, to the last digits; and it runs."""
+"""The MuJoCo model is the same arm in the same water, to the last digits, and runs."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def errors(text: str, count: int = 1000, density: float = 1025.0) -> dict[str, f
             "fk": np.abs(data.site("tcp").xpos - tcp[:3, 3]).max()
             + np.abs(data.site("tcp").xmat.reshape(3, 3) - tcp[:3, :3]).max(),
             "mass": np.abs(mass_matrix(model, data) - mass).max(),
-            # qacc, and what it takes: buoyancy must arrive in the motion, not in a field on the way
+            # qacc in place of its fields: the motion itself must contain the buoyancy.
             "acceleration": np.abs(
                 mass @ data.qacc + reference.bias(q, v) - reference.buoyancy(q)
             ).max(),

@@ -1,4 +1,7 @@
-"""A file that somebody names may be anything: every reader ends in the tree, the command line in one line."""
+"""A named file may hold anything: each reader raises an error of the package's tree.
+
+The command line then prints one line.
+"""
 
 from __future__ import annotations
 
@@ -80,7 +83,7 @@ def test_a_broken_urdf_names_its_line(tmp_path, read):
         )
         with pytest.raises(FileFormatError, match=problem) as caught:
             read(tmp_path / "arm.urdf")
-        # a joint without a parent is said of the joint, which begins a line or two above
+        # A joint without a parent is reported at the joint, a line or two above.
         assert 0 <= k + 1 - int(caught.value.place.removeprefix("line ")) <= 2
 
 

@@ -1,7 +1,8 @@
 """The repository as a ROS 2 package, as far as it can be checked without ROS.
 
-Checked: the manifest, what CMake installs, the launch file against stand-ins for ``launch``, plain xacro on the
-installed tree, and that every URI resolves there. Not run: colcon, robot_state_publisher, RViz.
+Checked: the manifest, what CMake installs, the launch file with stand-ins for
+``launch``, plain xacro on the installed tree, and that every URI resolves there. Not
+run: colcon, robot_state_publisher, RViz.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ XACRO = [
 
 @pytest.fixture(scope="module")
 def share(tmp_path_factory) -> Path:
-    """Install with CMake, an ``ament_cmake`` that does nothing standing in for the real one."""
+    """Install with CMake, with a stand-in for ``ament_cmake`` that does nothing."""
     cmake = shutil.which("cmake")
     if cmake is None:
         pytest.skip("no cmake here")
@@ -95,46 +96,58 @@ class Recorder:
         self.args, self.kwargs, self.kind = args, kwargs, type(self).__name__
 
 
-def launched(
-    values: dict[str, str], share: Path = Path("/share")
-) -> tuple[list[dict[str, object]], list[str]]:
-    """Run the launch file: its nodes, and the command that makes the robot description."""
+LAUNCH_FILE = REPOSITORY / "launch" / "display.launch.py"
+
+
+def launch_entities() -> list[Recorder]:
+    """What the launch file describes, with recorders in place of ROS's classes."""
     modules: dict[str, types.ModuleType] = {}
-    for line in (
-        (REPOSITORY / "launch" / "display.launch.py").read_text("utf-8").splitlines()
-    ):
+    for line in LAUNCH_FILE.read_text("utf-8").splitlines():
         if line.startswith("from launch"):
             modules[line.split()[1]] = types.ModuleType(line.split()[1])
     for module in modules.values():
-        # any name that is asked for becomes a class that records
+        # Each imported name becomes a class that records.
         module.__getattr__ = lambda name: type(name, (Recorder,), {})
     modules.setdefault("launch_ros", types.ModuleType("launch_ros"))
+
     with pytest.MonkeyPatch.context() as patch:
         for name, module in modules.items():
             patch.setitem(sys.modules, name, module)
-        script = runpy.run_path(str(REPOSITORY / "launch" / "display.launch.py"))
+        script = runpy.run_path(str(LAUNCH_FILE))
         (entities,) = script["generate_launch_description"]().args
-    defaults = {
-        e.args[0]: e.kwargs["default_value"] for e in entities if "Declare" in e.kind
-    }
+    return entities
+
+
+def performed(part: object, arguments: dict[str, str], share: Path) -> str:
+    """The text that ROS makes of a substitution or of a list of them."""
+    if isinstance(part, str):
+        return part
+    if isinstance(part, list):
+        return "".join(performed(each, arguments, share) for each in part)
+    if part.kind == "LaunchConfiguration":
+        return arguments[part.args[0]]
+    if part.kind == "FindPackageShare":
+        assert part.args == (NAME,)
+        return str(share)
+    if part.kind == "PathJoinSubstitution":
+        return "/".join(performed(each, arguments, share) for each in part.args[0])
+    assert part.kind == "FindExecutable"
+    return part.kwargs["name"]
+
+
+def launched(
+    values: dict[str, str], share: Path = Path("/share")
+) -> tuple[list[dict[str, object]], list[str]]:
+    """The nodes of the launch file, and the command of the robot description."""
+    entities = launch_entities()
+    declared = [e for e in entities if "Declare" in e.kind]
+    defaults = {e.args[0]: e.kwargs["default_value"] for e in declared}
     assert set(values) <= set(defaults)
     nodes = [e.kwargs for e in entities if e.kind == "Node"]
     arguments = {**defaults, **values}
 
     def perform(part: object) -> str:
-        if isinstance(part, str):
-            return part
-        if isinstance(part, list):
-            return "".join(map(perform, part))
-        if part.kind == "LaunchConfiguration":
-            return arguments[part.args[0]]
-        if part.kind == "FindPackageShare":
-            assert part.args == (NAME,)
-            return str(share)
-        if part.kind == "PathJoinSubstitution":
-            return "/".join(map(perform, part.args[0]))
-        assert part.kind == "FindExecutable"
-        return part.kwargs["name"]
+        return performed(part, arguments, share)
 
     (publisher,) = (n for n in nodes if n["package"] == "robot_state_publisher")
     (parameter,) = publisher["parameters"]

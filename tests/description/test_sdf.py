@@ -1,4 +1,4 @@
-"""The Gazebo model: Table 3 by Gazebo's own rule, Tables 1 and 2 by hand, libsdformat where it is."""
+"""The Gazebo model: Table 3 by Gazebo's rule, Tables 1 and 2 by hand, libsdformat."""
 
 from __future__ import annotations
 
@@ -40,10 +40,11 @@ def pose(element: ET.Element) -> np.ndarray:
 
 
 def gazebo_buoyancy(text: str) -> dict[str, tuple[float, np.ndarray]]:
-    """Volume and centre of buoyancy of each link, as gz-sim's Buoyancy system takes them.
+    """Volume and centre of buoyancy of each link, as gz-sim's Buoyancy system has them.
 
-    ``volume = sum V_i``, ``centre = sum V_i p_i / volume`` over the link's collisions, with the volume of
-    the shape and the position of the collision's pose (gz-sim, ``Buoyancy.cc``, CheckForNewEntities).
+    ``volume = sum V_i``, ``centre = sum V_i p_i / volume`` over the link's collisions,
+    with the volume of the shape and the position of the collision's pose (gz-sim,
+    ``Buoyancy.cc``, CheckForNewEntities).
     """
     found = {}
     for link in ET.fromstring(text).iter("link"):
@@ -76,7 +77,7 @@ def test_gazebos_rule_gives_table_3():
 
 
 def test_boxes_have_the_bodies_proportions():
-    """The graded density of Gazebo's buoyancy system slices the box: its shape counts."""
+    """Gazebo's graded density slices the box, so the shape of the box counts."""
     root = ET.fromstring(sdf())
     for link in parameters().links:
         (box,) = root.findall(f".//link[@name='{link.name}']/collision")
@@ -119,7 +120,7 @@ def test_jaws_displace_the_same_water_together():
 
 
 def link_poses(root: ET.Element, q: np.ndarray) -> dict[str, np.ndarray]:
-    """Poses of the links in base_link, by walking the SDF: link pose at zero, then the joint."""
+    """Poses of the links in base_link: each link's pose at zero, then its joint."""
     model = root.find("model")
     base = next(f for f in model.findall("frame") if f.get("name") == "base_link")
     poses = {"link_0": np.linalg.inv(pose(base))}

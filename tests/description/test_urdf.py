@@ -74,8 +74,8 @@ def test_every_dh_frame_is_where_the_document_puts_it():
 
 
 def test_inertias_equal_table_2_to_the_last_bit(text):
-    # The decimal point is shifted in the printed text, and float() reads the nearest double:
-    # no product of floats on this route.
+    # The decimal point is shifted in the printed text, and float() reads the nearest
+    # double: no product of floats on this route.
     def shifted(number: float, places: int) -> float:
         return float(f"{number:.3f}e-{places}")
 

@@ -1,9 +1,10 @@
-"""The URDF reader: every record of a hand-written file, and every refusal with its line."""
+"""The URDF reader: all records of a hand-written file, each error with its line."""
 
 from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -139,42 +140,163 @@ def test_joints_come_from_the_root_outwards() -> None:
     assert set(order[2:]) == {"follower", "copy"}
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "where", "says"),
-    [
-        ('<robot name="hand-written">', '<robt name="x">', "<robt", "not XML: mismatched tag"),
-        ("</robot>", "</robot><x/>", "</robot>", "not XML: junk after document element"),
-        ('<link name="hub"/>', '<link nam="hub"/>', '<link nam="hub"', "<link> has no attribute 'name'"),
-        ('<link name="hub"/>', '<link name="tray"/>', '<link name="tray"/>', "link 'tray' is there twice"),
-        ('<link name="thumb"/>', "", "name=\"copy\"", "joint 'copy': no link 'thumb'"),
-        ('<parent link="root"/>', '<parent link="rot"/>', 'name="slide"', "joint 'slide': no link 'rot'"),
-        ('name="copy"', 'name="wheel"', 'name="wheel" type="revolute"', "joint 'wheel' is there twice"),
-        ('<child link="thumb"/>', '<child link="finger"/>', 'name="copy"', "link 'finger' has two parents"),
-        ('<child link="thumb"/>', "", 'name="copy"', "joint 'copy' has no <child>"),
-        ('<parent link="root"/>', "", 'name="slide"', "joint 'slide' has no <parent>"),
-        ('type="continuous"', 'type="rotary"', 'name="wheel"', "joint 'wheel': unknown type 'rotary'"),
-        ('xyz="0 3 -4"', 'xyz="0 0 0"', "<axis xyz", "joint 'slide': the axis has no direction"),
-        ('xyz="0 3 -4"', "", "<axis", "<axis> has no attribute 'xyz'"),
-        ('xyz="0 3 -4"', 'xyz="0 3"', "<axis", "<axis xyz>: expected 3 finite numbers, got '0 3'"),
-        ('<mass value="2.5"/>', "", "<inertial>", "<inertial> needs <mass> and <inertia>"),
-        ('value="2.5"', 'value="nan"', "<mass", "<mass value>: expected a finite number, got 'nan'"),
-        ('value="2.5"', 'value="1e12"', "<mass", "got '1e12'"),
-        ('value="2.5"', 'value="-1e-100"', "<mass", "got '-1e-100'"),
-        ('izz="3"', f'izz="{"3" * 40}"', "<inertia ", f"got '{'3' * 37}...'"),
-        ('izz="3"', f'izz="x{"3" * 38}"', "<inertia ", f"got 'x{'3' * 38}'"),
-        ('<sphere radius="0.3"/>', "", "<collision><geometry></geometry>", "<collision> has no geometry"),
-        ("<sphere ", "<ball ", "<ball", "unknown shape <ball>"),
-        ('<mimic joint="slide"/>', "<mimic/>", "<mimic/>", "<mimic> has no attribute 'joint'"),
-        ('<child link="hub"/>', '<child link="root"/>', "<robot", "the joints form a loop"),
-    ],
-)  # fmt: skip
-def test_a_refusal_names_the_line(old: str, new: str, where: str, says: str) -> None:
-    assert ROBOT.count(old) >= 1
-    text = ROBOT.replace(old, new, 1)
-    with pytest.raises(FileFormatError, match=re.escape(says)) as caught:
+@dataclass(frozen=True)
+class Mistake:
+    """An edit of `ROBOT`, the text where the error must be, and the error's words."""
+
+    old: str
+    new: str
+    place: str
+    says: str
+
+
+REFUSALS = (
+    Mistake(
+        old='<robot name="hand-written">',
+        new='<robt name="x">',
+        place="<robt",
+        says="not XML: mismatched tag",
+    ),
+    Mistake(
+        old="</robot>",
+        new="</robot><x/>",
+        place="</robot>",
+        says="not XML: junk after document element",
+    ),
+    Mistake(
+        old='<link name="hub"/>',
+        new='<link nam="hub"/>',
+        place='<link nam="hub"',
+        says="<link> has no attribute 'name'",
+    ),
+    Mistake(
+        old='<link name="hub"/>',
+        new='<link name="tray"/>',
+        place='<link name="tray"/>',
+        says="link 'tray' is there twice",
+    ),
+    Mistake(
+        old='<link name="thumb"/>',
+        new="",
+        place='name="copy"',
+        says="joint 'copy': no link 'thumb'",
+    ),
+    Mistake(
+        old='<parent link="root"/>',
+        new='<parent link="rot"/>',
+        place='name="slide"',
+        says="joint 'slide': no link 'rot'",
+    ),
+    Mistake(
+        old='name="copy"',
+        new='name="wheel"',
+        place='name="wheel" type="revolute"',
+        says="joint 'wheel' is there twice",
+    ),
+    Mistake(
+        old='<child link="thumb"/>',
+        new='<child link="finger"/>',
+        place='name="copy"',
+        says="link 'finger' has two parents",
+    ),
+    Mistake(
+        old='<child link="thumb"/>',
+        new="",
+        place='name="copy"',
+        says="joint 'copy' has no <child>",
+    ),
+    Mistake(
+        old='<parent link="root"/>',
+        new="",
+        place='name="slide"',
+        says="joint 'slide' has no <parent>",
+    ),
+    Mistake(
+        old='type="continuous"',
+        new='type="rotary"',
+        place='name="wheel"',
+        says="joint 'wheel': unknown type 'rotary'",
+    ),
+    Mistake(
+        old='xyz="0 3 -4"',
+        new='xyz="0 0 0"',
+        place="<axis xyz",
+        says="joint 'slide': the axis has no direction",
+    ),
+    Mistake(
+        old='xyz="0 3 -4"',
+        new="",
+        place="<axis",
+        says="<axis> has no attribute 'xyz'",
+    ),
+    Mistake(
+        old='xyz="0 3 -4"',
+        new='xyz="0 3"',
+        place="<axis",
+        says="<axis xyz>: expected 3 finite numbers, got '0 3'",
+    ),
+    Mistake(
+        old='<mass value="2.5"/>',
+        new="",
+        place="<inertial>",
+        says="<inertial> needs <mass> and <inertia>",
+    ),
+    Mistake(
+        old='value="2.5"',
+        new='value="nan"',
+        place="<mass",
+        says="<mass value>: expected a finite number, got 'nan'",
+    ),
+    Mistake(old='value="2.5"', new='value="1e12"', place="<mass", says="got '1e12'"),
+    Mistake(
+        old='value="2.5"',
+        new='value="-1e-100"',
+        place="<mass",
+        says="got '-1e-100'",
+    ),
+    Mistake(
+        old='izz="3"',
+        new=f'izz="{"3" * 40}"',
+        place="<inertia ",
+        says=f"got '{'3' * 37}...'",
+    ),
+    Mistake(
+        old='izz="3"',
+        new=f'izz="x{"3" * 38}"',
+        place="<inertia ",
+        says=f"got 'x{'3' * 38}'",
+    ),
+    Mistake(
+        old='<sphere radius="0.3"/>',
+        new="",
+        place="<collision><geometry></geometry>",
+        says="<collision> has no geometry",
+    ),
+    Mistake(old="<sphere ", new="<ball ", place="<ball", says="unknown shape <ball>"),
+    Mistake(
+        old='<mimic joint="slide"/>',
+        new="<mimic/>",
+        place="<mimic/>",
+        says="<mimic> has no attribute 'joint'",
+    ),
+    Mistake(
+        old='<child link="hub"/>',
+        new='<child link="root"/>',
+        place="<robot",
+        says="the joints form a loop",
+    ),
+)
+
+
+@pytest.mark.parametrize("mistake", REFUSALS, ids=lambda mistake: mistake.says)
+def test_a_refusal_names_the_line(mistake: Mistake) -> None:
+    assert ROBOT.count(mistake.old) >= 1
+    text = ROBOT.replace(mistake.old, mistake.new, 1)
+    message = re.escape(mistake.says)
+    with pytest.raises(FileFormatError, match=message) as caught:
         parse_urdf(text, "some.urdf")
-    if "mismatched" not in says:  # that one is found at the end
-        assert caught.value.place == f"line {line_of(where, text)}"
+    if "mismatched" not in mistake.says:  # the parser finds that one at the end
+        assert caught.value.place == f"line {line_of(mistake.place, text)}"
     assert str(caught.value).startswith("some.urdf, line ")
 
 
@@ -194,7 +316,8 @@ def test_several_roots_loops_and_none() -> None:
         parse_urdf('<sdf version="1.9"/>')
 
     def joint(name: str, parent: str, child: str) -> str:
-        return f'<joint name="{name}" type="fixed"><parent link="{parent}"/><child link="{child}"/></joint>'
+        ends = f'<parent link="{parent}"/><child link="{child}"/>'
+        return f'<joint name="{name}" type="fixed">{ends}</joint>'
 
     ring = joint("a", "l0", "l1") + joint("b", "l1", "l0")
     with pytest.raises(FileFormatError, match="no root link"):

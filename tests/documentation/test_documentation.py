@@ -1,7 +1,8 @@
-"""Every code block of README and of the documentation runs, and every public name has its place there.
+"""Every code block of README and the documentation runs, with every public name.
 
-The blocks of a page run one after the other, in one folder and one set of names, as a reader would type them. A block in C
-is written to the file that its first line names.
+The blocks of a page run one after the other, in one folder and with one set of names,
+as a reader would type them. A block in C is written to the file that its first line
+names.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ import re
 import shlex
 import shutil
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from typing import NamedTuple
@@ -19,14 +19,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import shared_recordings as recordings
+from checks import check_links
 from pages import DOCS, PAGES, REPOSITORY, generated_text
+from robots import public_models
 
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, main
-
-sys.path.insert(0, str(REPOSITORY / "scripts"))
-from checks import check_links
-from robots import public_models
 
 #: Languages of blocks that hold nothing to run.
 SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml"}
@@ -69,7 +67,7 @@ def blocks(text: str) -> list[Block]:
 
 
 def run_shell(text: str) -> None:
-    """Run the lines of a block that call ``alpha5``; of other programs see that the words exist."""
+    """Run the lines of a block that call ``alpha5``; check other programs' words."""
     for line in text.replace("\\\n", " ").splitlines():
         words = shlex.split(line, comments=True)
         if not words:
@@ -144,7 +142,8 @@ def test_the_code_of_a_page_runs(
         "```sh\nmake tea\n```\n",
         "```sh\npython -m pip install '.[tea]'\n```\n",
         "```sh\nrm -rf x\n```\n",
-        "```c\n/* wrong.c: no program */\nint main(void) { return 1; }\n```\n```sh\ncc wrong.c -o wrong\n./wrong\n```\n",
+        "```c\n/* wrong.c: no program */\nint main(void) { return 1; }\n```\n"
+        "```sh\ncc wrong.c -o wrong\n./wrong\n```\n",
         "```pyhton\n1\n```\n",
         "```python\nimport no_such_tool\n```\n",
     ],

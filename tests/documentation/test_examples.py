@@ -1,21 +1,18 @@
-"""The examples run, are as short as promised, are shown in the documentation, and say what is true."""
+"""The examples run, are short and documented, and print what is true."""
 
 from __future__ import annotations
 
 import re
 import runpy
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from checks.count_lines import code_lines
 from pages import DOCS, REPOSITORY
 from reference import dh_frames
 
 import alpha5_model as a5
-
-sys.path.insert(0, str(REPOSITORY / "scripts"))
-from checks.count_lines import code_lines
 
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
 NUMBER = r"-?\d+\.?\d*(?:e[-+]?\d+)?"
@@ -46,7 +43,8 @@ def test_gravity_compensation(capsys: pytest.CaptureFixture[str]) -> None:
     lines = said("gravity_compensation", capsys).splitlines()
     nothing, weight, both = (numbers(line[23:]) for line in lines[1:])
     assert np.abs(both).max() < 0.01
-    # Without compensation the shoulder sinks below its goal, with the weight alone it floats above it.
+    # Without compensation the shoulder sinks below its goal.
+    # With the weight alone compensated it floats above its goal.
     assert nothing[1] > 10
     assert weight[1] < -10
 
@@ -72,7 +70,7 @@ def test_four_branches(capsys: pytest.CaptureFixture[str]) -> None:
 def test_follow_a_line(capsys: pytest.CaptureFixture[str]) -> None:
     text = said("follow_a_line", capsys)
     assert float(re.search(rf"miss ({NUMBER})", text)[1]) < 1e-12
-    # At its middle the line runs square to the arm, 0.15 m from the yaw axis: 1 / 0.15 m.
+    # Its middle is 0.15 m from the yaw axis, square to the arm: 1 / 0.15 m.
     assert float(re.search(rf"axis_e: ({NUMBER})", text)[1]) == pytest.approx(
         1 / 0.15, abs=0.01
     )

@@ -1,4 +1,4 @@
-"""The notebooks run from top to bottom, in a kernel of their own, and are stored without outputs."""
+"""The notebooks run from top to bottom in their own kernels and are stored empty."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ DELIMITER = re.compile(r"\|(\s*:?-{3,}:?\s*\|)+")
 
 
 def faults(text: str) -> list[str]:
-    """Rows that no Markdown reader would show as part of a table, after GitHub's specification, 4.10."""
+    """Rows that no Markdown reader shows as part of a table (GitHub's 4.10)."""
     text = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
     wrong = []
     for block in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE):
@@ -80,7 +80,7 @@ TABLES = {
 
 
 def errata(category: str | None) -> list[tuple[str, str]]:
-    """(text, name of claim) of each row of the table of a category that the build writes."""
+    """(text, name of claim) of each row of a category's table as built."""
     text = generated_text.TEXTS[TABLES[category]]()
     rows = [line.partition("<br>")[2] for line in text.splitlines()[2:]]
     cells = [row.partition(" | ") for row in rows]

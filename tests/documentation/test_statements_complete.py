@@ -1,7 +1,8 @@
-"""Measured numbers in the documentation that no statement computes again: only those listed here.
+"""Each measured number in the documentation is computed again, or is listed here.
 
-A measured number (a share, an error, a ratio, a count of samples) belongs to a statement in one
-of the modules ``test_statements_*.py``, or to `ELSEWHERE` with the test or script that gives it.
+A measured number (a share, an error, a ratio, a count of samples) has a statement in
+one of the modules ``test_statements_*.py``, or is in `ELSEWHERE` with its test or
+script.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ MODULES = (test_statements_concepts, test_statements_package, test_statements_pr
 #: What a measured number looks like: a share, an uncertainty, a factor, a small bound,
 #: a count of samples, a time.
 MEASURED = re.compile(
-    r"\d ?%|± ?\d|R² (?:is )?\d|\d+(?:\.\d+)? times\b|\d(?:\.\d+)?e-\d+|\b\d{1,3}(?: \d{3})+\b"
+    r"\d ?%|± ?\d|R² (?:is )?\d|\d+(?:\.\d+)? times\b|\d(?:\.\d+)?e-\d+"
+    r"|\b\d{1,3}(?: \d{3})+\b"
     r"|10[⁴⁵⁶⁷⁸⁹⁻]|\d ?(?:µs|ns|ms)\b"
 )
 #: Of docstrings and data, where small bounds are mostly settings.
@@ -35,10 +37,14 @@ LEFT_OUT = {
 #: Page -> words -> the test that holds them, or the script that measures them.
 ELSEWHERE: dict[str, dict[str, str]] = {
     "docs/conformance.md": {
-        "SAPIEN gives a link without mass, the tcp, 1e-6 kg m²": "scripts/conformance/simulators.py",
+        "SAPIEN gives a link without mass, the tcp, 1e-6 kg m²": (
+            "scripts/conformance/simulators.py"
+        ),
     },
     "docs/concepts/uncertainty.md": {
-        "the 95 % intervals held": "tests/studies/test_uncertainty.py::test_identification_finds_the_truth",
+        "the 95 % intervals held": (
+            "tests/studies/test_uncertainty.py::test_identification_finds_the_truth"
+        ),
     },
     "docs/concepts/dexterity.md": {
         "as 3600 orientations": (
@@ -46,7 +52,10 @@ ELSEWHERE: dict[str, dict[str, str]] = {
         ),
     },
     "docs/errata.md": {
-        "(100 000 points": "tests/documentation/test_statements_concepts.py::test_the_page_says_what_is_computed",
+        "(100 000 points": (
+            "tests/documentation/test_statements_concepts.py"
+            "::test_the_page_says_what_is_computed"
+        ),
     },
     "docs/guides/compare.md": {
         "100 levels of elements or 10 000 links": (
@@ -60,8 +69,12 @@ ELSEWHERE: dict[str, dict[str, str]] = {
         "Of random base motions 98 % have": "scripts/hydrodynamics/added_mass.py",
     },
     "docs/proof.md": {
-        "multi-start numerical minimisation | 1e-7 m": "tests/documentation/test_statements_proof.py::HELD",
-        "forward of inverse dynamics | 1e-10 relative": "tests/documentation/test_statements_proof.py::HELD",
+        "multi-start numerical minimisation | 1e-7 m": (
+            "tests/documentation/test_statements_proof.py::HELD"
+        ),
+        "forward of inverse dynamics | 1e-10 relative": (
+            "tests/documentation/test_statements_proof.py::HELD"
+        ),
         "power balance; energy of an undamped run | 1e-8 relative; 1e-8 J": (
             "tests/documentation/test_statements_proof.py::HELD"
         ),
@@ -76,10 +89,14 @@ ELSEWHERE: dict[str, dict[str, str]] = {
     "alpha5_model/description/templates/mjcf_readme.md": {
         "with an error of 4e-10 kg m^2": "tests/description/test_mjcf.py",
         "Newton replaces smaller ones by 1e-6": "scripts/conformance/simulators.py",
-        "change the mass matrix by less than 1e-13 kg m^2": "tests/description/test_mjcf.py",
+        "change the mass matrix by less than 1e-13 kg m^2": (
+            "tests/description/test_mjcf.py"
+        ),
     },
     "alpha5_model/trajectory/smoothing.py": {
-        "below this a sine's amplitude is off by more than 0.1 %": "tests/trajectory/test_trajectory_smoothing.py",
+        "below this a sine's amplitude is off by more than 0.1 %": (
+            "tests/trajectory/test_trajectory_smoothing.py"
+        ),
     },
     "alpha5_model/numbers/estimated_hydrodynamics.toml": {
         "are 0.5 to 1.3 % apart at most": "scripts/hydrodynamics/added_mass.py",
@@ -97,7 +114,7 @@ MEANING = {
 
 
 def prose(page: str) -> str:
-    """A page on one line, without code and without what a program has written into it."""
+    """A page on one line, without code and without text that a program wrote."""
     text = text_of(page)
     if page.endswith(".md"):
         text = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
@@ -170,7 +187,8 @@ def test_every_measured_number_is_computed_again(
     page: str, pattern: re.Pattern[str]
 ) -> None:
     assert unknown(page, pattern) == [], (
-        "register these in tests/test_statements_*.py, or say in ELSEWHERE what holds them"
+        "register these in tests/test_statements_*.py, "
+        "or say in ELSEWHERE what holds them"
     )
 
 

@@ -310,7 +310,8 @@ def test_copied_products_are_no_mirror_image() -> None:
 
 @statement(
     "docs/concepts/branches.md",
-    "of {} random positions within the limits each is among the solutions of its own tcp",
+    "of {} random positions within the limits "
+    "each is among the solutions of its own tcp",
 )
 def branches() -> Sequence[Figure]:
     q = sample(200_000, seed=77)

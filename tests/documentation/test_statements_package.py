@@ -90,7 +90,10 @@ def built(
 def test_a_wheel_fits_one_platform_only_if_it_holds_compiled_kernels(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    words = "its name says which: `cp311-abi3-linux_x86_64`. Built without a compiler it is `py3-none-any`"
+    words = (
+        "its name says which: `cp311-abi3-linux_x86_64`. "
+        "Built without a compiler it is `py3-none-any`"
+    )
     assert Statement(START, words, list).found()
     platform = re.sub(r"[-.]", "_", sysconfig.get_platform())
     with_kernels = built(tmp_path, monkeypatch, compiler=True)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -364,11 +362,8 @@ def test_size_finds_what_the_triangle_inequality_cannot() -> None:
 
 
 def script() -> Any:
-    sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-    try:
-        from robots import check_example_robots
-    finally:
-        sys.path.pop(0)
+    from robots import check_example_robots
+
     return check_example_robots
 
 

@@ -1,6 +1,6 @@
-"""Arrays from files, buffers and records: the same bits as from arrays of NumPy's own, whatever takes them.
+"""Arrays from files, buffers and records give the same bits as NumPy's own arrays.
 
-A batch once handed out memory that nobody had written, where the numbers of an array lay at odd addresses.
+A batch once returned uninitialized memory if the numbers of an array had odd addresses.
 """
 
 from __future__ import annotations

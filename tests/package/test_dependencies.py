@@ -63,7 +63,8 @@ FOLDERS = {
 }
 #: Not on Python's index: ROS 2, declared in package.xml.
 ROS = {"launch", "launch_ros"}
-#: Of ROS 1, as Debian's packages without their python3-: installed by scripts/conformance/real_tools.sh.
+#: Of ROS 1, by the names of Debian's packages without their python3-.
+#: scripts/conformance/real_tools.sh installs them.
 ROS_1 = {"rospy", "sensor-msgs", "tf2-ros"}
 
 
@@ -72,7 +73,7 @@ def normal(name: str) -> str:
 
 
 def declared() -> dict[str, set[str]]:
-    """Names of the distributions of the package, under "", and of each extra, own extras resolved."""
+    """Distributions that the package ("") and each extra need, own extras resolved."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     extras: dict[str, set[str]] = {}
 
@@ -93,7 +94,7 @@ def declared() -> dict[str, set[str]]:
 
 
 def imported(source: str) -> set[str]:
-    """Top-level names that a source imports, `pytest.importorskip("name")` among them."""
+    """Top-level names that a source imports, also by `pytest.importorskip("name")`."""
     found = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -112,7 +113,7 @@ def imported(source: str) -> set[str]:
 
 
 def distributions(folder: str) -> dict[str, str]:
-    """Distribution -> one file of the folder that imports it; our own modules left out."""
+    """Distribution -> one file of the folder that imports it, without our modules."""
     files = sorted((ROOT / folder).rglob("*.py"))
     ours = {
         p.stem
@@ -178,5 +179,8 @@ def test_the_names_are_those_of_the_installed_distributions() -> None:
 
 
 def test_an_import_in_disguise_is_seen() -> None:
-    source = "def f():\n  from trimesh.exchange import gltf\npytest.importorskip('mujoco.mjx')\nimport os"
+    source = (
+        "def f():\n  from trimesh.exchange import gltf\n"
+        "pytest.importorskip('mujoco.mjx')\nimport os"
+    )
     assert imported(source) == {"trimesh", "mujoco"}

@@ -1,4 +1,4 @@
-"""Which modules ask for the catalogue's arm; all others receive the arm that they compute with."""
+"""Only entry points take the catalogue's arm; all others receive an arm."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ CATALOGUE = {
     "parameters": "alpha5_model.numbers.parameters",
     "catalogue": "alpha5_model.kinematics.catalogue_arm",
 }
-#: Module -> what in it asks: public functions without an arm among their arguments, commands,
-#: generators, and what was made for the catalogue's arm only.
+#: Module -> its callers of the catalogue: public functions without an arm among their
+#: arguments, commands, generators, and what was made for the catalogue's arm only.
 ENTRY_POINTS = {
     "casadi": "load",
     "cli.ik": "a command",
@@ -55,11 +55,11 @@ ENTRY_POINTS = {
 }
 
 
-def calls(source: str) -> list[int]:
-    """Lines of a source that call one of the functions of `CATALOGUE`."""
-    tree = ast.parse(source)
+def catalogue_names(tree: ast.AST) -> tuple[set[str], dict[str, str]]:
+    """Local names of the functions of `CATALOGUE`, and module name -> its function."""
     functions: set[str] = set()
     modules: dict[str, str] = {}
+    function_of = {module: function for function, module in CATALOGUE.items()}
     for node in ast.walk(tree):
         if not isinstance(node, ast.ImportFrom):
             continue
@@ -68,10 +68,15 @@ def calls(source: str) -> list[int]:
             if CATALOGUE.get(alias.name) == node.module:
                 functions.add(name)
             whole = f"{node.module}.{alias.name}"
-            for function, module in CATALOGUE.items():
-                if whole == module:
-                    modules[name] = function
+            if whole in function_of:
+                modules[name] = function_of[whole]
+    return functions, modules
 
+
+def calls(source: str) -> list[int]:
+    """Lines of a source that call one of the functions of `CATALOGUE`."""
+    tree = ast.parse(source)
+    functions, modules = catalogue_names(tree)
     lines = []
     for node in ast.walk(tree):
         if not isinstance(node, ast.Call):
@@ -106,10 +111,13 @@ def test_only_entry_points_ask_for_the_catalogue() -> None:
     "source",
     [
         "from alpha5_model.numbers.parameters import parameters\nparameters()",
-        "from alpha5_model.numbers.parameters import parameters as p\ndef f():\n    p(())",
+        "from alpha5_model.numbers.parameters import parameters as p\n"
+        "def f():\n    p(())",
         "from alpha5_model.numbers import parameters as records\nrecords.parameters()",
-        "def f():\n    from alpha5_model.kinematics.catalogue_arm import catalogue\n    catalogue()",
-        "from alpha5_model.kinematics import catalogue_arm\ncatalogue_arm.catalogue().plane",
+        "def f():\n    from alpha5_model.kinematics.catalogue_arm import catalogue\n"
+        "    catalogue()",
+        "from alpha5_model.kinematics import catalogue_arm\n"
+        "catalogue_arm.catalogue().plane",
     ],
 )
 def test_the_guard_sees_a_call(source: str) -> None:

@@ -1,4 +1,4 @@
-"""The errors: one tree, built-ins that fit, one line that names given, expected and choices."""
+"""The errors: one tree, fitting built-ins, one line of given, expected and choices."""
 
 from __future__ import annotations
 
@@ -279,7 +279,7 @@ def test_one_tolerance_for_rotations_everywhere() -> None:
         return target
 
     takers = [
-        lambda r: a5.gravity_in_base(r),
+        a5.gravity_in_base,
         lambda r: inertia.rotate_tensor(r, np.eye(3)),
         lambda r: checks.rigid_transform("base", posed(r)),
         lambda r: a5.inverse_kinematics_pose(posed(r)),

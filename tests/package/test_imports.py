@@ -28,8 +28,8 @@ HEAVY = (
     "distributed",
 )
 
-#: The arrows of the design, packages from the bottom up. A module may import from the layers
-#: before its own and from its own package. A sub-package may have a layer of its own.
+#: The arrows of the design, packages from the bottom up. A module may import from
+#: layers before its own and from its own package. A sub-package may have its own layer.
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors",),
     ("_support",),
@@ -54,7 +54,7 @@ LEVEL = {name: level for level, layer in enumerate(LAYERS) for name in layer}
 GROUPS = {"proofs", "studies", "theory"}
 #: What anyone may take from the package itself.
 FROM_ROOT = {"__version__"}
-#: Methods that hand over to a later layer when they are called, never when they are imported.
+#: Methods that hand over to a later layer when they are called, not when imported.
 HAND_OVERS = {
     ("alpha5_model.theory.dh.urdf", "description"),  # whose reader names the line
     ("alpha5_model.dynamics.arm", "water"),  # Arm.with_hydrodynamics, Arm.on_vehicle
@@ -74,7 +74,8 @@ def printed(script: str) -> list[str]:
 
 
 def loaded_after(statement: str) -> set[str]:
-    script = f"{statement}\nimport sys; print(*sorted({{m.split('.')[0] for m in sys.modules}}))"
+    top_levels = "sorted({m.split('.')[0] for m in sys.modules})"
+    script = f"{statement}\nimport sys; print(*{top_levels})"
     return set(printed(script))
 
 
@@ -83,8 +84,10 @@ def loaded_after(statement: str) -> set[str]:
     [
         "import alpha5_model",
         "import alpha5_model as a5; a5.parameters(); a5.published(); a5.URDF_PATH",
-        "import alpha5_model.errors, alpha5_model.numbers.inertia, alpha5_model.numbers.corrections",
-        "import alpha5_model as a5; a5.dh.DHChain.alpha5().home; a5.planar.PlanarArm((5, 4)).workspace()",
+        "import alpha5_model.errors, alpha5_model.numbers.inertia, "
+        "alpha5_model.numbers.corrections",
+        "import alpha5_model as a5; a5.dh.DHChain.alpha5().home; "
+        "a5.planar.PlanarArm((5, 4)).workspace()",
     ],
 )
 def test_light_imports(statement: str) -> None:
@@ -153,7 +156,8 @@ def violations(source: str, module: str) -> list[str]:
         level = LEVEL.get(name)
         if level is None:
             wrong.append(
-                f"{module}: imports {name or 'the package itself'!r}, which is in no layer"
+                f"{module}: imports {name or 'the package itself'!r}, "
+                "which is in no layer"
             )
         elif level >= LEVEL[own]:
             wrong.append(
@@ -173,7 +177,7 @@ def modules() -> dict[str, Path]:
 
 
 def named_modules(source: str, among: set[str]) -> set[str]:
-    """Which modules a source imports anywhere, late imports and those for types included."""
+    """The modules that a source imports anywhere, late and for types included."""
     found = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -272,7 +276,7 @@ def test_the_guard_lets_pass() -> None:
 
 
 def test_no_function_hides_a_module() -> None:
-    """`import alpha5_model.viewer.scene as s` must give a module, whatever was imported before."""
+    """`import alpha5_model.viewer.scene as s` gives a module after any other import."""
     names = [name.removesuffix(".__init__") for name in modules()]
     script = f"""
 import sys

@@ -103,7 +103,7 @@ CASES = {
 
 
 def delay(*arguments: str, kernels: str) -> float:
-    """Seconds from the signal to its answer; infinite after a batch that was computed to its end."""
+    """Seconds from the signal to its answer; infinite if the batch ran to its end."""
     environment = {**os.environ, "ALPHA5_KERNELS": kernels}
     command = [sys.executable, "-c", CHILD, *arguments]
     with subprocess.Popen(

@@ -1,4 +1,4 @@
-"""Batches and errors in other processes: forked after this one has used its threads, and spawned."""
+"""Batches and errors in processes that are forked after threads ran, or spawned."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def test_the_processors_are_those_of_this_process_or_of_the_machine(monkeypatch)
 
 
 def test_one_state_costs_no_thread():
-    """The least of many calls: on an idle machine threads cost little, on this test's they may not."""
+    """The least of many calls counts: threads cost little on an idle machine only."""
     arm = a5.load(floating_base=True)  # on Pinocchio
     q, v, a = states(arm, 1)
     asked, alone = [], []

@@ -1,7 +1,7 @@
-"""Every public name and signature, command line included, against the committed list `public_api.txt`.
+"""Every public name and signature, and the command line, as in `public_api.txt`.
 
-Names may be added, and parameters that have a default; none may be lost or changed. After an addition run
-this file as a script: it rewrites the list.
+Names may be added, and parameters that have a default; none may be lost or changed.
+After an addition run this file as a script: it rewrites the list.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import pytest
 import alpha5_model as a5
 
 SNAPSHOT = Path(__file__).parents[1] / "public_api.txt"
-#: Modules whose names people use, beside what `alpha5_model` itself exports: name -> where it is.
+#: Name -> where it is, of the modules that people use besides `alpha5_model` itself.
 MODULES = {
     "errors": "errors",
     "inertia": "numbers.inertia",
@@ -37,7 +37,7 @@ MODULES = {
 
 
 def own_classes() -> dict[str, Any]:
-    """Name -> class, of the whole package: what annotations may name without importing it."""
+    """Name -> class of the whole package, which annotations may name unimported."""
     found = {}
     for info in pkgutil.walk_packages(a5.__path__, "alpha5_model."):
         if not info.name.endswith("__main__"):
@@ -79,75 +79,83 @@ def mentioned(annotation: Any) -> Iterator[type]:
         yield from mentioned(part)
 
 
+class Surface:
+    """Collects one line for every public name, and the records that are returned."""
+
+    def __init__(self) -> None:
+        self.lines: set[str] = set()
+        self._classes = own_classes()
+        self._results: list[type] = []
+        self._shown: set[type] = set()
+
+    def show(self, name: str, value: Any) -> None:
+        """Add a public name, and all names below it."""
+        if inspect.ismodule(value):
+            self.lines.add(name)
+            for member in public(value):
+                self.show(f"{name}.{member}", getattr(value, member))
+        elif inspect.isclass(value) and issubclass(value, Exception):
+            bases = ", ".join(base.__name__ for base in value.__bases__)
+            self.lines.add(f"{name}: {bases}")
+        elif inspect.isclass(value):
+            self.lines.add(f"{name}{signature(value)}")
+            self._show_class(name, value)
+        elif callable(value):
+            self.lines.add(f"{name}{signature(value)}")
+            self._follow_result(value)
+        else:
+            self.lines.add(name)
+
+    def show_results(self) -> None:
+        """Add the classes that functions return and that have no name of their own."""
+        while self._results:
+            record = self._results.pop()
+            if record not in self._shown:
+                self._show_class(f"-> {record.__name__}", record)
+
+    def _show_class(self, name: str, value: type) -> None:
+        self._shown.add(value)
+        is_record = dataclasses.is_dataclass(value)
+        fields = dataclasses.fields(value) if is_record else ()
+        for member in sorted({*(field.name for field in fields), *dir(value)}):
+            if not member.startswith("_"):
+                self._show_member(name, value, member)
+        spaces = {**self._classes, **vars(sys.modules[value.__module__])}
+        for field in fields:
+            self._results.extend(mentioned(eval(str(field.type), spaces)))
+
+    def _show_member(self, name: str, value: type, member: str) -> None:
+        owner = next((c for c in value.__mro__ if member in vars(c)), value)
+        if not owner.__module__.startswith("alpha5_model"):
+            return
+        held = inspect.getattr_static(value, member, None)
+        if isinstance(held, staticmethod | classmethod):
+            held = held.__func__
+        if isinstance(held, types.FunctionType):
+            self.lines.add(f"{name}.{member}{signature(held)}")
+            self._follow_result(held)
+            return
+        self.lines.add(f"{name}.{member}")
+        if isinstance(held, property):
+            self._follow_result(held.fget)
+
+    def _follow_result(self, function: Any) -> None:
+        """Note the classes of the package that a function returns."""
+        spaces = {**self._classes, **getattr(function, "__globals__", {})}
+        hints = getattr(function, "__annotations__", {})
+        if "return" in hints:
+            self._results.extend(mentioned(eval(hints["return"], spaces)))
+
+
 def surface() -> list[str]:
     """One line for every public name, sorted."""
-    lines: dict[str, None] = {}
-    classes = own_classes()
-    results: list[type] = []
-    shown: set[type] = set()
-
-    def returned(value: Any) -> None:
-        spaces = {**classes, **getattr(value, "__globals__", {})}
-        hints = getattr(value, "__annotations__", {})
-        if "return" in hints:
-            results.extend(mentioned(eval(hints["return"], spaces)))
-
-    def show_class(name: str, value: type, constructed: bool) -> None:
-        shown.add(value)
-        if constructed:
-            lines[f"{name}{signature(value)}"] = None
-        fields = (
-            [f.name for f in dataclasses.fields(value)]
-            if dataclasses.is_dataclass(value)
-            else []
-        )
-        for member in sorted({*fields, *dir(value)}):
-            if member.startswith("_"):
-                continue
-            held = inspect.getattr_static(value, member, None)
-            owner = next((c for c in value.__mro__ if member in vars(c)), value)
-            if not owner.__module__.startswith("alpha5_model"):
-                continue
-            if isinstance(held, staticmethod | classmethod):
-                held = held.__func__
-            if isinstance(held, types.FunctionType):
-                lines[f"{name}.{member}{signature(held)}"] = None
-                returned(held)
-            else:
-                lines[f"{name}.{member}"] = None
-                if isinstance(held, property):
-                    returned(held.fget)
-        for field in dataclasses.fields(value) if fields else ():
-            spaces = {**classes, **vars(sys.modules[value.__module__])}
-            results.extend(mentioned(eval(str(field.type), spaces)))
-
-    def show(name: str, value: Any) -> None:
-        if inspect.ismodule(value):
-            lines[name] = None
-            for member in public(value):
-                show(f"{name}.{member}", getattr(value, member))
-        elif inspect.isclass(value) and issubclass(value, Exception):
-            lines[f"{name}: {', '.join(base.__name__ for base in value.__bases__)}"] = (
-                None
-            )
-        elif inspect.isclass(value):
-            show_class(name, value, constructed=True)
-        elif callable(value):
-            lines[f"{name}{signature(value)}"] = None
-            returned(value)
-        else:
-            lines[name] = None
-
+    found = Surface()
     for name in a5.__all__:
-        show(f"a5.{name}", getattr(a5, name))
+        found.show(f"a5.{name}", getattr(a5, name))
     for name, module in MODULES.items():
-        show(name, import_module(f"alpha5_model.{module}"))
-    while results:
-        record = results.pop()
-        if record not in shown:
-            show_class(f"-> {record.__name__}", record, constructed=False)
-    lines.update(dict.fromkeys(command_line()))
-    return sorted(lines)
+        found.show(name, import_module(f"alpha5_model.{module}"))
+    found.show_results()
+    return sorted(found.lines | set(command_line()))
 
 
 def command_line() -> Iterator[str]:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import ast
-import io
-import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from checks.count_lines import lines_of_code
 
 import alpha5_model as a5
 
@@ -24,26 +23,6 @@ MOST_LINES = 60
 MANY_FIELDS = 5
 #: Positional arguments that such a record may have: what it is, and its value.
 FEW = 2
-LAYOUT = {
-    tokenize.COMMENT,
-    tokenize.NL,
-    tokenize.NEWLINE,
-    tokenize.INDENT,
-    tokenize.DEDENT,
-    tokenize.ENDMARKER,
-}
-
-
-def lines_of_code(source: str) -> set[int]:
-    """Numbers of the lines that hold code."""
-    found: set[int] = set()
-    for token in tokenize.generate_tokens(io.StringIO(source).readline):
-        if token.type not in LAYOUT:
-            found |= set(range(token.start[0], token.end[0] + 1))
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            found -= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
-    return found
 
 
 def long_functions(source: str) -> list[str]:
@@ -59,7 +38,7 @@ def long_functions(source: str) -> list[str]:
 
 
 def records(source: str) -> Iterator[str]:
-    """Names of dataclasses and named tuples with many fields and no constructor of their own."""
+    """Names of records with many fields and no constructor of their own."""
     for node in ast.walk(ast.parse(source)):
         if not isinstance(node, ast.ClassDef):
             continue
@@ -77,7 +56,7 @@ RECORDS = {name for source in SOURCES.values() for name in records(source)}
 
 
 def built_by_position(source: str, names: set[str]) -> list[str]:
-    """Calls of records with more than a few positional arguments, or a starred tuple."""
+    """Calls of records with a starred tuple, or with more than `FEW` positions."""
     found = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Call):

@@ -65,7 +65,7 @@ def test_records_of_arrays_have_no_equality() -> None:
 
 
 def test_robots_as_read_are_told_apart_and_hashed_by_identity() -> None:
-    """A record of records of arrays: their ``==`` would be by identity, its own by content."""
+    """Their records of arrays compare by identity, they themselves by content."""
     one, other = read_urdf(a5.URDF_PATH), read_urdf(a5.URDF_PATH)
     assert one != other
     assert len({one, other, one}) == 2

@@ -74,7 +74,7 @@ def needed(function: Any) -> list[str]:
 
 
 def answers() -> dict[str, Any]:
-    """What gives the same answer twice: public functions without arguments, and arms."""
+    """What gives the same answer twice: functions without arguments, and arms."""
     found: dict[str, Any] = {}
     roots = [
         a5,

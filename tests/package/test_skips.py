@@ -21,7 +21,8 @@ def test_runs(): pass
 @pytest.mark.xfail(reason="expected")
 def test_fails(): assert False
 
-def test_listed(): pytest.skip("no recordings: the folder shared/data beside the checkout is absent")
+def test_listed():
+    pytest.skip("no recordings: the folder shared/data beside the checkout is absent")
 
 def test_unlisted(): pytest.skip("not today")
 """

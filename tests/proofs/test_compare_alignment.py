@@ -1,4 +1,4 @@
-"""`alpha5 compare`: what was done to a copy of our own URDF is found, and nothing else."""
+"""`alpha5 compare` finds what was done to a copy of our own URDF, and nothing else."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def dressed(text: str, prefix: str, xyz=None, rpy=None) -> ET.Element:
             element.set("name", prefix + element.get("name"))
         elif element.tag in ("parent", "child"):
             element.set("link", prefix + element.get("link"))
-    # What is mounted is no root any more: xacro writes its zeros out, which PyBullet asks for.
+    # A mounted root is no root any more: xacro writes its zeros, which PyBullet needs.
     zeros = ET.SubElement(root.find(f"link[@name='{prefix}base_link']"), "inertial")
     ET.SubElement(zeros, "mass", value="0")
     ET.SubElement(
@@ -122,7 +122,7 @@ def test_pi_cut_short_changes_nothing(digits):
 
 
 def test_what_was_done_is_found_and_nothing_else():
-    """Digits of pi, prefix, mount, reversed axes and shifted zeros, in any combination."""
+    """Digits of pi, prefix, mount, reversed axes and shifted zeros are combined."""
     rng = np.random.default_rng(7)
     for n in range(60):
         mounted = rng.random() < 0.5
@@ -150,7 +150,7 @@ def test_what_was_done_is_found_and_nothing_else():
         }, case
         np.testing.assert_array_equal(comparison.alignment.sign, signs, str(case))
         off = comparison.alignment.zero - zeros
-        # A joint with a cut pi and a shift has one number, from which nobody can tell the cut.
+        # A joint with a cut pi and a shift has one number, which does not show the cut.
         np.testing.assert_allclose(
             np.angle(np.exp(1j * off)), 0, atol=2e-3, err_msg=str(case)
         )
@@ -246,11 +246,19 @@ def test_digits_that_explain_a_difference_make_it_none():
 
 
 #: Public arms and vehicles without ours, as example-robot-data ships them.
-OTHERS = ("ur_description/urdf/ur5_robot", "panda_description/urdf/panda", "z1_description/urdf/z1",
-          "bravo7_description/urdf/bravo7_gripper", "so_arm_description/urdf/so100",
-          "xarm_description/urdf/xarm7", "pr2_description/urdf/pr2", "iris_description/robots/iris",
-          "double_pendulum_description/urdf/double_pendulum_continuous",
-          "romeo_description/urdf/romeo_small", "kinova_description/robots/kinova")  # fmt: skip
+OTHERS = (
+    "ur_description/urdf/ur5_robot",
+    "panda_description/urdf/panda",
+    "z1_description/urdf/z1",
+    "bravo7_description/urdf/bravo7_gripper",
+    "so_arm_description/urdf/so100",
+    "xarm_description/urdf/xarm7",
+    "pr2_description/urdf/pr2",
+    "iris_description/robots/iris",
+    "double_pendulum_description/urdf/double_pendulum_continuous",
+    "romeo_description/urdf/romeo_small",
+    "kinova_description/robots/kinova",
+)
 
 
 @pytest.mark.parametrize("name", OTHERS)
@@ -284,23 +292,27 @@ def test_other_robots_are_not_this_arm(name, capsys):
 
 
 def six_axes(scale: float) -> str:
-    """Yaw, pitch, pitch, roll, pitch, roll, named from the tip as the maker of this arm does."""
-    offsets = (
-        "0 0 0.1",
-        "0.046 0 0.107",
-        "0.29 0 0",
-        "0.041 0 0",
-        "0 0 0.16",
-        "0 0 0.1",
-    )
-    turns = ("0 0 0", "1.5708 0 0", "0 0 0", "1.5708 0 0", "-1.5708 0 0", "1.5708 0 0")
+    """A URDF of yaw, pitch, pitch, roll, pitch and roll.
+
+    The joints are named from the tip, as the maker of this arm names them.
+    """
+    axes = {
+        "g": ((0, 0, 0.1), "0 0 0"),
+        "f": ((0.046, 0, 0.107), "1.5708 0 0"),
+        "e": ((0.29, 0, 0), "0 0 0"),
+        "d": ((0.041, 0, 0), "1.5708 0 0"),
+        "c": ((0, 0, 0.16), "-1.5708 0 0"),
+        "b": ((0, 0, 0.1), "1.5708 0 0"),
+    }
     text = "<robot name='six'><link name='base_link'/>"
     parent = "base_link"
-    for axis, xyz, rpy in zip("gfedcb", offsets, turns, strict=True):
-        xyz = " ".join(str(scale * float(x)) for x in xyz.split())
+    for axis, (offset, rpy) in axes.items():
+        xyz = " ".join(str(scale * float(x)) for x in offset)
         text += (
-            f"<link name='{axis}'/><joint name='axis_{axis}' type='revolute'><parent link='{parent}'/>"
-            f"<child link='{axis}'/><origin xyz='{xyz}' rpy='{rpy}'/><axis xyz='0 0 1'/>"
+            f"<link name='{axis}'/>"
+            f"<joint name='axis_{axis}' type='revolute'>"
+            f"<parent link='{parent}'/><child link='{axis}'/>"
+            f"<origin xyz='{xyz}' rpy='{rpy}'/><axis xyz='0 0 1'/>"
             "<limit lower='0' upper='3' effort='9' velocity='1'/></joint>"
         )
         parent = axis
@@ -316,16 +328,25 @@ def test_a_larger_arm_of_the_same_maker_is_told_apart(scale):
     assert comparison.as_dict()["tip_error_m"] is None
 
 
+def inertial_of(mass: float) -> str:
+    inertia = "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+    return f"<inertial><mass value='{mass}'/>{inertia}</inertial>"
+
+
 def with_vehicle(mass: float, arms: int = 1) -> str:
     """Our arm on a vehicle with two thrusters and a camera, or two arms on it."""
-    body = f"<inertial><mass value='{mass}'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
-    text = f"<robot name='uvms'><link name='world'/><link name='hull'>{body}</link>"
-    text += "<joint name='free' type='floating'><parent link='world'/><child link='hull'/></joint>"
+    body = inertial_of(mass)
+    text = (
+        f"<robot name='uvms'><link name='world'/><link name='hull'>{body}</link>"
+        "<joint name='free' type='floating'>"
+        "<parent link='world'/><child link='hull'/></joint>"
+    )
     for i, kind in enumerate(("continuous", "revolute")):
         limit = "<limit lower='-1e16' upper='1e16' effort='1' velocity='1'/>"
         text += (
             f"<link name='t{i}'>{body}</link><joint name='thruster{i}' type='{kind}'>"
-            f"<parent link='hull'/><child link='t{i}'/><origin xyz='0 {i} 0'/>{limit}</joint>"
+            f"<parent link='hull'/><child link='t{i}'/>"
+            f"<origin xyz='0 {i} 0'/>{limit}</joint>"
         )
     for i in range(arms):
         root = dressed(OWN, f"arm{i}_")
@@ -335,7 +356,8 @@ def with_vehicle(mass: float, arms: int = 1) -> str:
             if element.tag in ("link", "joint")
         )
         text += (
-            f"<joint name='mount{i}' type='fixed'><parent link='hull'/><child link='arm{i}_base_link'/>"
+            f"<joint name='mount{i}' type='fixed'>"
+            f"<parent link='hull'/><child link='arm{i}_base_link'/>"
             f"<origin xyz='0.2 {i}.5 -0.1' rpy='0.3 0 1'/></joint>"
         )
     return text + "</robot>"
@@ -344,13 +366,12 @@ def with_vehicle(mass: float, arms: int = 1) -> str:
 def test_of_many_carried_bodies_the_heaviest_are_named():
     text = with_vehicle(25.0)
     for name, mass in (("frame", 40.0), ("light", 0.5)):
-        inertia = "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
-        text = text.replace(
-            "</robot>",
-            f"<link name='{name}'><inertial><mass value='{mass}'/>{inertia}</inertial></link>"
-            f"<joint name='to_{name}' type='fixed'><parent link='hull'/><child link='{name}'/></joint>"
-            "</robot>",
+        body = f"<link name='{name}'>{inertial_of(mass)}</link>"
+        joint = (
+            f"<joint name='to_{name}' type='fixed'>"
+            f"<parent link='hull'/><child link='{name}'/></joint>"
         )
+        text = text.replace("</robot>", f"{body}{joint}</robot>")
     said = compare_robots(parse_urdf(text)).findings[1].text
     assert (
         ": frame (40 kg), hull (25 kg), t0 (25 kg) and 2 more, 115.5 kg in all; with"
@@ -450,7 +471,8 @@ def test_xacro_is_expanded_on_request_or_the_line_that_would_is_given(tmp_path, 
     (folder / "arm.xacro").write_text(f"<robot>{body}</robot>")
     top = tmp_path / "top.urdf.xacro"
     top.write_text(
-        "<robot name='x' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arg name='kind' default='arm'/>"
+        "<robot name='x' xmlns:xacro='http://www.ros.org/wiki/xacro'>"
+        "<xacro:arg name='kind' default='arm'/>"
         "<xacro:include filename='$(find my_arm)/$(arg kind).xacro'/></robot>"
     )
     line = f"alpha5 compare --xacro {top} --package my_arm=FOLDER"
@@ -508,8 +530,8 @@ def test_files_in_other_encodings_are_read_or_refused_in_a_line(
     assert len(message.splitlines()) <= 1
 
 
-#: README of the folder: mass [kg], COM error [mm], inertia error [kg mm^2] of link_2 to link_4, and the
-#: largest gravity torque errors on axis_d and axis_c [N m].
+#: README of the folder: mass [kg], COM error [mm] and inertia error [kg mm^2] of
+#: link_2 to link_4, and the largest gravity torque errors on axis_d and axis_c [N m].
 TRUTH = {
     "evan_palmer_alpha": (
         ((0.429, 1.81, 131), (0.115, 8.81, 53.3), (0.3333, 19.6, 700)), (0.065, 0.038)),
@@ -590,7 +612,7 @@ def gravity(text: str, q: np.ndarray) -> np.ndarray:
 
 
 def test_costs_of_axes_are_gravity_torques_by_pinocchio():
-    """Second route: our own arm, sent where somebody ends who does not know of the mistake."""
+    """Second route: Pinocchio's torques of our arm at the mistaken positions."""
     root = ET.fromstring(OWN)
     joints = {axis: root.find(f"joint[@name='{axis}']") for axis in AXES}
     reverse(joints["axis_d"])

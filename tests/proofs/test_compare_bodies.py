@@ -1,4 +1,4 @@
-"""`compare` on whole files: what a wrong body costs, what to write instead, and how both sides are shown."""
+"""`compare` on whole files: the cost of a wrong body, the advice, and both sides."""
 
 from __future__ import annotations
 
@@ -38,7 +38,10 @@ def inertial(root: ET.Element, link: str) -> ET.Element:
 def edited(
     *edits: tuple[str, str, dict[str, str]], root: ET.Element | None = None
 ) -> ET.Element:
-    """Our URDF with attributes of inertials set: (link, "mass" or "origin" or "inertia", attributes)."""
+    """Our URDF with attributes of inertials set.
+
+    Each edit is a link, one of "mass", "origin" and "inertia", and its attributes.
+    """
     root = ET.fromstring(OWN) if root is None else root
     for link, tag, attributes in edits:
         inertial(root, link).find(tag).attrib.update(attributes)
@@ -62,7 +65,10 @@ ROUND = ("link_4", "inertia", {"ixx": "0.0013", "iyy": "0.0013", "izz": "0.00036
 
 
 def gravity_difference(root: ET.Element) -> float:
-    """Second route: Pinocchio parses both files; the seeded positions are drawn again."""
+    """Second route: Pinocchio parses both files.
+
+    The seeded positions are drawn again.
+    """
     texts = (OWN, ET.tostring(root, encoding="unicode"))
     models = [pin.buildModelFromXML(text) for text in texts]
     q = np.random.default_rng(0).uniform(reference.LOWER, reference.UPPER, (SAMPLES, 4))
@@ -76,7 +82,7 @@ def gravity_difference(root: ET.Element) -> float:
 @pytest.mark.parametrize(
     ("edit", "words"),
     [(HEAVY, "mass"), (ASIDE, "COM"), (OTHER_SIDE, "COM")],
-    ids=lambda x: str(x),
+    ids=str,
 )
 def test_a_finding_costs_what_it_alone_changes_in_the_torque(edit, words):
     alone = gravity_difference(edited(edit))
@@ -114,11 +120,11 @@ def test_findings_come_in_the_order_of_their_cost():
     assert {"link_0", "link_3", "link_4"} == set(wheres)
 
 
-# ------------------------------------------------------------------------- what to write instead
+# --------------------------------------------------------------- what to write instead
 
 
 def write_instead(root: ET.Element, finding) -> None:
-    """Do what the finding says: one element of one link, and nothing in the links it names."""
+    """Follow a finding: write one element of one link, and empty the links it names."""
     pattern = r"(\S+): ((?:<[^>]+/> ?)+)(?:\(nothing in (.+)\))?"
     link, elements, empty = re.fullmatch(pattern, finding.instead).groups()
     node = root.find(f"link[@name='{link}']")
@@ -199,7 +205,7 @@ def test_a_missing_inertial_is_given_whole():
     assert compared(root).findings == ()
 
 
-# --------------------------------------------------------------------------------- single texts
+# ------------------------------------------------------------------------ single texts
 
 
 def test_a_body_without_mass_has_no_com_and_no_tensor_to_judge():
@@ -273,8 +279,8 @@ def test_dummies_are_named_together():
     comparison = compared(root)
     two = found(comparison, "link_4", "dummy link")
     assert two.text == (
-        "dummy links tool, rod have 0.1 g and 0.0001 kg m^2: a radius of gyration of 1.00 m, more "
-        "than the whole arm"
+        "dummy links tool, rod have 0.1 g and 0.0001 kg m^2: "
+        "a radius of gyration of 1.00 m, more than the whole arm"
     )
     assert two.instead == "no <inertial> in tool, rod"
     one = found(comparison, "link_4", "camera has 100 g and 0.05 kg m^2")
@@ -296,8 +302,8 @@ def test_jaws_beside_a_whole_wrist_are_counted_twice():
         add_link(root, name, "0.05", "1e-5")
     text = found(compared(root), "link_4", "mass ").text
     assert text == (
-        "mass 0.455 kg in place of 0.355 kg: link_4 has the mass of Table 2; beside it left_jaw, "
-        "right_jaw with 100 g: the jaws are counted twice"
+        "mass 0.455 kg in place of 0.355 kg: link_4 has the mass of Table 2; "
+        "beside it left_jaw, right_jaw with 100 g: the jaws are counted twice"
     )
     root = edited()
     add_link(root, "motor", "0.05048", "1e-5", parent="link_3")
@@ -333,13 +339,13 @@ def test_a_mass_that_nothing_explains_is_given_as_a_factor():
     ],
 )
 def test_what_agrees_and_what_differs(edit, words, just, over):
-    """A thousandth of the mass, a tenth of a millimetre, half a per cent of the largest moment."""
+    """Bounds: 1/1000 of the mass, 0.1 mm, 0.5 % of the largest moment of inertia."""
     for attributes, wrong in ((just, False), (over, True)):
         comparison = compared(edited(("link_2", edit, attributes)), 5)
         assert [words in f.text for f in comparison.findings] == [True] * wrong
 
 
-# ------------------------------------------------------------------------------ both sides shown
+# -------------------------------------------------------------------- both sides shown
 
 
 def test_json_holds_both_sides():
@@ -465,9 +471,10 @@ def test_the_largest_differences_are_given_in_millimetres_and_newton_metres(
     assert main(["compare", str(path), "--samples", str(SAMPLES)]) == 1
     said = " ".join(capsys.readouterr().out.split())
     gravity = gravity_difference(edited(OTHER_SIDE))
-    tool = "Tool (frame tcp, in base_link) at the same joint positions: up to 0.800 mm (median "
-    assert (
-        f"{tool}0.800 mm) and 0.00 deg off; with signs and zeros matched 0.800 mm"
-        in said
+    tool = (
+        "Tool (frame tcp, in base_link) at the same joint positions: "
+        "up to 0.800 mm (median 0.800 mm) and 0.00 deg off; "
+        "with signs and zeros matched 0.800 mm"
     )
+    assert tool in said
     assert f"gravity torque in air {gravity:.4g} N·m, mass matrix 0.0" in said

@@ -1,4 +1,7 @@
-"""`compare`'s diagnoses: each known mistake made by hand from the typed tables must be named, and no other number."""
+"""`compare` names each known mistake, and nothing for any other number.
+
+The mistakes are made by hand from the typed tables.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,8 @@ LINKS = parameters().links
 KNOWN = [hypotheses_of(own_arm_of(parameters()), body) for body in range(5)]
 HERE = np.eye(4)
 
-#: The earlier revision, typed again: kg, mm, kg mm^2 (xx, yy, zz, xy, xz, yz in the document's sign).
+#: The earlier revision, typed again: kg, mm, kg mm^2.
+#: Tensors are (xx, yy, zz, xy, xz, yz) in the document's sign.
 OLD_MASS = [0.341, 0.194, 0.429, 0.115, 0.333]
 OLD_COM = [(-75, -6, -3), (5, -1, 16), (73, 0, 0), (17, -26, 2), (0, -3, -98)]
 OLD_INERTIA = [
@@ -82,7 +86,7 @@ ASTRAY[:3, 3] = (0.02, 0.03, 0.05)
 
 
 def com_reason(body: int, com, pose=HERE) -> str | None:
-    """Why, for a COM (3,) [m] as written in a link that stands at ``pose`` in our link frame."""
+    """The reason for a COM (3,) [m] as written in a link at ``pose`` in our frame."""
     return explain_com(
         KNOWN[body], Inertial("limb", 0.2, np.array(com, float), np.eye(3), pose)
     )
@@ -102,7 +106,7 @@ def mass_reason(body: int, mass: float, inertia=None) -> str | None:
     return explain_mass(KNOWN[body], Inertial("limb", mass, np.zeros(3), inertia, HERE))
 
 
-# ----------------------------------------------------------------- the earlier revision's numbers
+# ------------------------------------------------------ the earlier revision's numbers
 
 
 def test_the_earlier_revision_is_stored_as_typed_here():
@@ -119,7 +123,7 @@ def test_the_earlier_revision_is_stored_as_typed_here():
 
 
 def test_its_two_tensors_agree_to_the_last_digit():
-    """I_COM and I_Link are of two different public models, and yet one follows from the other."""
+    """I_COM and I_Link come from two public models, and each follows from the other."""
     coms = np.array(OLD_COM, float)
     coms[2], coms[4, 0] = reference.COM[2], reference.COM[4][0]
     for i in range(5):
@@ -150,7 +154,7 @@ def test_nothing_but_comparison_reads_it():
     ]
 
 
-# --------------------------------------------------------------------------------------- COMs
+# -------------------------------------------------------------------------------- COMs
 
 
 def exchanges():
@@ -221,7 +225,7 @@ def test_each_wrong_com_is_named(body):
     for words, wrong in mistakes.items():
         found = com_reason(body, wrong / 1e3)
         exact += found == words
-        # two mistakes may give one number, to a tenth of a millimetre: a mirrored zero, for one
+        # Two mistakes may give one number to 0.1 mm, such as a mirrored zero.
         assert found in mistakes, words
         assert np.abs(mistakes[found] - wrong).max() < 0.1001, (words, found)
     assert exact >= {0: 80, 1: 120, 2: 80, 3: 120, 4: 70}[body]
@@ -269,7 +273,7 @@ def test_a_frame_that_is_ours_but_for_the_geometry_is_no_mistake_of_the_body(
 
 
 def test_public_coms_of_dh_frames_are_named():
-    """VincentTUHH/uvms writes version 7's COMs in the DH frames, in metres, to the micrometre."""
+    """VincentTUHH/uvms writes version 7's COMs in the DH frames, to the micrometre."""
     for body, com in {
         1: (-0.012254, -0.021162, -0.000112),
         3: (-0.008812, -0.000148, -0.01666),
@@ -322,7 +326,7 @@ def test_a_com_of_all_digits_must_fit_to_a_tenth_of_a_millimetre(off, named):
 
 
 def test_a_com_of_few_digits_must_fit_to_half_its_last_one():
-    # (11.188, 16.660, 0.148) mm mirrored, to whole millimetres, tenths, and hundredths of a metre
+    # (11.188, 16.660, 0.148) mm mirrored, rounded to 1 mm, 0.1 mm and 0.01 m
     sign = f"{NEW}, the sign of y is wrong (mirrored)"
     assert com_reason(3, (0.011, 0.017, 0.0)) == sign
     assert com_reason(3, (0.0112, 0.0167, 0.0001)) == sign
@@ -351,9 +355,12 @@ def test_no_diagnosis_for_random_coms(body):
         )
 
 
-# ------------------------------------------------------------------------------------- tensors
+# ----------------------------------------------------------------------------- tensors
 
-I_LINK = "I_Link used as I_COM (about the link frame, not the COM: the parallel-axis term twice)"
+I_LINK = (
+    "I_Link used as I_COM "
+    "(about the link frame, not the COM: the parallel-axis term twice)"
+)
 SOLIDWORKS = "products of inertia have the SolidWorks sign, that of the document"
 
 
@@ -493,13 +500,16 @@ def test_no_diagnosis_for_random_tensors(body):
             assert inertia_reason(body, wrong) is None
 
 
-# ---------------------------------------------------------------------------- water and masses
+# -------------------------------------------------------------------- water and masses
 
 
 def water_on(
     base: np.ndarray, axis: int, length: float, end: bool
 ) -> tuple[float, np.ndarray]:
-    """Added mass and the tensor with the added inertia of a cylinder of 40 mm, strip theory."""
+    """Added mass, and the tensor with the added inertia of a cylinder of 40 mm.
+
+    Both are by strip theory.
+    """
     line = 1000 * math.pi * 0.02**2
     across = np.ones(3)
     across[axis] = 0
@@ -518,7 +528,9 @@ def test_water_in_mass_and_tensor_is_named(body, axis, length):
     ):
         for sign in (-1, +1):
             mass, wet = water_on(tensor(numbers[body], sign), axis, length, i_link)
-            words = f"{whose}, {I_LINK if i_link else 'I_COM'}{f', {SOLIDWORKS}' * (sign > 0)}"
+            used = I_LINK if i_link else "I_COM"
+            sign_of_products = f", {SOLIDWORKS}" if sign > 0 else ""
+            words = f"{whose}, {used}{sign_of_products}"
             assert inertia_reason(body, wet, mass=dry[body] + mass) == (
                 f"{words}, with the added inertia of {size} (strip theory)"
             )
@@ -555,7 +567,7 @@ def test_water_is_not_seen_where_the_cylinder_does_not_fit():
 
 
 def test_the_mass_of_the_water_may_be_as_uncertain_as_its_length():
-    """The tensor tells L^3 to a thousandth of its largest moment, so the mass to a third of that."""
+    """The tensor gives L^3 to 1/1000 of its largest moment, so the mass to 1/3000."""
     base = tensor(OLD_INERTIA_LINK[1])
     water, wet = water_on(base, 2, 0.05, True)
     across = (wet - base)[0, 0]
@@ -630,7 +642,7 @@ def test_jaws_beside_a_wrist_that_holds_them():
     assert mass_reason(3, 0.142 + extra) is None
 
 
-# -------------------------------------------------------------------------------- solid bodies
+# ------------------------------------------------------------------------ solid bodies
 
 
 def cylinder(mass, radius, length, axis):

@@ -1,6 +1,6 @@
 """`compare` on three public models of this arm: what is wrong with them, by name.
 
-Each diagnosis here was found by hand from the files; skipped where the files are absent.
+Each diagnosis was found by hand from the files. Without the files, it is skipped.
 """
 
 from __future__ import annotations
@@ -20,10 +20,12 @@ HKOLANO = {
     for axis, n in zip("edcb", (5, 4, 3, 2), strict=True)
 }
 I_LINK = (
-    "an earlier revision's numbers, I_Link used as I_COM (about the link frame, not the COM: the "
-    "parallel-axis term twice), products of inertia have the SolidWorks sign, that of the document, "
+    "an earlier revision's numbers, I_Link used as I_COM "
+    "(about the link frame, not the COM: the parallel-axis term twice), "
+    "products of inertia have the SolidWorks sign, that of the document, "
     "with the added inertia of a cylinder of water of radius 20 mm and length "
 )
+CYLINDER = "a guess without products of inertia: a solid cylinder of radius 20.0 mm"
 
 MASS_2 = a5.parameters().links[2].mass
 #: link -> texts, one of which each finding of that link must have, in any order
@@ -33,24 +35,25 @@ TRUTH = {
             "dummy link base_link has 0.1 g and 0.0001 kg m^2",
             "kg: an earlier revision's mass",
             "COM 7.6 mm off",
-            "a guess without products of inertia: a solid cylinder of radius 20.0 mm and length 149.9 mm",
+            f"{CYLINDER} and length 149.9 mm",
         ),
         "link_1": (
             "kg: an earlier revision's mass",
-            "a guess without products of inertia: a solid cylinder of radius 20.0 mm and length 33.0 mm",
+            f"{CYLINDER} and length 33.0 mm",
         ),
         "link_2": (
             f"mass 0.429 kg in place of {MASS_2:.4g} kg: an earlier revision's mass",
             "COM 1.8 mm off",
-            "a guess without products of inertia: a solid cylinder of radius 20.0 mm and length 154.0 mm",
+            f"{CYLINDER} and length 154.0 mm",
         ),
         "link_3": (
             "mass 0.115 kg in place of 0.142 kg: an earlier revision's mass",
             "COM 8.8 mm off",
-            "a guess without products of inertia: a solid cylinder of radius 20.0 mm and length 32.9 mm",
+            f"{CYLINDER} and length 32.9 mm",
         ),
         "link_4": (
-            "dummy links ee_base_link, push_rod, standard_jaws_tool have 0.1 g and 0.0001 kg m^2",
+            "dummy links ee_base_link, push_rod, standard_jaws_tool "
+            "have 0.1 g and 0.0001 kg m^2",
             "mass 0.3333 kg in place of 0.355 kg: an earlier revision's mass",
             "5.76 times about x, y, z (z is the wrist's roll)",
             "m1_link a solid cylinder of radius 20.0 mm and length 100.0 mm",
@@ -59,7 +62,8 @@ TRUTH = {
     },
     "hkolano_blue_rov": {
         "link_0": (
-            "mass 0.53 kg in place of 0.234 kg: an earlier revision's mass and the water's added mass",
+            "mass 0.53 kg in place of 0.234 kg: "
+            "an earlier revision's mass and the water's added mass",
             "an earlier revision's numbers",
             f"{I_LINK}150 mm (strip theory)",
         ),
@@ -69,7 +73,8 @@ TRUTH = {
             f"{I_LINK}26 mm (strip theory)",
         ),
         "link_2": (
-            f"mass 0.63 kg in place of {MASS_2:.4g} kg: an earlier revision's mass and the water's added mass, 201 g",
+            f"mass 0.63 kg in place of {MASS_2:.4g} kg: "
+            "an earlier revision's mass and the water's added mass, 201 g",
             "mm off: an earlier revision's numbers",
             f"{I_LINK}160 mm (strip theory)",
         ),
@@ -79,9 +84,11 @@ TRUTH = {
             f"{I_LINK}26 mm (strip theory)",
         ),
         "link_4": (
-            "r5m_wrist_link has an earlier revision's mass and the water's added mass, 226 g",
+            "r5m_wrist_link has "
+            "an earlier revision's mass and the water's added mass, 226 g",
             "r5m_jaw, r5m_jaw1, r5m_jaw2 with 110 g: the jaws are counted twice",
-            "r5m_wrist_link has an earlier revision's numbers, the sign of y is wrong (mirrored)",
+            "r5m_wrist_link has "
+            "an earlier revision's numbers, the sign of y is wrong (mirrored)",
             f"{I_LINK}180 mm (strip theory)",
         ),
     },
@@ -97,19 +104,24 @@ TRUTH = {
         ),
         "link_2": (
             "kg: an earlier revision's mass",
-            "COM 116.5 mm off: Table 2's numbers, in a frame that is not inertial frame {2}",
-            "an earlier revision's numbers, in axes that are not those of inertial frame {2}",
+            "COM 116.5 mm off: "
+            "Table 2's numbers, in a frame that is not inertial frame {2}",
+            "an earlier revision's numbers, "
+            "in axes that are not those of inertial frame {2}",
         ),
         "link_3": (
             "kg: an earlier revision's mass",
-            "COM 30.5 mm off: an earlier revision's numbers, in the wrong axes (x, -z, y)",
+            "COM 30.5 mm off: "
+            "an earlier revision's numbers, in the wrong axes (x, -z, y)",
             "an earlier revision's numbers, in the wrong axes (x, -z, y)",
         ),
         "link_4": (
             "kg: an earlier revision's mass",
-            "COM 165.9 mm off: the wrist's COM is on the wrong side of the joint (z = +65.0 mm): an "
-            "earlier revision's numbers, in a frame that is not inertial frame {4}",
-            "an earlier revision's numbers, in axes that are not those of inertial frame {4}",
+            "COM 165.9 mm off: "
+            "the wrist's COM is on the wrong side of the joint (z = +65.0 mm): "
+            "an earlier revision's numbers, in a frame that is not inertial frame {4}",
+            "an earlier revision's numbers, "
+            "in axes that are not those of inertial frame {4}",
         ),
     },
 }

@@ -1,6 +1,7 @@
-"""`alpha5 compare`: where the tool is, by Pinocchio, and what is left once all advice is followed.
+"""`alpha5 compare`: the tool is where Pinocchio says, and the advice mends the file.
 
-Every defect alone, and a sample of pairs. ``python tests/proofs/test_compare_tool.py`` runs every pair.
+The tests take every defect alone, and a sample of pairs.
+``python tests/proofs/test_compare_tool.py`` runs every pair.
 """
 
 from __future__ import annotations
@@ -141,7 +142,7 @@ def mounted(root: ET.Element) -> None:
 
 
 def other_frames(root: ET.Element) -> None:
-    """The frame of link_3 moved along and turned about its joint axis, all else where it was."""
+    """Move and turn the frame of link_3 about its joint axis; all else stays."""
     frame = pin.SE3(rotation((0, 0, 0.8)), np.array([0, 0, 0.011]))
 
     def moved(element: ET.Element, before: pin.SE3, after: pin.SE3) -> None:
@@ -159,6 +160,19 @@ def other_frames(root: ET.Element) -> None:
     for tag in ("inertial", "visual", "collision"):
         for element in link.findall(f"{tag}/origin"):
             moved(element, frame.inverse(), none)
+
+
+def cut_digits_of_pi(root: ET.Element) -> None:
+    """Write pi and pi/2 with two decimals in every origin."""
+    for origin in root.iter("origin"):
+        rpy = origin.get("rpy")
+        rpy = rpy.replace("3.141592653589793", "3.14")
+        origin.set("rpy", rpy.replace("1.5707963267948966", "1.57"))
+
+
+def all_limits_in_degrees(root: ET.Element) -> None:
+    for axis in AXES:
+        in_degrees(axis)(root)
 
 
 DEFECTS: dict[str, Defect] = {
@@ -201,22 +215,21 @@ DEFECTS: dict[str, Defect] = {
     "wrist on the other side": shift("axis_b", -0.04, 0, 0),
     "wrist along": shift("axis_b", 0, -0.01, 0),
     "wrist tilted": turn("axis_b", 0.02, 0, 0),
-    "short pi": lambda root: [
-        e.set("rpy", e.get("rpy").replace("3.141592653589793", "3.14").replace("1.5707963267948966", "1.57"))
-        for e in root.iter("origin")
-    ] and None,
+    "short pi": cut_digits_of_pi,
     "limits": limits("axis_d", lower=0.0, upper=3.8),
     "limits in degrees": in_degrees("axis_e"),
-    "limits of all in degrees": lambda root: [in_degrees(axis)(root) for axis in AXES] and None,
+    "limits of all in degrees": all_limits_in_degrees,
     "mass": inertial("link_2", "mass", value="0.5"),
-    "COM on the other side": inertial("link_4", "origin", xyz="-3e-05 -0.001482 0.100881"),
+    "COM on the other side": inertial(
+        "link_4", "origin", xyz="-3e-05 -0.001482 0.100881"
+    ),
     "tensor": inertial("link_3", "inertia", ixy="-2.1363e-05"),
     "turned tensor": inertial("link_2", "origin", rpy="0.4 0.2 -0.6"),
     "link without inertial": without("link_1", "inertial"),
     "no inertials": no_inertials,
     "mounted": mounted,
     "other frames": other_frames,
-}  # fmt: skip
+}
 
 
 def damaged(*names: str) -> ET.Element:
@@ -249,7 +262,7 @@ def tools(
 
 
 def truth(text: str, count: int, frame: str, base: str, joints: Iterable[str] = AXES):
-    """Distances [m] and angles [rad] of the tool from ours, at the same joint positions."""
+    """Distances [m] and angles [rad] of the tool from ours at the same positions."""
     q = np.random.default_rng(0).uniform(reference.LOWER, reference.UPPER, (count, 4))
     pairs = zip(
         tools(OWN, q, "tcp", "base_link", AXES),
@@ -266,35 +279,43 @@ def truth(text: str, count: int, frame: str, base: str, joints: Iterable[str] = 
 # --- what is advised
 
 
+def remove_inertials(root: ET.Element, names: str) -> None:
+    """Remove the inertials of the links whose names are listed."""
+    for name in names.split(", "):
+        link = root.find(f"link[@name='{name}']")
+        for inertial_element in link.findall("inertial"):
+            link.remove(inertial_element)
+
+
+def element_to_correct(root: ET.Element, name: str) -> ET.Element:
+    """The joint of this name, or else the inertial of the link."""
+    joint = root.find(f"joint[@name='{name}']")
+    if joint is not None:
+        return joint
+    link = root.find(f"link[@name='{name}']")
+    body = link.find("inertial")
+    return ET.SubElement(link, "inertial") if body is None else body
+
+
+def write_elements(node: ET.Element, elements: str) -> None:
+    for element in ET.fromstring(f"<x>{elements}</x>"):
+        old = node.find(element.tag)
+        old = ET.SubElement(node, element.tag) if old is None else old
+        old.attrib.update(element.attrib)
+
+
 def follow(root: ET.Element, findings: Iterable[Finding]) -> None:
     """Write what every finding says."""
-    joints = {joint.get("name"): joint for joint in root.findall("joint")}
-    links = {link.get("name"): link for link in root.findall("link")}
-
-    def bare(names: str) -> None:
-        for name in names.split(", "):
-            for old in links[name].findall("inertial"):
-                links[name].remove(old)
-
-    for finding in findings:
-        for line in filter(None, finding.instead.split("; ")):
-            if line.startswith("no <inertial> in "):
-                bare(line.removeprefix("no <inertial> in "))
-                continue
-            name, elements, empty = re.fullmatch(
-                r"(\S+): ((?:<[^>]+/> ?)+)(?:\(nothing in (.+)\))?", line
-            ).groups()
-            node = joints.get(name)
-            if node is None:
-                node = links[name].find("inertial")
-                if node is None:
-                    node = ET.SubElement(links[name], "inertial")
-            for element in ET.fromstring(f"<x>{elements}</x>"):
-                old = node.find(element.tag)
-                old = ET.SubElement(node, element.tag) if old is None else old
-                old.attrib.update(element.attrib)
-            if empty:
-                bare(empty)
+    lines = [line for finding in findings for line in finding.instead.split("; ")]
+    for line in filter(None, lines):
+        if line.startswith("no <inertial> in "):
+            remove_inertials(root, line.removeprefix("no <inertial> in "))
+            continue
+        pattern = r"(\S+): ((?:<[^>]+/> ?)+)(?:\(nothing in (.+)\))?"
+        name, elements, empty = re.fullmatch(pattern, line).groups()
+        write_elements(element_to_correct(root, name), elements)
+        if empty:
+            remove_inertials(root, empty)
 
 
 def text_of(root: ET.Element) -> str:
@@ -351,7 +372,8 @@ def test_pairs_of_defects(pair):
 
 # --- public models
 
-#: File -> joints, the frame of its tool, base; the tool frame's distance from Table 1's {5} [mm].
+#: File -> joints, the frame of its tool, base; the tool frame's distance from Table 1's
+#: {5} [mm].
 PUBLIC = {
     "evan_palmer_alpha": (AXES, "standard_jaws_tool", "base_link", 7.25),
     "diff_uvms": ([f"alpha_{axis}" for axis in AXES], "", "base_link", None),
@@ -393,11 +415,11 @@ def test_the_tool_of_public_models(name):
         assert angles.max() < 1e-3
 
 
-#: The axes of a public model as it is written; the mesh frames stand as in the manufacturer's.
+#: The axes of a public model as written; its mesh frames are the manufacturer's.
 WITHOUT_TURN = """
 <robot name="arm"><link name="base_link"/>
-<link name="m3"/><link name="m2_1_1"/><link name="m2"/><link name="m2_1_2"/><link name="m1"/>
-<link name="jaws"/><link name="alpha_tcp"/>
+<link name="m3"/><link name="m2_1_1"/><link name="m2"/><link name="m2_1_2"/>
+<link name="m1"/><link name="jaws"/><link name="alpha_tcp"/>
 <joint name="mount" type="fixed"><parent link="base_link"/><child link="m3"/></joint>
 <joint name="joint_1" type="revolute"><parent link="m3"/><child link="m2_1_1"/>
   <origin xyz="0 0 0.014"/><axis xyz="0 0 1"/></joint>
@@ -430,7 +452,7 @@ def test_a_public_model_that_lacks_a_turn_of_the_forearm(turn, median):
     serious = {
         f.where for f in comparison.findings if f.serious and f.where.startswith("axis")
     }
-    # Either joint_3 is turned, or its axis and the wrist are on the other side: the same arm.
+    # Either joint_3 is turned, or its axis and the wrist are mirrored: the same arm.
     assert serious == ({"axis_c", "axis_b", "axis_d"} if turn == "0" else {"axis_d"})
     (tool,) = [f for f in comparison.findings if f.where == "tool"]
     assert not tool.serious

@@ -1,4 +1,7 @@
-"""The script behind the numbers of moving water: its bodies, panels and strips, and a second calculation of added mass."""
+"""The script behind the numbers of moving water: bodies, panels and strips.
+
+Added mass has a second calculation here.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +47,10 @@ def test_the_file_is_what_the_script_writes(script: ModuleType) -> None:
 
 
 def test_the_interval_covers_the_whole_arm_but_folded(script: ModuleType) -> None:
-    """Low to high is wider than what the bodies do to one another, along the arm too, where most is missing."""
+    """Low to high is wider than the influence of the bodies on one another.
+
+    That holds along the arm, too, where most is missing.
+    """
     kept = tomllib.loads(script.FILE.read_text("utf-8"))["bodies"]
     low, _, high = np.array(
         [body["added_mass_factor"] for body in kept.values()], dtype=float
@@ -67,7 +73,9 @@ def test_the_interval_covers_the_whole_arm_but_folded(script: ModuleType) -> Non
 
 
 def by_sources(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Added mass by a source on each panel [Hess1967], seen as a point from others, as a disc from itself.
+    """Added mass by a source on each panel [Hess1967].
+
+    A source is a point as seen from the other panels, and a disc as seen from its own.
 
     [Hess1967] Hess, Smith: Calculation of potential flow about arbitrary bodies.
     """
@@ -79,7 +87,7 @@ def by_sources(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     distance = np.linalg.norm(gap, axis=2)
     np.fill_diagonal(distance, 1.0)
     flux = np.einsum("ix,ijx->ij", normal, gap) * area / (4 * np.pi * distance**3)
-    # All that a source sends out leaves through the body: half of it from its own panel, nearly.
+    # All flux of a source leaves through the body, nearly half of it by its own panel.
     np.fill_diagonal(flux, 0.0)
     np.fill_diagonal(flux, 1.0 - (area[:, None] * flux).sum(axis=0) / area)
     potential = area / (4 * np.pi * distance)
@@ -100,7 +108,7 @@ def test_a_sphere_by_sources(script: ModuleType) -> None:
 
 @pytest.mark.parametrize(("name", "size"), [("link_2", 4.5), ("wrist", 5.0)])
 def test_added_mass_by_sources(script: ModuleType, name: str, size: float) -> None:
-    """Within 8 % on each diagonal but the turn about the body's own axis, which moves next to no water.
+    """Within 8 %, but for the turn about the body's own axis, which moves little water.
 
     Points do not see walls thinner than a panel, which the other bodies have.
     """

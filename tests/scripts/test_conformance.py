@@ -1,4 +1,4 @@
-"""The conformance run: what is installed agrees, what is missing is not run, what is damaged differs."""
+"""The conformance run: tools agree, are not run if missing, and differ if damaged."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import dataclasses
 import json
 import os
 import re
+import shutil
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from water_reference import Reference
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 from conformance import conformance
+from water_reference import Reference
 
 from alpha5_model.errors import FileFormatError, MissingFileError
 
@@ -126,8 +126,19 @@ def flip_products(text: str) -> str:
     )
 
 
+def round_to(digits: int, text: str) -> str:
+    """The text with its long numbers rounded to significant digits."""
+    return re.sub(r"-?\d+\.\d{7,}", lambda m: f"{float(m.group()):.{digits}g}", text)
+
+
 def six_digits(text: str) -> str:
-    return re.sub(r"-?\d+\.\d{7,}", lambda m: f"{float(m.group()):.6g}", text)
+    """A damage that tools in double precision must show."""
+    return round_to(6, text)
+
+
+def three_digits(text: str) -> str:
+    """A damage that tools in single precision must show, too."""
+    return round_to(3, text)
 
 
 def lose_the_force(text: str) -> str:
@@ -160,7 +171,7 @@ DAMAGES = [
     ("Pinocchio", "MJCF", "mjcf/alpha5.xml", six_digits, {"fk"}),
     ("Newton", "MJCF", "mjcf/alpha5.xml", zero_moments, {"mass"}),
     ("mujoco_warp", "MJCF", "mjcf/alpha5.xml", lose_the_force, {"buoyancy"}),
-    ("brax", "MJCF, no buoyancy", "mjcf_brax/alpha5.xml", six_digits, {"fk"}),
+    ("brax", "MJCF, no buoyancy", "mjcf_brax/alpha5.xml", three_digits, {"fk"}),
     ("DART", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
     ("adam", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
     ("urdf2casadi", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
@@ -168,6 +179,16 @@ DAMAGES = [
     ("SAPIEN", "URDF, no visuals", "alpha5.urdf", flip_products, {"mass"}),
     ("mink", "MJCF", "mjcf/alpha5.xml", six_digits, {"fk"}),
 ]
+
+
+def write_damaged(
+    files: Path, folder: Path, path: str, damage: Callable[[str], str]
+) -> None:
+    """Copy the generated files into a folder and damage one of them."""
+    shutil.copytree(files, folder, dirs_exist_ok=True)
+    text = (folder / path).read_text("utf-8")
+    assert damage(text) != text
+    (folder / path).write_text(damage(text), "utf-8")
 
 
 @pytest.mark.parametrize(
@@ -180,19 +201,29 @@ def test_damage_differs(
 ):
     tool = BY_NAME[name, file]
     needs(tool)
-    for source in files.rglob("*.*"):
-        if source.is_file():
-            copy = tmp_path / source.relative_to(files)
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            copy.write_bytes(source.read_bytes())
-    text = (tmp_path / path).read_text("utf-8")
-    (tmp_path / path).write_text(damage(text), "utf-8")
-    assert damage(text) != text
+    write_damaged(files, tmp_path, path, damage)
     row = conformance.measure(tool, tmp_path, states, expected)
     assert row.status == "differs"
     assert wrong <= {
         name for name, error in row.errors.items() if error > tool.bounds[name]
     }
+
+
+@pytest.mark.parametrize("file", ["mjcf", "mjcf_brax"])
+def test_three_digits_exceed_the_bounds_of_every_tool(
+    tmp_path, files, states, expected, file
+):
+    """MuJoCo measures the damage that brax must show; both read the same elements."""
+    tool = BY_NAME["MuJoCo", "MJCF"]
+    needs(tool)
+    sound = tmp_path / "sound"
+    damaged = tmp_path / "damaged"
+    shutil.copytree(files, sound)
+    shutil.copy(files / file / "alpha5.xml", sound / "mjcf")
+    write_damaged(sound, damaged, "mjcf/alpha5.xml", three_digits)
+    row = conformance.measure(tool, damaged, states, expected)
+    loosest = max(tool.bounds["fk"] for tool in conformance.TOOLS)
+    assert row.errors["fk"] > 5 * loosest
 
 
 def nan(files: Path, states: conformance.States) -> dict[str, np.ndarray]:

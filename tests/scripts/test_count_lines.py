@@ -1,4 +1,4 @@
-"""The count of `scripts/checks/count_lines.py` on a source whose lines of code are known."""
+"""`scripts/checks/count_lines.py` counts a source whose lines of code are known."""
 
 from __future__ import annotations
 

@@ -1,10 +1,12 @@
-"""What recordings say about the arm: proven on made-up ones whose arm is known, then run on the real ones."""
+"""What recordings tell about the arm.
+
+The script is proven on artificial recordings with a known arm, then runs on the real
+ones.
+"""
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -20,19 +22,9 @@ SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    sys.path.insert(0, str(SCRIPTS))
-    try:
-        spec = importlib.util.spec_from_file_location(
-            "identify_recordings", SCRIPTS / "recordings" / "identify_recordings.py"
-        )
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[spec.name] = module
-        spec.loader.exec_module(module)
-    finally:
-        sys.path.remove(str(SCRIPTS))
-    return module
+    from recordings import identify_recordings
+
+    return identify_recordings
 
 
 def found(
@@ -43,11 +35,12 @@ def found(
 
 
 def test_the_eight_moments(script: ModuleType) -> None:
-    """Those of link 4 and, with what it hands down along its axis, of link 3, by hand."""
+    """Those of link 4, and of link 3 with what link 4 adds along its axis, by hand."""
     net = [MASS[4] * np.array(COM[4]) / 1e3 - VOLUME[4] * np.array(COB[4]) / 1e3]
     np.testing.assert_allclose(script.numbers()[6:], net[0][:2], atol=1e-15)
     own = MASS[3] * np.array(COM[3]) / 1e3 - VOLUME[3] * np.array(COB[3]) / 1e3
-    # z of {4} is the wrist's axis, -y of {3} where the next frame is turned by -pi/2 about x; a_2 is 20 mm.
+    # z of {4} is the wrist's axis; -y of {3} is, too, because the next frame is turned
+    # by -pi/2 about x. a_2 is 20 mm.
     weight = MASS[4] - VOLUME[4]
     handed = np.array([0.020 * weight, net[0][2]])
     np.testing.assert_allclose(script.numbers()[4:6], own[:2] + handed, atol=1e-15)

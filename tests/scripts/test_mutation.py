@@ -4,26 +4,19 @@ from __future__ import annotations
 
 import ast
 import random
-import sys
 from collections import Counter
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
-
 
 @pytest.fixture(scope="module")
 def parts():
     """The modules that need nothing but Python: mutants, Python's and C's."""
-    sys.path.insert(0, str(SCRIPTS))
-    try:
-        from mutating import c_code, mutants, python_code
+    from mutating import c_code, mutants, python_code
 
-        yield mutants, python_code, c_code
-    finally:
-        sys.path.remove(str(SCRIPTS))
+    return mutants, python_code, c_code
 
 
 def made(part: ModuleType, name: str, text: str) -> set[str]:

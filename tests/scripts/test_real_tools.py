@@ -1,4 +1,7 @@
-"""The run of real tools: what is missing is not run, what complains or is off does not pass. The tools run in CI."""
+"""The run of real tools: missing ones are not run, complaints and errors fail.
+
+The tools themselves run in CI.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +14,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conformance import gazebo_tools, real_tools, ros_tools
+from conformance.ros_tools import NotThereError, Result, Workspace
 from PIL import Image
 
 import alpha5_model as a5
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
-from conformance import gazebo_tools, real_tools, ros_tools
-from conformance.ros_tools import NotThereError, Result, Workspace
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 CHECK = real_tools.Check(

@@ -1,4 +1,7 @@
-"""The validation on recordings: proven on made-up ones whose answer is known, then run on the real ones."""
+"""The validation on recordings.
+
+It is proven on artificial recordings with a known answer, then runs on the real ones.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,10 @@ def script() -> ModuleType:
 
 
 def first_moment(q: np.ndarray, mirrored: bool = False) -> np.ndarray:
-    """Sum of mass times COM minus displaced mass times COB of links 1 to 4, in the base frame [kg m]."""
+    """Mass times COM minus displaced mass times COB, summed over links 1 to 4.
+
+    In the base frame [kg m].
+    """
     total = np.zeros(3)
     for link, frame in enumerate(inertial_frames(q)[1:], start=1):
         com = np.array(COM[link])
@@ -73,7 +79,7 @@ def quaternion(roll: float, pitch: float, yaw: float) -> list[float]:
 
 
 def make_recordings(folder: Path, mirrored: bool = False, count: int = 4) -> None:
-    """A vehicle that answers 0.3 s late with the stiffnesses above, written as real recordings are."""
+    """A vehicle with the stiffnesses above that answers 0.3 s late."""
     rng = np.random.default_rng(21)
     step, late = 0.02, 15
     for index in range(count):
@@ -103,7 +109,7 @@ def make_recordings(folder: Path, mirrored: bool = False, count: int = 4) -> Non
 
 def write(path: Path, header: str, rows: np.ndarray) -> None:
     lines = [header, *(",".join(repr(float(x)) for x in row) for row in rows)]
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", "utf-8")
 
 
 def figures(
@@ -144,7 +150,7 @@ def test_known_stiffness_is_found(
 def test_arm_with_another_com_is_told_apart(
     script: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The other way round: recordings of an arm with the wrist's COM on the wrong side refute the model."""
+    """Recordings of an arm with a mirrored COM of the wrist refute the model."""
     make_recordings(tmp_path, mirrored=True)
     found = figures(script, tmp_path, capsys)["models"]
     for axis in STIFFNESS:
@@ -187,7 +193,7 @@ def test_real_recordings(
         assert moving["r2"] > model["r2"] - 0.005
         assert moving["r2_of_recordings"] != model["r2_of_recordings"]
         assert found["models"]["COM and products wrong"][axis]["r2"] < 0.5
-        # What these recordings cannot tell: weight and buoyancy move alike, a stiffness absorbs the factor.
+        # Weight and buoyancy move alike here, so a stiffness absorbs the factor.
         assert found["models"]["no buoyancy"][axis]["course"] > 0.99
     assert page.read_bytes().startswith(b"\x89PNG")
     assert script.main([str(RECORDINGS)]) == 0
@@ -195,12 +201,14 @@ def test_real_recordings(
 
 
 def spoil(path: Path, change: Callable[[list[list[str]]], list[list[str]]]) -> None:
-    header, *rows = (line.split(",") for line in path.read_text().splitlines())
-    path.write_text("\n".join(",".join(row) for row in [header, *change(rows)]) + "\n")
+    lines = path.read_text("utf-8").splitlines()
+    header, *rows = (line.split(",") for line in lines)
+    changed = [header, *change(rows)]
+    path.write_text("\n".join(",".join(row) for row in changed) + "\n", "utf-8")
 
 
 def tumbled(rows: list[list[str]]) -> list[list[str]]:
-    """The tracking takes another marker for the first: 100 degrees about the vehicle's x axis."""
+    """The tracking confuses two markers: 100 degrees about the vehicle's x axis."""
     turn = np.array([np.sin(np.radians(50)), 0, 0, np.cos(np.radians(50))])
     out = []
     for time, *cells in rows:
@@ -273,7 +281,7 @@ def make_untidy(folder: Path) -> None:
 def test_recordings_as_they_come(
     script: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What is spoilt is left out by a stated rule, what is left still gives the known stiffness."""
+    """A stated rule leaves out bad data; the rest still gives the known stiffness."""
     make_untidy(tmp_path)
     found = figures(script, tmp_path, capsys)
     files = found["files"]
@@ -359,7 +367,7 @@ def test_a_trajectory_is_in_one_half_only(script: ModuleType, tmp_path: Path) ->
 def test_lag_and_stiffness_are_fitted_elsewhere(
     script: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A folder that is only scored decides nothing: its own stiffness is another, and R^2 says so."""
+    """A folder that is only scored fits nothing: R^2 shows its other stiffness."""
     right, wrong = tmp_path / "right", tmp_path / "wrong"
     for folder in (right, wrong):
         folder.mkdir()
@@ -423,7 +431,7 @@ def test_no_recording_is_drawn_over_and_a_closed_pipe_is_no_error(
 def test_real_recordings_that_nothing_was_tuned_to(
     script: ModuleType, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """README's figure: stiffnesses and lag from the tidy four, scored on the two that are untidy."""
+    """README's figure: stiffnesses and lag of the tidy four, scored on two others."""
     untidy = RECORDINGS / "untidy"
     if not untidy.is_dir():
         pytest.skip("no untidy recordings")

@@ -1,4 +1,7 @@
-"""Every public function that takes arrays, with a call of each: what the tests of arrays' layouts go through."""
+"""Every public function that takes arrays, with a call of each.
+
+The tests of arrays' layouts go through these calls.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,7 @@ class Call:
 
 
 def taking_arrays() -> dict[str, Any]:
-    """Name -> function, method or class of the public surface with a parameter that an array fits."""
+    """Name -> public function, method or class with a parameter that an array fits."""
     roots = {"a5": a5} | {
         name: import_module(f"alpha5_model.{module}")
         for name, module in test_public_api.MODULES.items()
@@ -80,7 +83,7 @@ def taking_arrays() -> dict[str, Any]:
 
 
 def short(name: str) -> str:
-    """A public name without the modules on the way: ``Arm.jacobian`` of ``a5.Arm.jacobian``."""
+    """A public name without its modules: ``Arm.jacobian`` of ``a5.Arm.jacobian``."""
     parts = name.split(".")
     own = [part for part in parts if part[0].isupper()]
     return ".".join(parts[parts.index(own[0]) :]) if own else parts[-1]
@@ -90,6 +93,9 @@ def left_out(name: str) -> bool:
     """Whether `NOT_CALLED` names it, or its class."""
     return short(name) in NOT_CALLED or short(name).partition(".")[0] == "ArmVisualizer"
 
+
+#: A name, a function, its arrays and its other arguments.
+_Row = tuple[str, Callable[..., Any], dict[str, Any], dict[str, Any]]
 
 #: Methods of an arm that take one state; the others take rows.
 _MANY = ("_batch", "regressor")
@@ -126,7 +132,10 @@ def _of_arm(owner: str, arm: Any, rng: np.random.Generator) -> dict[str, Call]:
 
 
 def _bounded(model: Any) -> Any:
-    """A model whose free joints are near the origin: `pin.randomConfiguration` needs bounds."""
+    """A model whose free joints are near the origin.
+
+    `pin.randomConfiguration` needs bounds.
+    """
     bounded = pin.Model(model)
     low, high = bounded.lowerPositionLimit.copy(), bounded.upperPositionLimit.copy()
     low[low < -100.0] = -1.0
@@ -145,7 +154,10 @@ def _vehicle(**arrays: Any) -> a5.Vehicle:
 
 
 def arm_calls() -> list[tuple[str, Call]]:
-    """Of `Arm`, its variants and functions of arms, (name, call); made anew, on the kernels in use."""
+    """Of `Arm`, its variants and functions of arms, (name, call), made anew.
+
+    The arms compute with the kernels in use.
+    """
     pin.seed(3)
     rng = np.random.default_rng(3)
     arms = {
@@ -293,74 +305,103 @@ def kinematics_calls() -> list[tuple[str, Call]]:
     return [(name, Call(*call)) for name, *call in table]
 
 
-def theory_calls() -> list[tuple[str, Call]]:
-    """Of inertia, actuators, Denavit-Hartenberg chains, planar arms and recordings, (name, call)."""
+@dataclass(frozen=True)
+class _TheoryRows:
+    """Random arrays for the functions that take no arm, `ROWS` rows each."""
+
+    mass: np.ndarray
+    com: np.ndarray
+    tensor: np.ndarray
+    tensor_at_origin: np.ndarray
+    torque: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    q: np.ndarray
+    points: np.ndarray
+    wrench: np.ndarray
+    chain: a5.dh.DHChain
+
+    @property
+    def pose(self) -> np.ndarray:
+        """The pose (4, 4) of the chain's end effector at the first row."""
+        return self.chain.forward_kinematics(self.q[0])
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """The rotations (N, 3, 3) of the chain's end effector."""
+        return self.chain.forward_kinematics(self.q)[:, :3, :3].copy()
+
+
+def _theory_rows() -> _TheoryRows:
     rng = np.random.default_rng(5)
-    mass, com = rng.uniform(0.1, 1.0, ROWS), rng.normal(scale=0.1, size=(ROWS, 3))
+    mass = rng.uniform(0.1, 1.0, ROWS)
+    com = rng.normal(scale=0.1, size=(ROWS, 3))
     moment = rng.uniform(1.0, 1.5, (ROWS, 3))
     tensor = np.einsum("ni,ij->nij", moment, np.eye(3))
-    far = inertia.tensor_at_origin(mass, com, tensor)
-    torque, velocity, more = rng.normal(size=(3, ROWS))
-    q = rng.uniform(0.5, 3.0, (ROWS, 4))
-    chain = a5.dh.DHChain.alpha5()
-    pose = chain.forward_kinematics(q[0])
-    planar = a5.planar.PlanarArm((5.0, 4.0, 1.0))
-    arc, segment = (
-        a5.planar.Arc((0.1, 0.2), 1.0),
-        a5.planar.Segment((0.1, 0.2), 0.3, 1.0),
+    torque, velocity, acceleration = rng.normal(size=(3, ROWS))
+    return _TheoryRows(
+        mass=mass,
+        com=com,
+        tensor=tensor,
+        tensor_at_origin=inertia.tensor_at_origin(mass, com, tensor),
+        torque=torque,
+        velocity=velocity,
+        acceleration=acceleration,
+        q=rng.uniform(0.5, 3.0, (ROWS, 4)),
+        points=rng.uniform(-6.0, 6.0, (ROWS, 2)),
+        wrench=rng.normal(size=(101, 6)),
+        chain=a5.dh.DHChain.alpha5(),
     )
-    points = rng.uniform(-6.0, 6.0, (ROWS, 2))
-    axis = a5.actuators.actuator("axis_c", rotor_inertia=1e-7)
-    time = np.linspace(0.0, 2.0, 101)
-    wave = np.sin(time[:, None] + np.arange(4.0)) * 0.3 + 1.5
-    moved = {"time": time, "position": wave}
-    points_3, ways_3 = (
-        np.array([[0.0, 0, 0], [1, 0, 0]]),
-        np.array([[0.0, 0, 1], [0, 1, 0]]),
-    )
-    drag = {"torque": torque, "velocity": velocity, "acceleration": more}
-    current = {"current": torque, "velocity": velocity, "acceleration": more}
-    limits = {"supply_voltage": 24.0, "current_limit": 3.0}
-    pulled = {"mass": mass, "com": com, "inertia_com": tensor}
-    recording = a5.trajectory.motion(
-        **moved, joints=("axis_e", "axis_d", "axis_c", "axis_b")
-    )
-    wrench = rng.normal(size=(101, 6))
-    drawn = a5.uncertainty.sample(3)
 
-    def identified(**given: Any) -> Any:
-        return a5.identify(recording, **given).estimate
 
-    def analysed(**given: Any) -> Any:
-        return a5.trajectory.analyse(recording, **given).torque
+def theory_calls() -> list[tuple[str, Call]]:
+    """Of the functions that take no arm of the package, (name, call)."""
+    rows = _theory_rows()
+    table = [
+        *_inertia_calls(rows),
+        *_actuator_calls(rows),
+        *_chain_calls(rows),
+        *_planar_calls(rows),
+        *_recording_calls(rows),
+        *_water_calls(rows),
+    ]
+    return [(name, Call(*call)) for name, *call in table]
 
-    rotation = chain.forward_kinematics(q)[:, :3, :3].copy()
-    table: list[tuple[str, Any, dict[str, Any], dict[str, Any]]] = [
+
+def _inertia_calls(rows: _TheoryRows) -> list[_Row]:
+    """Of inertia and gravity, (name, call)."""
+    pulled = {"mass": rows.mass, "com": rows.com, "inertia_com": rows.tensor}
+    return [
         (
             "check_possible",
             inertia.check_possible,
-            {"com": com[0], "inertia": tensor[0]},
+            {"com": rows.com[0], "inertia": rows.tensor[0]},
             {"name": "a body", "mass": 0.1},
         ),
         (
             "combine",
             inertia.combine,
-            {"masses": mass, "coms": com, "inertias": tensor},
+            {"masses": rows.mass, "coms": rows.com, "inertias": rows.tensor},
             {},
         ),
         (
             "check_possible",
             inertia.check_possible,
-            {"com": com[0], "inertia": tensor[0]},
+            {"com": rows.com[0], "inertia": rows.tensor[0]},
             {"name": "inertia", "mass": 100.0},
         ),
-        ("flip_products", inertia.flip_products, {"inertia": far}, {}),
+        (
+            "flip_products",
+            inertia.flip_products,
+            {"inertia": rows.tensor_at_origin},
+            {},
+        ),
         (
             "inconsistencies",
             inertia.inconsistencies,
             {
-                "com": com[0],
-                "inertia_com": far[0],
+                "com": rows.com[0],
+                "inertia_com": rows.tensor_at_origin[0],
                 "bounds": np.tile([-1.0, 1.0], (3, 1)),
             },
             {"mass": 0.1},
@@ -368,71 +409,126 @@ def theory_calls() -> list[tuple[str, Call]]:
         (
             "point_mass_tensor",
             inertia.point_mass_tensor,
-            {"mass": mass, "position": com},
+            {"mass": rows.mass, "position": rows.com},
             {},
         ),
-        ("principal_moments", inertia.principal_moments, {"inertia": far}, {}),
+        (
+            "principal_moments",
+            inertia.principal_moments,
+            {"inertia": rows.tensor_at_origin},
+            {},
+        ),
         ("pseudo_inertia", inertia.pseudo_inertia, pulled, {}),
         (
             "radii_of_gyration",
             inertia.radii_of_gyration,
-            {"mass": mass, "inertia": tensor},
+            {"mass": rows.mass, "inertia": rows.tensor},
             {},
         ),
         (
             "rotate_tensor",
             inertia.rotate_tensor,
-            {"rotation_a_to_b": rotation, "inertia": far},
+            {"rotation_a_to_b": rows.rotation, "inertia": rows.tensor_at_origin},
             {},
         ),
-        ("second_moments", inertia.second_moments, {"inertia": far}, {}),
+        (
+            "second_moments",
+            inertia.second_moments,
+            {"inertia": rows.tensor_at_origin},
+            {},
+        ),
         (
             "tensor_at_com",
             inertia.tensor_at_com,
-            {"mass": mass, "com": com, "inertia_origin": far},
+            {
+                "mass": rows.mass,
+                "com": rows.com,
+                "inertia_origin": rows.tensor_at_origin,
+            },
             {},
         ),
         ("tensor_at_origin", inertia.tensor_at_origin, pulled, {}),
         (
             "gravity_in_base",
             fluids.gravity_in_base,
-            {"rotation": rotation[0], "gravity": com[0]},
+            {"rotation": rows.rotation[0], "gravity": rows.com[0]},
             {},
         ),
+    ]
+
+
+def _actuator_calls(rows: _TheoryRows) -> list[_Row]:
+    """Of actuators, (name, call)."""
+    axis = a5.actuators.actuator("axis_c", rotor_inertia=1e-7)
+    drag = {
+        "torque": rows.torque,
+        "velocity": rows.velocity,
+        "acceleration": rows.acceleration,
+    }
+    current = {
+        "current": rows.torque,
+        "velocity": rows.velocity,
+        "acceleration": rows.acceleration,
+    }
+    limits = {"supply_voltage": 24.0, "current_limit": 3.0}
+    return [
         ("Actuator.current", axis.current, drag, {}),
         ("Actuator.current_interval", axis.current_interval, drag, {}),
         ("Actuator.power", axis.power, drag, {}),
-        ("Actuator.holding_current", axis.holding_current, {"torque": torque}, {}),
-        ("Actuator.holding_torque", axis.holding_torque, {"current": torque}, {}),
-        ("Actuator.speed", axis.speed, {"voltage": velocity, "current": torque}, {}),
-        ("Actuator.speed_limits", axis.speed_limits, {"torque": torque}, limits),
-        ("Actuator.torque_limits", axis.torque_limits, {"velocity": velocity}, limits),
+        ("Actuator.holding_current", axis.holding_current, {"torque": rows.torque}, {}),
+        ("Actuator.holding_torque", axis.holding_torque, {"current": rows.torque}, {}),
+        (
+            "Actuator.speed",
+            axis.speed,
+            {"voltage": rows.velocity, "current": rows.torque},
+            {},
+        ),
+        ("Actuator.speed_limits", axis.speed_limits, {"torque": rows.torque}, limits),
+        (
+            "Actuator.torque_limits",
+            axis.torque_limits,
+            {"velocity": rows.velocity},
+            limits,
+        ),
         ("Actuator.torque", axis.torque, current, {}),
         ("Actuator.torque_interval", axis.torque_interval, current, {}),
         (
             "Actuator.voltage",
             axis.voltage,
-            {"current": torque, "velocity": velocity, "current_rate": more},
+            {
+                "current": rows.torque,
+                "velocity": rows.velocity,
+                "current_rate": rows.acceleration,
+            },
             {},
         ),
+    ]
+
+
+def _chain_calls(rows: _TheoryRows) -> list[_Row]:
+    """Of Denavit-Hartenberg chains, (name, call)."""
+    chain = rows.chain
+    points_3 = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    directions_3 = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+    return [
         (
             "DHChain",
-            lambda **given: a5.dh.DHChain(chain.links, **given).frames(q),
-            {"base": pose, "tool": pose},
+            lambda **given: a5.dh.DHChain(chain.links, **given).frames(rows.q),
+            {"base": rows.pose, "tool": rows.pose},
             {},
         ),
-        ("DHChain.frames", chain.frames, {"q": q}, {}),
-        ("DHChain.forward_kinematics", chain.forward_kinematics, {"q": q}, {}),
-        ("DHChain.jacobian", chain.jacobian, {"q": q}, {}),
-        ("DHChain.joint_axes", chain.joint_axes, {"q": q}, {}),
+        ("DHChain.frames", chain.frames, {"q": rows.q}, {}),
+        ("DHChain.forward_kinematics", chain.forward_kinematics, {"q": rows.q}, {}),
+        ("DHChain.jacobian", chain.jacobian, {"q": rows.q}, {}),
+        ("DHChain.joint_axes", chain.joint_axes, {"q": rows.q}, {}),
         (
             "DHChain.from_axes",
             a5.dh.DHChain.from_axes,
             {
                 "points": points_3,
-                "directions": ways_3,
-                "end_effector": pose,
-                "q": q[0, :2],
+                "directions": directions_3,
+                "end_effector": rows.pose,
+                "q": rows.q[0, :2],
             },
             {},
         ),
@@ -448,13 +544,27 @@ def theory_calls() -> list[tuple[str, Call]]:
             {"vector": np.array([0, 0, 1.0, 0, 0])},
             {},
         ),
-        ("DHLink.transform", chain.links[0].transform, {"q": torque}, {}),
+        ("DHLink.transform", chain.links[0].transform, {"q": rows.torque}, {}),
         (
             "dh_transform",
             a5.dh.dh_transform,
-            {"theta": torque, "d": velocity, "a": more, "alpha": mass},
+            {
+                "theta": rows.torque,
+                "d": rows.velocity,
+                "a": rows.acceleration,
+                "alpha": rows.mass,
+            },
             {},
         ),
+    ]
+
+
+def _planar_calls(rows: _TheoryRows) -> list[_Row]:
+    """Of planar arms, (name, call)."""
+    planar = a5.planar.PlanarArm((5.0, 4.0, 1.0))
+    arc = a5.planar.Arc((0.1, 0.2), 1.0)
+    segment = a5.planar.Segment((0.1, 0.2), 0.3, 1.0)
+    return [
         ("PlanarArm", a5.planar.PlanarArm, {"lengths": np.array([5.0, 4.0, 1.0])}, {}),
         (
             "PlanarArm",
@@ -462,63 +572,98 @@ def theory_calls() -> list[tuple[str, Call]]:
             {"lengths": np.array([5.0, 4.0]), "angles": np.array([0.1, 0.2])},
             {},
         ),
-        ("PlanarArm.poses", planar.poses, {"q": com}, {}),
-        ("PlanarArm.forward_kinematics", planar.forward_kinematics, {"q": com}, {}),
-        ("PlanarArm.jacobian", planar.jacobian, {"q": com}, {}),
-        ("Workspace.contains", planar.workspace().contains, {"points": points}, {}),
+        ("PlanarArm.poses", planar.poses, {"q": rows.com}, {}),
+        (
+            "PlanarArm.forward_kinematics",
+            planar.forward_kinematics,
+            {"q": rows.com},
+            {},
+        ),
+        ("PlanarArm.jacobian", planar.jacobian, {"q": rows.com}, {}),
+        (
+            "Workspace.contains",
+            planar.workspace().contains,
+            {"points": rows.points},
+            {},
+        ),
         (
             "dexterity",
             a5.planar.dexterity,
-            {"points": points},
+            {"points": rows.points},
             {"arm": planar, "orientations": 4, "samples": 3},
         ),
-        ("Arc.moved", arc.moved, {"shift": com[0, :2]}, {"angle": 0.1}),
-        ("Arc.point", arc.point, {"t": torque}, {}),
+        ("Arc.moved", arc.moved, {"shift": rows.com[0, :2]}, {"angle": 0.1}),
+        ("Arc.point", arc.point, {"t": rows.torque}, {}),
         (
             "Arc.parameter",
             arc.parameter,
-            {"points": arc.point(mass)},
+            {"points": arc.point(rows.mass)},
             {"tolerance": 1e-9},
         ),
-        ("Segment.moved", segment.moved, {"shift": com[0, :2]}, {"angle": 0.1}),
-        ("Segment.point", segment.point, {"t": torque}, {}),
+        ("Segment.moved", segment.moved, {"shift": rows.com[0, :2]}, {"angle": 0.1}),
+        ("Segment.point", segment.point, {"t": rows.torque}, {}),
         (
             "Segment.parameter",
             segment.parameter,
-            {"points": points},
+            {"points": rows.points},
             {"tolerance": 1e-9},
         ),
+    ]
+
+
+def _recording_calls(rows: _TheoryRows) -> list[_Row]:
+    """Of recordings and identification, (name, call)."""
+    time = np.linspace(0.0, 2.0, 101)
+    wave = np.sin(time[:, None] + np.arange(4.0)) * 0.3 + 1.5
+    moved = {"time": time, "position": wave}
+    recording = a5.trajectory.motion(
+        **moved, joints=("axis_e", "axis_d", "axis_c", "axis_b")
+    )
+    drawn = a5.uncertainty.sample(3)
+
+    def identified(**given: Any) -> Any:
+        return a5.identify(recording, **given).estimate
+
+    def analysed(**given: Any) -> Any:
+        return a5.trajectory.analyse(recording, **given).torque
+
+    return [
         (
             "motion",
             a5.trajectory.motion,
             {**moved, "velocity": wave, "effort": wave},
             {},
         ),
-        ("analyse", analysed, {"current": com[0]}, {}),
-        ("identify", identified, {"wrench": wrench}, {}),
-        ("Sample.base_parameters", drawn.base_parameters, {"gravity": com[0]}, {}),
+        ("analyse", analysed, {"current": rows.com[0]}, {}),
+        ("identify", identified, {"wrench": rows.wrench}, {}),
+        ("Sample.base_parameters", drawn.base_parameters, {"gravity": rows.com[0]}, {}),
+    ]
+
+
+def _water_calls(rows: _TheoryRows) -> list[_Row]:
+    """Of strips and vehicles in water, (name, call)."""
+    return [
         (
             "DragStrip",
             a5.DragStrip,
-            {"start": com[0], "end": com[1]},
+            {"start": rows.com[0], "end": rows.com[1]},
             {"diameter": 0.04, "across": 1.0},
         ),
         (
             "Vehicle",
             _vehicle,
             {
-                "com": com[0],
-                "inertia": tensor[0],
-                "cob": com[1],
+                "com": rows.com[0],
+                "inertia": rows.tensor[0],
+                "cob": rows.com[1],
                 "added_mass": np.arange(1.0, 7.0),
                 "linear_damping": np.arange(1.0, 7.0),
                 "quadratic_damping": np.arange(2.0, 8.0),
-                "transform_vehicle_to_base": pose,
+                "transform_vehicle_to_base": rows.pose,
             },
             {},
         ),
     ]
-    return [(name, Call(*call)) for name, *call in table]
 
 
 def jax_calls() -> list[tuple[str, Call]]:

@@ -16,7 +16,11 @@ KINDS = (".bag", ".db3", ".mcap", "folder")
 
 @dataclass
 class State:
-    """One message; times in ns, no stamp if zero, recorded a millisecond after its stamp if nothing else is said."""
+    """One message.
+
+    Times are in ns, and no stamp is written if it is zero. A message is recorded a
+    millisecond after its stamp unless another time is given.
+    """
 
     stamp: int
     names: Sequence[str]
@@ -38,8 +42,8 @@ def write_bag(
         folder: For the bag.
         kind: One of `KINDS`; ``"folder.db3"`` is the folder of a SQLite bag.
         states: Its messages.
-        compression: ``"bz2"`` or ``"lz4"`` of ROS 1; ``"storage"`` of MCAP; ``"message"`` or
-            ``"file"`` of the folder of a ROS 2 bag.
+        compression: ``"bz2"`` or ``"lz4"`` of ROS 1; ``"storage"`` of MCAP;
+            ``"message"`` or ``"file"`` of the folder of a ROS 2 bag.
     """
     first = kind == ".bag"
     store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)

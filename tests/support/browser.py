@@ -1,4 +1,4 @@
-"""A real browser for tests: the system's Chromium, driven by Playwright, without a screen."""
+"""A real browser for tests: the system's Chromium, driven by Playwright, headless."""
 
 from __future__ import annotations
 
@@ -15,10 +15,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-CHROMIUM = os.environ.get("ALPHA5_CHROMIUM") or next(
-    (found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))),
-    None,
-)  # fmt: skip
+
+def chromium_program() -> str | None:
+    """The path of Chromium: ALPHA5_CHROMIUM, or the first that is installed."""
+    names = ("chromium", "chromium-browser", "google-chrome")
+    installed = [found for name in names if (found := shutil.which(name))]
+    return os.environ.get("ALPHA5_CHROMIUM") or next(iter(installed), None)
+
+
+CHROMIUM = chromium_program()
 _MISSING = [
     what
     for what, there in (
@@ -33,7 +38,7 @@ needs_browser = pytest.mark.skipif(
 #: WebGL in software, so that it works on any machine.
 _ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 SIZE = (1000, 640)
-#: Smooth edges are four samples for each pixel, which is half of what software takes to draw.
+#: Smooth edges take four samples for each pixel, half of the time of a software canvas.
 _ONE_SAMPLE = """
 { const own = HTMLCanvasElement.prototype.getContext;
   HTMLCanvasElement.prototype.getContext = function (kind, options) {
@@ -66,10 +71,10 @@ class Tab:
 
     def settle(self) -> None:
         """Wait until all that was asked for is drawn."""
-        self.page.evaluate(
-            "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => "
-            "requestAnimationFrame(done))))"
-        )
+        self.page.evaluate("""() => new Promise((done) => {
+          const next = (then) => () => requestAnimationFrame(then);
+          next(next(next(done)))();
+        })""")
 
     def run(self, script: str, *arguments: Any) -> Any:
         """Value of a script in the page."""
@@ -84,13 +89,21 @@ class Tab:
         data = base64.b64decode(shot.split(",", 1)[1])
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
 
+    def show_only(self, *groups: str) -> None:
+        """Show these groups of the scene and hide the others."""
+        script = """(shown) => {
+          for (const { name } of alpha5.data.groups)
+            alpha5.setGroup(name, shown.includes(name));
+        }"""
+        self.run(script, list(groups))
+
     def project(self, points: np.ndarray) -> np.ndarray:
-        """Pixels (N, 2) of points (N, 3) in the world, through the camera's own matrices."""
+        """Pixels (N, 2) of points (N, 3) in the world, by the camera's own matrices."""
         clip = np.column_stack([points, np.ones(len(points))]) @ self.projection().T
         return (clip[:, :2] / clip[:, 3:] * [1, -1] + 1) / 2 * self.size()
 
     def shifted(self, point: np.ndarray, pixels: tuple[float, float]) -> np.ndarray:
-        """The point (3,) that lies pixels beside another, at the same depth of the picture."""
+        """The point (3,) some pixels beside another, at the same depth."""
         matrix = self.projection()
         clip = matrix @ [*point, 1.0]
         clip[:2] += clip[3] * 2 * np.array([1, -1]) * pixels / self.size()
@@ -103,11 +116,14 @@ class Tab:
 
     def projection(self) -> np.ndarray:
         """World to clip coordinates, (4, 4)."""
-        matrices = self.run(
-            "() => { const v = alpha5.viewer; v.camera.updateMatrixWorld(); v.scene.updateMatrixWorld(); "
-            "return [v.camera.projectionMatrix, v.camera.matrixWorldInverse, v.scene.matrixWorld]"
-            ".map((m) => m.elements); }"
-        )
+        matrices = self.run("""() => {
+          const { camera, scene } = alpha5.viewer;
+          camera.updateMatrixWorld();
+          scene.updateMatrixWorld();
+          const { projectionMatrix, matrixWorldInverse } = camera;
+          const matrices = [projectionMatrix, matrixWorldInverse, scene.matrixWorld];
+          return matrices.map((m) => m.elements);
+        }""")
         projection, camera, scene = (np.reshape(m, (4, 4)).T for m in matrices)
         return np.asarray(projection @ camera @ scene)
 
@@ -126,7 +142,7 @@ def browser() -> Iterator[Any]:
 
 
 def new_tab(running: Any, size: tuple[int, int] = SIZE, **options: Any) -> Tab:
-    """An empty page that is watched; Playwright's options, such as ``color_scheme="dark"``."""
+    """An empty page that is watched; ``options`` are Playwright's."""
     page = running.new_page(viewport={"width": size[0], "height": size[1]}, **options)
     page.add_init_script(_ONE_SAMPLE)
     tab = Tab(page)

@@ -1,16 +1,19 @@
 """Names of columns as loggers, drivers and controllers write them; ``*`` is the joint.
 
-Written from drivers and loggers of the field, not from the reader: ros2_control and PlotJuggler
-topics, libfranka, UR's RTDE, Dynamixel, ODrive, CANopen drives, the fields of this arm's own protocol,
-simulators, identification and Kalman filters.
+Written from drivers and loggers of the field, not from the reader: ros2_control and
+PlotJuggler topics, libfranka, UR's RTDE, Dynamixel, ODrive, CANopen drives, the fields
+of this arm's own protocol, simulators, identification and Kalman filters.
 """
 
 #: None of these is a measured joint position in radians.
 NOT_POSITIONS = """
 tau_*|tau*|Tau_*|TAU_*|tau.*|/tau/*|tau_alpha_*|alpha_tau_*|*_tau|*.tau
-torque_*|torques_*|*_torque|joint_torque_*|jointTorque_*|measured_torque_*|applied_torque_*|*_torque_nm|* [Nm]|*_Nm
-tau_J_*|tau_J_d_*|tau_ext_hat_filtered_*|tau_ext_*|tau_g_*|tau_fric_*|tau_cmd_*|cmd_tau_*|taucmd_*|tau_measured_*
-effort_*|*_effort|efforts_*|effort/*|*/effort|/joint_states/*/effort|/joint_states/effort/*|eff_*|*_eff|left_effort_*
+torque_*|torques_*|*_torque|joint_torque_*|jointTorque_*|measured_torque_*
+applied_torque_*|*_torque_nm|* [Nm]|*_Nm
+tau_J_*|tau_J_d_*|tau_ext_hat_filtered_*|tau_ext_*|tau_g_*|tau_fric_*|tau_cmd_*
+cmd_tau_*|taucmd_*|tau_measured_*
+effort_*|*_effort|efforts_*|effort/*|*/effort|/joint_states/*/effort
+/joint_states/effort/*|eff_*|*_eff|left_effort_*
 current_*|*_current|currents_*|motor_current_*|*_motor_current|i_*|I_*|iq_*|Iq_setpoint_*|iq_measured_*
 id_*|*_amps|amps_*|*_mA|*_milliamps|present_current_*|actual_current_*|target_current_*|current_axis/*|cur_*
 voltage_*|*_voltage|v_*|V_*|vbus_*|supply_voltage_*|present_input_voltage_*|*_volts|u_*|U_*

@@ -1,7 +1,8 @@
-"""A steady current on an arm at rest, from the text of a data file: an independent second route for the tests.
+"""The load of a steady current on an arm at rest, a second route for the tests.
 
-Nothing here comes from the package: the frames are those of `reference`, drag is a plain sum over short pieces
-of each strip, and a steady current has a Munk moment ``u x (A u)`` on each link.
+Nothing here comes from the package: the text of a data file has the strips, and the
+frames are those of `reference`. Drag is a plain sum over short pieces of each strip. A
+steady current has a Munk moment ``u x (A u)`` on each link.
 """
 
 from __future__ import annotations
@@ -46,7 +47,10 @@ def strip_drag(strip: dict, level: int, velocity, density: float, pieces: int = 
 
 
 def load(q, current, level: int, density: float = 1025.0, numbers: str = "estimated"):
-    """Joint torques (4,) that hold the arm against the current, force and moment (3,) on the mount."""
+    """Joint torques (4,) that hold the arm against the current.
+
+    Also returns the force and the moment (3,) on the mount.
+    """
     frames, rows = reference.inertial_frames(np.asarray(q)), bodies(numbers)
     wrenches = []
     for i, frame in enumerate(frames):

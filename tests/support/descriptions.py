@@ -1,4 +1,4 @@
-"""Records, arrays and figures as lines of text, for snapshots that a person can read."""
+"""Records, arrays and figures as lines of text, for snapshots that you can read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SHORT = 16
 
 
 def described(name: str, value: Any, depth: int = 2) -> Iterator[str]:
-    """Lines of a value: one for each of its parts down to a depth, the rest within them."""
+    """Lines of a value: one for each of its parts down to a depth."""
     parts = _parts(value)
     if depth and parts is not None:
         for key, part in parts.items():
@@ -36,7 +36,7 @@ def inline(value: Any) -> str:
 
 
 def _parts(value: Any) -> dict[str, Any] | None:
-    """Fields of a record, values of a mapping, elements of a list of more than numbers."""
+    """Fields of a record, values of a mapping, elements of a list of parts."""
     if dataclasses.is_dataclass(value):
         return {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
     if hasattr(value, "_asdict"):
@@ -86,7 +86,8 @@ def figure(page: Any) -> Iterator[str]:
             yield f"{name}: line {line.get_label()!r} {style} {array(points)}"
         for patch in axes.patches:
             corners = patch.get_path().vertices
-            yield f"{name}: patch {array(np.array(patch.get_facecolor()))} {array(corners)}"
+            color = array(np.array(patch.get_facecolor()))
+            yield f"{name}: patch {color} {array(corners)}"
         for drawn in axes.collections:
             colors = array(np.array(drawn.get_facecolor()))
             corners = [path.vertices for path in drawn.get_paths()]

@@ -52,7 +52,10 @@ VARIANTS: dict[str, dict[str, Any]] = {
 
 
 def payload_of_net_weight(ratio: float, density: float) -> dict[str, Any]:
-    """A body whose weight in the fluid is so many times its own weight (below 0) or its displaced one's."""
+    """A body whose net weight in the fluid is ``ratio`` times one of its two weights.
+
+    Below 0 that is its own weight, above 0 the displaced fluid's.
+    """
     displaced = 0.1 * (1 - min(ratio, 0.0))  # kg
     cob = PAYLOAD["cob"] if ratio else PAYLOAD["com"]  # neutral in every way
     volume = displaced / (density or 1000.0)
@@ -60,19 +63,27 @@ def payload_of_net_weight(ratio: float, density: float) -> dict[str, Any]:
     return {"mass": mass, "volume": volume, "com": PAYLOAD["com"], "cob": cob}
 
 
-#: From bodies that float to bodies that sink, in fluids from none to heavier than mercury.
-FLOATING = {
-    f"{gripper}, {'floating' if floating else 'fixed'}, {density:g} kg/m^3, net {ratio:+g}": {
-        "gripper": gripper,
-        "floating_base": floating,
-        "fluid_density": density,
-        "gravity": TILTED,
-        "payload": payload_of_net_weight(ratio, density),
-    }
-    for k, (gripper, floating) in enumerate(product(("locked", "jaws"), (False, True)))
-    for i, density in enumerate((0.0, 1e-3, 1000.0, 1025.0, 5000.0, 2e4))
-    for ratio in [(-5.0, 5.0, -1.0, 0.0, 1.0, -0.2)[(i + 2 * k) % 6]]
-}
+#: For each gripper and base, a body's ratio of net weight in each fluid.
+#: The bodies float or sink, in fluids from none to heavier than mercury.
+def _floating_variants() -> dict[str, dict[str, Any]]:
+    densities = (0.0, 1e-3, 1000.0, 1025.0, 5000.0, 2e4)
+    ratios = (-5.0, 5.0, -1.0, 0.0, 1.0, -0.2)
+    variants = {}
+    for k, (gripper, floating) in enumerate(product(("locked", "jaws"), (False, True))):
+        base = "floating" if floating else "fixed"
+        for i, density in enumerate(densities):
+            ratio = ratios[(i + 2 * k) % len(ratios)]
+            variants[f"{gripper}, {base}, {density:g} kg/m^3, net {ratio:+g}"] = {
+                "gripper": gripper,
+                "floating_base": floating,
+                "fluid_density": density,
+                "gravity": TILTED,
+                "payload": payload_of_net_weight(ratio, density),
+            }
+    return variants
+
+
+FLOATING = _floating_variants()
 
 
 def make(variant: str) -> a5.Arm:
@@ -100,7 +111,7 @@ def random_v(arm: a5.Arm, rng: np.random.Generator, scale: float = 1.0) -> np.nd
 
 
 def moved(arm: a5.Arm, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
-    """q moved along a tangent vector (for a floating base: in the axes of base_link)."""
+    """q moved along a tangent vector; a floating base moves in base_link's axes."""
     if not arm.floating_base:
         return q + dq
     base = pin.XYZQUATToSE3(q[:7]) * pin.exp6(pin.Motion(dq[:6]))
@@ -110,7 +121,7 @@ def moved(arm: a5.Arm, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
 def central_difference(
     function: Any, arm: a5.Arm, q: np.ndarray, step: float, *rest: Any
 ) -> np.ndarray:
-    """Derivative of function(q, *rest) along each coordinate of the tangent space, as columns."""
+    """Columns: derivatives of function(q, *rest) along the tangent coordinates."""
     columns = []
     for i in range(arm.model.nv):
         h = step * (

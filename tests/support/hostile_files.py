@@ -1,7 +1,7 @@
-"""Files that mean harm: what a stranger may send as a URDF, a xacro file, a recording, a bag or a study.
+"""Hostile files: URDFs, xacro files, recordings, bags and studies of a stranger.
 
-``SECRET`` in a text is replaced by the path of a file that must not be read, ``CANARY`` by that of one that
-must not be made.
+``SECRET`` in a text is replaced by the path of a file that must not be read, ``CANARY``
+by the path of a file that must not be made.
 """
 
 from __future__ import annotations
@@ -22,8 +22,11 @@ RECORDING = f"{HEADER}\n{ROWS}"
 
 #: Programs in the words of xacro, Python, shells, YAML and spreadsheets.
 PROGRAMS = {
-    "subclasses": "${(lambda: [c for c in ().__class__.__base__.__subclasses__() if c.__name__ "
-    "== '_wrap_close'][0].__init__.__globals__['system']('touch CANARY'))()}",
+    "subclasses": (
+        "${(lambda: [c for c in ().__class__.__base__.__subclasses__() "
+        "if c.__name__ == '_wrap_close'][0]"
+        ".__init__.__globals__['system']('touch CANARY'))()}"
+    ),
     "eval": "$(eval __import__('os').system('touch CANARY'))",
     "open": "${open('CANARY', 'w').write('x')}",
     "load_yaml": "${xacro.load_yaml('SECRET')}",
@@ -70,8 +73,9 @@ def with_mesh(address: str) -> str:
 def _chain(length: int) -> str:
     limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
     joints = "".join(
-        f'<link name="l{k + 1}"/><joint name="j{k}" type="revolute"><origin xyz="0 0 0.1"/>'
-        f'<parent link="l{k}"/><child link="l{k + 1}"/><axis xyz="{k % 2} 0 1"/>{limit}</joint>'
+        f'<link name="l{k + 1}"/><joint name="j{k}" type="revolute">'
+        f'<origin xyz="0 0 0.1"/><parent link="l{k}"/><child link="l{k + 1}"/>'
+        f'<axis xyz="{k % 2} 0 1"/>{limit}</joint>'
         for k in range(length)
     )
     return f'<robot name="x"><link name="l0"/>{joints}</robot>'
@@ -80,10 +84,12 @@ def _chain(length: int) -> str:
 def _loop() -> str:
     ends = (("a", "b"), ("b", "c"), ("c", "a"))
     joints = "".join(
-        f'<joint name="{x}{y}" type="fixed"><parent link="{x}"/><child link="{y}"/></joint>'
+        f'<joint name="{x}{y}" type="fixed">'
+        f'<parent link="{x}"/><child link="{y}"/></joint>'
         for x, y in ends
     )
-    return f'<robot name="x"><link name="a"/><link name="b"/><link name="c"/>{joints}</robot>'
+    links = '<link name="a"/><link name="b"/><link name="c"/>'
+    return f'<robot name="x">{links}{joints}</robot>'
 
 
 ENTITIES = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10}">' for k in range(1, 12))
@@ -95,16 +101,29 @@ URDFS = {
     ).replace("<robot ", f"<robot {SPACE} ", 1),
     "xinclude": OWN.replace(
         "</robot>",
-        '<xi:include xmlns:xi="http://www.w3.org/2001/XInclude" href="SECRET" parse="text"/></robot>',
+        '<xi:include xmlns:xi="http://www.w3.org/2001/XInclude" '
+        'href="SECRET" parse="text"/></robot>',
     ),
     "style sheet": '<?xml-stylesheet type="text/xsl" href="SECRET"?>'
     + OWN.partition("?>")[2],
-    "external entity": '<!DOCTYPE robot [<!ENTITY x SYSTEM "file://SECRET">]><robot name="&x;"/>',
-    "entity in text": '<!DOCTYPE robot [<!ENTITY x SYSTEM "SECRET">]><robot name="a">&x;</robot>',
-    "parameter entity": '<!DOCTYPE robot [<!ENTITY % x SYSTEM "file://SECRET"> %x;]><robot/>',
-    "external subset": '<!DOCTYPE robot SYSTEM "file://SECRET"><robot><link name="a"/></robot>',
-    "entity bomb": f'<!DOCTYPE robot [<!ENTITY e0 "ha">{ENTITIES}]><robot name="&e11;"/>',
-    "entity loop": '<!DOCTYPE robot [<!ENTITY a "&b;"><!ENTITY b "&a;">]><robot name="&a;"/>',
+    "external entity": (
+        '<!DOCTYPE robot [<!ENTITY x SYSTEM "file://SECRET">]><robot name="&x;"/>'
+    ),
+    "entity in text": (
+        '<!DOCTYPE robot [<!ENTITY x SYSTEM "SECRET">]><robot name="a">&x;</robot>'
+    ),
+    "parameter entity": (
+        '<!DOCTYPE robot [<!ENTITY % x SYSTEM "file://SECRET"> %x;]><robot/>'
+    ),
+    "external subset": (
+        '<!DOCTYPE robot SYSTEM "file://SECRET"><robot><link name="a"/></robot>'
+    ),
+    "entity bomb": (
+        f'<!DOCTYPE robot [<!ENTITY e0 "ha">{ENTITIES}]><robot name="&e11;"/>'
+    ),
+    "entity loop": (
+        '<!DOCTYPE robot [<!ENTITY a "&b;"><!ENTITY b "&a;">]><robot name="&a;"/>'
+    ),
     "comments": "<!--" * 20_000,
     "comments in a robot": "<robot>" + "<!-- " * 16_000,
     "open comments": "<robot>" + "<!-- x -->" * 8_000,
@@ -131,12 +150,23 @@ URDFS = {
     "wide": OWN.encode("utf-16").decode("latin-1"),
     "binary": "".join(map(chr, range(256))) * 400,
 }
-#: Of these the command may say how they differ, or that they agree; all others are refused.
+#: The command may compare these files; it refuses all others.
 ANSWERED = {
     *(f"program {name}" for name in PROGRAMS),
     *(f"mesh {name}" for name in ADDRESSES),
-    "include", "xinclude", "style sheet", "joints", "more joints", "attribute", "screen", "wide", "digits", "power", "columns with rows", "numbers",
-}  # fmt: skip
+    "include",
+    "xinclude",
+    "style sheet",
+    "joints",
+    "more joints",
+    "attribute",
+    "screen",
+    "wide",
+    "digits",
+    "power",
+    "columns with rows",
+    "numbers",
+}
 XACROS = {
     **{
         f"program {name}": f'<robot name="x" {SPACE}><link name="a"/>'
@@ -145,7 +175,10 @@ XACROS = {
         if '"' not in text
     },
     "include": f'<robot name="x" {SPACE}><xacro:include filename="SECRET"/></robot>',
-    "recursion": f'<robot name="x" {SPACE}><xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/></robot>',
+    "recursion": (
+        f'<robot name="x" {SPACE}>'
+        '<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/></robot>'
+    ),
     "power": f'<robot name="x" {SPACE}><link name="${{9**9**9}}"/></robot>',
     "own": OWN,
 }
@@ -285,14 +318,15 @@ def _databases(folder: Path) -> dict[str, Path]:
     topic = "(1, '/joint_states', 'sensor_msgs/msg/JointState', 'cdr', '')"
     kinds = {
         "endless messages": [
-            "CREATE TABLE topics(id, name, type, serialization_format, offered_qos_profiles)",
+            "CREATE TABLE topics"
+            "(id, name, type, serialization_format, offered_qos_profiles)",
             f"INSERT INTO topics VALUES {topic}",
-            "CREATE VIEW messages AS "
-            f"{endless} SELECT i AS id, 1 AS topic_id, i AS timestamp, x'00' AS data FROM n",
+            f"CREATE VIEW messages AS {endless} "
+            "SELECT i AS id, 1 AS topic_id, i AS timestamp, x'00' AS data FROM n",
         ],
         "endless topics": [
-            "CREATE VIEW topics AS "
-            f"{endless} SELECT i AS id, '/t' || i AS name, 'sensor_msgs/msg/JointState' AS type, "
+            f"CREATE VIEW topics AS {endless} "
+            "SELECT i AS id, '/t' || i AS name, 'sensor_msgs/msg/JointState' AS type, "
             "'cdr' AS serialization_format, '' AS offered_qos_profiles FROM n",
             "CREATE TABLE messages(id, topic_id, timestamp, data)",
         ],
@@ -323,7 +357,7 @@ rosbag2_bagfile_information:
 
 
 def _folders(folder: Path, secret: Path, canary: Path) -> dict[str, Path]:
-    """Folders whose ``metadata.yaml`` is a program, grows without end or names other files."""
+    """Folders whose ``metadata.yaml`` is a program, grows or names other files."""
     program = f"!!python/object/apply:os.system ['touch {canary}']"
     bomb = "a0: &a0 [x]\n" + "".join(
         f"a{k}: &a{k} [{f'*a{k - 1},' * 10}]\n" for k in range(1, 9)

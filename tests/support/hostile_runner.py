@@ -1,9 +1,9 @@
-"""Runs the command line on many inputs, each in a child of its own, and says what each child did.
+"""Runs the command line on many inputs, each in a child, and reports on each child.
 
     python hostile_runner.py CASES.json RESULTS.json
 
-A case has ``args`` and a working directory ``folder``. All that is needed is loaded once and each child is
-forked from there, so that its processor time is the input's own.
+A case has ``args`` and a working directory ``folder``. The runner loads all modules
+once and forks each child from there. A child's processor time is then the input's own.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import traceback
 from pathlib import Path
 from typing import Any
 
+# This program runs in a process of its own, without the path of the tests.
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 
 import rosbags.rosbag1
@@ -52,7 +53,7 @@ def warm() -> None:
 
 
 def child(case: dict[str, Any], report: Path) -> int:
-    """What the entry point of ``alpha5`` does with these words; the status that it ends with."""
+    """The exit status of the entry point of ``alpha5`` with these words."""
     os.chdir(case["folder"])
     for descriptor, name in ((1, "out"), (2, "err")):
         file = os.open(f"{report}.{name}", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
@@ -74,12 +75,12 @@ def child(case: dict[str, Any], report: Path) -> int:
             status = 1
     sys.stdout.flush()
     sys.stderr.flush()
-    Path(f"{report}.misdeeds").write_text(json.dumps(misdeeds))
+    Path(f"{report}.misdeeds").write_text(json.dumps(misdeeds), "utf-8")
     return status
 
 
 def tried(case: dict[str, Any], report: Path) -> dict[str, Any]:
-    """Status (negative: a signal), output, misdeeds, processor time [s] and memory [bytes]."""
+    """Status (negative: a signal), output, misdeeds, processor time [s], memory [B]."""
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     pid = os.fork()
     if pid == 0:
@@ -100,7 +101,7 @@ def tried(case: dict[str, Any], report: Path) -> dict[str, Any]:
         "status": os.waitstatus_to_exitcode(state),
         "out": Path(f"{report}.out").read_text("utf-8", "replace"),
         "err": Path(f"{report}.err").read_text("utf-8", "replace"),
-        "misdeeds": json.loads(misdeeds.read_text())
+        "misdeeds": json.loads(misdeeds.read_text("utf-8"))
         if misdeeds.exists()
         else ["no report"],
         "seconds": usage.ru_utime + usage.ru_stime,

@@ -1,8 +1,12 @@
-"""Inverse kinematics with its edges, in long doubles and by half angles: what the kernels are held against."""
+"""Inverse kinematics with its edges, in long doubles and by half angles.
+
+The tests compare the kernels with it.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from fk import FOLDED
@@ -11,7 +15,8 @@ from reference import DH, LOWER, THETA_C, UPPER
 
 MIDDLE = (LOWER + UPPER) / 2
 PHI = THETA_C - math.pi / 2
-#: Rounding that is forgiven: beyond the edge of reach, off the yaw axis [m], beyond a limit [rad].
+#: Allowed rounding: beyond the edge of reach [m], off the yaw axis [m],
+#: beyond a limit [rad].
 EDGE, AXIS, LIMIT = 1e-10, 1e-9, 1e-12
 
 
@@ -23,47 +28,96 @@ def near(angle: np.ndarray, joint: int) -> np.ndarray:
 def on_limit(
     angle: np.ndarray, joint: int, slack: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The angle, on its limit if it passes that by no more than the slack; whether it is within."""
+    """The angle, and whether it is within its limits.
+
+    An angle beyond a limit by no more than the slack is moved onto the limit.
+    """
     clipped = np.clip(angle, LOWER[joint], UPPER[joint])
     fits = np.abs(angle - clipped) <= slack
     return np.where(fits, clipped, angle), fits
 
 
+@dataclass(frozen=True)
+class ElbowTriangle:
+    """Shoulder, elbow and tip at distances ``rho`` of shoulder and tip [m]."""
+
+    rho: np.ndarray
+
+    @property
+    def margin(self) -> np.ndarray:
+        """How far inside the reach the tip is; negative outside [m]."""
+        return np.minimum(L_1 + L_2 - self.rho, self.rho - (L_2 - L_1))
+
+    @property
+    def half_fold(self) -> np.ndarray:
+        below = np.sqrt(np.maximum(self.rho**2 - (L_2 - L_1) ** 2, 0))
+        above = np.sqrt(np.maximum((L_1 + L_2) ** 2 - self.rho**2, 0))
+        return np.arctan2(below, above)
+
+    @property
+    def inner_angle(self) -> np.ndarray:
+        """The angle at the shoulder."""
+        fold = 2 * self.half_fold
+        return np.arctan2(L_2 * np.sin(fold), L_1 - L_2 * np.cos(fold))
+
+    @property
+    def sine(self) -> np.ndarray:
+        """Nearly the sine of the inner angle when stretched, at least 1e-7."""
+        above = (L_1 + L_2) ** 2 - self.rho**2
+        return np.maximum(np.sqrt(np.abs(above) / (L_1 * L_2)), 1e-7)
+
+
+def shoulder_and_elbow(
+    triangle: ElbowTriangle, bearing: np.ndarray, side: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """theta_1, theta_2, and whether both are within their limits."""
+    raw = near(bearing - side * triangle.inner_angle - PHI, 1)
+    theta_1, fits_1 = on_limit(raw, 1, LIMIT + 1e-14 / triangle.sine)
+
+    # Moving theta_1 onto its limit moves the elbow; theta_2 keeps the tip in place.
+    follow = (L_1 + L_2) / L_2 * (theta_1 - raw)
+    raw_2 = near(side * 2 * triangle.half_fold + FOLDED, 2) + follow
+    theta_2, fits_2 = on_limit(raw_2, 2, np.full(len(raw), LIMIT))
+    return theta_1, theta_2, fits_1 & fits_2
+
+
+def yaw(
+    x: np.ndarray, y: np.ndarray, free: np.ndarray, faces: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """theta_0, and whether it is within its limits; on the yaw axis it is free."""
+    azimuth = np.arctan2(y, x) - math.pi + (0 if faces > 0 else math.pi)
+    slack = LIMIT + 1e-15 / np.maximum(np.hypot(x, y), AXIS)
+    theta_0, fits = on_limit(near(azimuth, 0), 0, slack)
+    return np.where(free, MIDDLE[0], theta_0), fits | free
+
+
 def solved(position: np.ndarray, wrist: np.ndarray) -> tuple[np.ndarray, ...]:
-    """q (N, 4, 4), exists and within limits (N, 4), singular (N,), as `alpha5_model.Solutions` has them."""
+    """q (N, 4, 4), exists and within limits (N, 4), singular (N,).
+
+    These are the fields of `alpha5_model.Solutions`.
+    """
     x, y, z = position.astype(np.longdouble).T
-    distance, h = np.hypot(x, y), z - DH[0][0] / 1e3
-    free = distance <= AXIS
+    height = z - DH[0][0] / 1e3
+    free = np.hypot(x, y) <= AXIS
+    theta_3, fits_3 = on_limit(near(wrist, 3), 3, np.full(len(position), LIMIT))
+
     q = np.empty((len(position), 4, 4))
     exists, within = np.empty((2, len(position), 4), bool)
     singular = free.copy()
-    least = np.full(len(position), LIMIT)
-    theta_3, fits_3 = on_limit(near(wrist, 3), 3, least)
     for branch in range(4):
-        faces, side = (1 if branch % 2 == 0 else -1), (1 if branch < 2 else -1)
-        r = faces * np.where(free, 0.0, distance) - DH[0][2] / 1e3
-        rho = np.hypot(r, h)
-        left = np.minimum(L_1 + L_2 - rho, rho - (L_2 - L_1))
-        exists[:, branch] = left >= -EDGE
-        singular |= exists[:, branch] & (left <= 1e-9)
-        azimuth = np.arctan2(y, x) - math.pi + (0 if faces > 0 else math.pi)
-        theta_0, fits_0 = on_limit(
-            near(azimuth, 0), 0, LIMIT + 1e-15 / np.maximum(distance, AXIS)
+        faces = 1 if branch % 2 == 0 else -1
+        side = 1 if branch < 2 else -1
+        theta_0, fits_0 = yaw(x, y, free, faces)
+        r = faces * np.where(free, 0.0, np.hypot(x, y)) - DH[0][2] / 1e3
+        triangle = ElbowTriangle(np.hypot(r, height))
+        theta_1, theta_2, fits_12 = shoulder_and_elbow(
+            triangle, np.arctan2(height, r), side
         )
-        theta_0 = np.where(free, MIDDLE[0], theta_0)
-        above, below = (L_1 + L_2) ** 2 - rho**2, rho**2 - (L_2 - L_1) ** 2
-        half = np.arctan2(*(np.sqrt(np.maximum(part, 0)) for part in (below, above)))
-        inner = np.arctan2(L_2 * np.sin(2 * half), L_1 - L_2 * np.cos(2 * half))
-        raw = near(np.arctan2(h, r) - side * inner - PHI, 1)
-        sine = np.maximum(np.sqrt(np.abs(above) / (L_1 * L_2)), 1e-7)
-        theta_1, fits_1 = on_limit(raw, 1, LIMIT + 1e-14 / sine)
-        theta_2 = near(side * 2 * half + FOLDED, 2) + (L_1 + L_2) / L_2 * (
-            theta_1 - raw
-        )
-        theta_2, fits_2 = on_limit(theta_2, 2, least)
+
+        exists[:, branch] = triangle.margin >= -EDGE
+        singular |= exists[:, branch] & (triangle.margin <= 1e-9)
         q[:, branch] = np.stack([theta_0, theta_1, theta_2, theta_3], axis=-1)
-        within[:, branch] = (
-            exists[:, branch] & (fits_0 | free) & fits_1 & fits_2 & fits_3
-        )
+        within[:, branch] = exists[:, branch] & fits_0 & fits_12 & fits_3
+
     q[~exists] = np.nan
     return q, exists, within, singular

@@ -13,7 +13,7 @@ EDGES = ("axis", "stretched", "folded", *(f"limit_{joint}" for joint in range(4)
 
 
 def ordinary(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Half of them reached by a random joint position, half anywhere; (N, 3) and wrists (N,)."""
+    """Targets (N, 3) and wrists (N,): half reached at random q, half anywhere."""
     rng = np.random.default_rng(seed)
     reached, anywhere = (
         tip(sample(count // 2, seed)),
@@ -27,7 +27,7 @@ def ordinary(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 def at_edge(
     edge: str, count: int, seed: int, gap: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Targets that an edge runs through but for a gap of either sign, (count,) [m or rad]."""
+    """Targets beside an edge, at a gap of either sign, (count,) [m or rad]."""
     rng, q = np.random.default_rng(seed), sample(count, seed)
     if edge.startswith("limit"):
         joint = int(edge[-1])
@@ -46,7 +46,10 @@ def at_edge(
 
 
 def elbow_and_tip(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Both in the plane of the arm that turns, (..., 3) each [m]: faster than the product of matrices."""
+    """Elbow and tip (..., 3) [m], both drawn in the turned plane of the arm.
+
+    This is faster than the product of matrices.
+    """
     azimuth, phi = q[..., 0] + math.pi, q[..., 1] + math.atan(40 / 145.3) - math.pi / 2
     turned = phi - q[..., 2] + STRETCHED
     r, z = 0.020 + L_1 * np.cos(phi), 0.0462 + L_1 * np.sin(phi)

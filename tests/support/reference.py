@@ -1,8 +1,9 @@
-"""The document's kinematics, typed again for the tests, and Tables 2 and 3: an independent second route.
+"""The document's kinematics and Tables 2 and 3, a second route for the tests.
 
-No code here comes from the package. The tables are read from its data file as text, which
-`tests/numbers` compares with the document. Lengths in mm, volumes in L, inertias in kg mm^2 with SolidWorks signs;
-lists run from link_0 to link_4.
+No code here comes from the package. The kinematics is typed again; the tables are read
+from the package's data file as text, which `tests/numbers` compares with the document.
+Lengths are in mm, volumes in L, inertias in kg mm^2 with SolidWorks' signs. Lists run
+from link_0 to link_4.
 """
 
 from __future__ import annotations
@@ -80,14 +81,14 @@ def dh_frames(q: np.ndarray) -> list[np.ndarray]:
 
 
 def inertial_frames(q: np.ndarray) -> list[np.ndarray]:
-    """Inertial frames {0} to {4}, Section 2: each at the DH frame before it, after the rotation."""
+    """Inertial frames {0} to {4} of Section 2: the DH frame before each, rotated."""
     frames = dh_frames(q)
     turned = [frames[i] @ rotation_z(q[i] + DH[i][1]) for i in range(4)]
     return [np.eye(4), *turned]
 
 
 def configurations(count: int, seed: int) -> np.ndarray:
-    """Random configurations within the limits, the corners of the limits among them, (N, 4)."""
+    """Random positions (N, 4) within the limits, and the corners of the limits."""
     rng = np.random.default_rng(seed)
     corners = np.array(np.meshgrid(*zip(LOWER, UPPER, strict=True))).reshape(4, -1).T
     return np.vstack([corners, rng.uniform(LOWER, UPPER, (count - len(corners), 4))])

@@ -1,4 +1,4 @@
-"""Where recordings of a real arm are, if they are: beside the checkout, or in ALPHA5_RECORDINGS."""
+"""The folder of recordings of a real arm: beside the checkout, or ALPHA5_RECORDINGS."""
 
 from __future__ import annotations
 

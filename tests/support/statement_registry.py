@@ -1,6 +1,6 @@
 """Numbers in the documentation, each beside the function that computes it again.
 
-A statement has a page, its words with ``{}`` for each number, and a function that returns
+A statement has a page, its words with ``{}`` for each number, and a function that gives
 a figure for each. The page must agree with the figures to the digits that it prints.
 `test_statements_complete.py` looks for numbers that have no statement.
 """
@@ -56,7 +56,7 @@ class Statement:
 
     Attributes:
         page: From the repository's root.
-        words: As they stand in the page, ``{}`` in place of each number that is computed.
+        words: As they stand in the page, with ``{}`` in place of each computed number.
         figures: Returns one figure for each number, in their order.
         marks: Of pytest.
     """

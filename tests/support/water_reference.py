@@ -1,7 +1,7 @@
 """Table 3 and the arm in water by Pinocchio: the reference for every other tool.
 
-The displaced fluid is a second model that holds the mass of the displaced fluid as a point at each
-centre of buoyancy; its weight, negated, is the buoyancy.
+The displaced fluid is a second model. It holds the mass of the displaced fluid as a
+point at each centre of buoyancy; its weight, negated, is the buoyancy.
 """
 
 from __future__ import annotations

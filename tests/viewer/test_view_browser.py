@@ -1,4 +1,7 @@
-"""The demo's page and the live viewer in a real browser: what is on the canvas, and what moves it."""
+"""The demo's page and the live viewer in a real browser.
+
+Tests compare what is on the canvas, and what moves it.
+"""
 
 from __future__ import annotations
 
@@ -54,20 +57,14 @@ def arm() -> a5.Arm:
     return a5.load(gripper="jaws")
 
 
-def only(page: Tab, *groups: str) -> None:
-    page.run(
-        "(shown) => { for (const g of alpha5.data.groups) alpha5.setGroup(g.name, shown.includes(g.name)); }",
-        list(groups),
-    )
-
-
 def slide(page: Tab, joint: str, value: float) -> None:
     """Move a slider as a hand does: set it and let it say so."""
-    page.run(
-        "([joint, value]) => { const s = document.querySelector(`#joints input[name=${joint}]`);"
-        "s.value = value; s.dispatchEvent(new Event('input')); }",
-        [joint, value],
-    )
+    script = """([joint, value]) => {
+      const slider = document.querySelector(`#joints input[name=${joint}]`);
+      slider.value = value;
+      slider.dispatchEvent(new Event('input'));
+    }"""
+    page.run(script, [joint, value])
     page.settle()
 
 
@@ -81,11 +78,13 @@ def wait_for(condition: Callable[[], Any], seconds: float = 10.0) -> None:
 
 def shown_pose(page: Tab, link: str) -> np.ndarray:
     """Pose of a link as three.js has it in its scene."""
-    elements = page.run(
-        "(link) => { const n = alpha5.viewer.scene_tree.find(['meshcat', 'alpha5', 'bodies', link]).object;"
-        "n.updateMatrix(); return n.matrix.elements; }",
-        link,
-    )
+    script = """(link) => {
+      const path = ['meshcat', 'alpha5', 'bodies', link];
+      const node = alpha5.viewer.scene_tree.find(path).object;
+      node.updateMatrix();
+      return node.matrix.elements;
+    }"""
+    elements = page.run(script, link)
     return np.reshape(elements, (4, 4)).T
 
 
@@ -106,13 +105,13 @@ def test_the_page_could_not_ask_for_more_if_it_tried(page: Tab) -> None:
 
 
 def test_the_canvas_shows_an_arm(page: Tab) -> None:
-    only(page, "bodies")
+    page.show_only("bodies")
     seen = page.pixels()
     assert seen.shape == (SIZE[1], SIZE[0], 3)
     assert seen.std() > 15
     dark = seen.max(axis=2) < 110
     assert 0.01 < dark.mean() < 0.4
-    only(page)
+    page.show_only()
     empty = page.pixels()
     assert not (empty.max(axis=2) < 110).any(), (
         "without the bodies there is only the backdrop"
@@ -149,7 +148,7 @@ def test_a_slider_moves_the_links_beyond_it_and_no_others(
     still: list[str],
     moving: list[str],
 ) -> None:
-    only(page, "bodies")
+    page.show_only("bodies")
     before = page.pixels()
     home = pose_of(arm, "home")
     slide(page, joint, value)
@@ -160,10 +159,16 @@ def test_a_slider_moves_the_links_beyond_it_and_no_others(
         expected = arm.forward_kinematics(q, frame=link).homogeneous
         np.testing.assert_allclose(shown_pose(page, link), expected, atol=1e-6)
     changed = np.abs(after - before).max(axis=2) > 20
-    # a point inside each link's body: where that link was, the canvas changes or does not
-    inside = {"link_0": (-0.09, 0, 0), "link_1": (0, 0, 0.03), "link_2": (0.07, 0, 0),
-              "link_3": (0.0, -0.018, 0), "link_4": (0, 0, -0.09),
-              "finger_1": (0.013, 0.04, 0), "finger_2": (-0.013, -0.04, 0)}  # fmt: skip
+    # A point inside each link's body: the canvas changes there if the link moved.
+    inside = {
+        "link_0": (-0.09, 0, 0),
+        "link_1": (0, 0, 0.03),
+        "link_2": (0.07, 0, 0),
+        "link_3": (0.0, -0.018, 0),
+        "link_4": (0, 0, -0.09),
+        "finger_1": (0.013, 0.04, 0),
+        "finger_2": (-0.013, -0.04, 0),
+    }
 
     def around(link: str, position: np.ndarray) -> np.ndarray:
         point = arm.forward_kinematics(position, frame=link).act(np.array(inside[link]))
@@ -199,10 +204,10 @@ def test_random_sliders_agree_with_pinocchio(page: Tab, arm: a5.Arm) -> None:
         np.testing.assert_allclose(
             tcp, 1e3 * arm.forward_kinematics(q).translation, atol=0.051
         )
-        marker = page.run(
-            "() => { const n = alpha5.viewer.scene_tree.find(['meshcat', 'alpha5', 'com', 'arm']).object;"
-            "return n.position.toArray(); }"
-        )
+        marker = page.run("""() => {
+          const path = ['meshcat', 'alpha5', 'com', 'arm'];
+          return alpha5.viewer.scene_tree.find(path).object.position.toArray();
+        }""")
         np.testing.assert_allclose(marker, arm.center_of_mass(q), atol=1e-9)
 
 
@@ -222,11 +227,13 @@ def test_generated_formulas_agree_with_python(page: Tab, arm: a5.Arm) -> None:
             np.testing.assert_allclose(pose, expected, atol=1e-9)
         np.testing.assert_allclose(torque, arm.hydrostatic_torque(q)[:4], atol=1e-9)
         target, wrist = np.array(frames["tcp"])[:3, 3], float(rng.uniform(-3, 9))
-        found = page.run(
-            "([p, w]) => { const s = formulas.inverse_kinematics(p, w); s.q = s.q.map((row) => "
-            "row.map((x) => Number.isNaN(x) ? null : x)); return s; }",
-            [target.tolist(), wrist],
-        )
+        solve = """([p, w]) => {
+          const solution = formulas.inverse_kinematics(p, w);
+          const nullable = (x) => Number.isNaN(x) ? null : x;
+          solution.q = solution.q.map((row) => row.map(nullable));
+          return solution;
+        }"""
+        found = page.run(solve, [target.tolist(), wrist])
         expected = a5.inverse_kinematics(target, wrist)
         np.testing.assert_allclose(np.array(found["q"], float), expected.q, atol=1e-9)
         assert found["exists"] == expected.exists.tolist()
@@ -279,7 +286,7 @@ def coloured(pixels: np.ndarray, strong: int, weak: int) -> int:
     ],
 )
 def test_switches_show_and_hide(page: Tab, group: str, strong: int, weak: int) -> None:
-    only(page, "bodies")
+    page.show_only("bodies")
     assert coloured(page.pixels(), strong, weak) == 0
     box = page.page.locator(f"#groups input[name='{group}']")
     box.click()
@@ -292,7 +299,7 @@ def test_switches_show_and_hide(page: Tab, group: str, strong: int, weak: int) -
     "group", ["frames", "workspace", "surface", "ghosts", "see-through"]
 )
 def test_every_other_switch_changes_the_canvas(page: Tab, group: str) -> None:
-    only(page, "bodies")
+    page.show_only("bodies")
     before = page.pixels()
     page.page.locator(f"#groups input[name='{group}']").click()
     assert (np.abs(page.pixels() - before).max(axis=2) > 10).sum() > 1000
@@ -301,7 +308,7 @@ def test_every_other_switch_changes_the_canvas(page: Tab, group: str) -> None:
 
 
 def test_the_current_has_an_arrow_and_is_in_the_torques(page: Tab, arm: a5.Arm) -> None:
-    """Off it is not there; on, what holds a joint includes the load that Pinocchio's route finds."""
+    """Switched on, the torques include the load that Pinocchio's route finds."""
     wet, rng = arm.with_hydrodynamics((1.0, 0.0, 0.0)), np.random.default_rng(5)
     lower, upper = (
         [getattr(j, end) for j in a5.parameters().joints] for end in ("lower", "upper")
@@ -310,13 +317,14 @@ def test_the_current_has_an_arrow_and_is_in_the_torques(page: Tab, arm: a5.Arm) 
         q = rng.uniform(lower, upper)
         page.run("(q) => alpha5.setPose(q)", q.tolist())
         for groups, load in (((), np.zeros(5)), (("current",), wet.current_load(q)[0])):
-            only(page, "bodies", *groups)
-            shown = page.run(
-                "() => [...document.querySelectorAll('#joints .torque')].map((e) => Number(e.dataset.value))"
-            )
+            page.show_only("bodies", *groups)
+            shown = page.run("""() => {
+              const torques = [...document.querySelectorAll('#joints .torque')];
+              return torques.map((e) => Number(e.dataset.value));
+            }""")
             expected = arm.hydrostatic_torque(q) + load
             np.testing.assert_allclose(shown[:4], expected[:4], atol=1e-6)
-    only(page, "bodies")
+    page.show_only("bodies")
     before = page.pixels()
     page.page.locator("#groups input[name='current']").click()
     assert (np.abs(page.pixels() - before).max(axis=2) > 10).sum() > 200
@@ -326,11 +334,14 @@ def test_the_current_has_an_arrow_and_is_in_the_torques(page: Tab, arm: a5.Arm) 
 
 def test_labels_stand_beside_what_they_name(page: Tab, arm: a5.Arm) -> None:
     page.settle()
-    found = page.run(
-        "() => [...document.querySelectorAll('#labels div')].filter((d) => d.style.display !== 'none')"
-        ".map((d) => [d.textContent, d.getBoundingClientRect().left, d.getBoundingClientRect().top, "
-        "d.getBoundingClientRect().right, d.getBoundingClientRect().bottom])"
-    )
+    found = page.run("""() => {
+      const labels = [...document.querySelectorAll('#labels div')];
+      const shown = labels.filter((d) => d.style.display !== 'none');
+      return shown.map((d) => {
+        const { left, top, right, bottom } = d.getBoundingClientRect();
+        return [d.textContent, left, top, right, bottom];
+      });
+    }""")
     labels = {text: box for text, *box in found}
     assert {"tcp", "axis_e", "axis_c", "centre of mass"} <= set(labels)
     q = pose_of(arm, "home")
@@ -350,9 +361,10 @@ def test_labels_stand_beside_what_they_name(page: Tab, arm: a5.Arm) -> None:
             )
     page.page.locator("#groups input[name='labels']").click()
     page.settle()
-    assert page.run(
-        "() => [...document.querySelectorAll('#labels div')].every((d) => d.style.display === 'none')"
-    )
+    assert page.run("""() => {
+      const labels = [...document.querySelectorAll('#labels div')];
+      return labels.every((d) => d.style.display === 'none');
+    }""")
 
 
 @pytest.mark.parametrize("name", list(NAMED_POSES))
@@ -412,7 +424,7 @@ def test_live_viewer(chromium: Any) -> None:
     try:
         tab.open(visualizer.url())
         tab.page.wait_for_function("() => Math.abs(alpha5.q.axis_e - 2.0) < 1e-9")
-        only(tab, "bodies")
+        tab.show_only("bodies")
         first = tab.pixels()
         assert (first.max(axis=2) < 110).mean() > 0.01
         # Python moves the page: bodies, sliders, readout
@@ -435,7 +447,7 @@ def test_live_viewer(chromium: Any) -> None:
             "() => document.querySelector(\"input[name='weight']\").checked"
         )
         assert coloured(tab.pixels(), 0, 2) > 150
-        # playing while a browser looks is not faster than real time; a busy machine is slower
+        # With a browser, playing is not faster than real time; it may be slower.
         track = np.linspace(
             [1.0, 1.0, 1.0, 1.0, 0.002], [2.0, 2.0, 2.0, 2.0, 0.012], 50
         )
@@ -509,9 +521,11 @@ def test_the_sliders_read_any_angle_off_the_scene(chromium: Any) -> None:
         tab.open(visualizer.url())
         for angle in (0.02, math.pi, 6.1):
             visualizer.display([angle, 0.02, 3.4, angle])
-            tab.page.wait_for_function(
-                f"() => Math.abs(alpha5.q.axis_b - {angle}) + Math.abs(alpha5.q.axis_e - {angle}) < 1e-7"
+            distance = (
+                f"Math.abs(alpha5.q.axis_b - {angle})"
+                f" + Math.abs(alpha5.q.axis_e - {angle})"
             )
+            tab.page.wait_for_function(f"() => {distance} < 1e-7")
     finally:
         tab.page.close()
         visualizer.close()
@@ -519,11 +533,11 @@ def test_the_sliders_read_any_angle_off_the_scene(chromium: Any) -> None:
 
 def said(tab: Tab) -> str:
     """The messages of a page, one a line."""
-    return "\n".join(
-        tab.run(
-            "() => [...document.querySelectorAll('#message p')].map((p) => p.textContent)"
-        )
-    )
+    paragraphs = tab.run("""() => {
+      const paragraphs = [...document.querySelectorAll('#message p')];
+      return paragraphs.map((p) => p.textContent);
+    }""")
+    return "\n".join(paragraphs)
 
 
 def type_into(tab: Tab, field: str, text: str) -> None:
@@ -543,7 +557,8 @@ def test_a_page_checks_what_is_typed(chromium: Any) -> None:
     low, high = np.rad2deg([LOWER[3], UPPER[3]])
     range_b = f"its range is {low:.1f}° to {high:.1f}°. It stays at 22.9°."
     ends = a5.parameters().joints[4]
-    rod = f"its range is {1e3 * ends.lower:.1f} mm to {1e3 * ends.upper:.1f} mm. It stays at 5.0 mm."
+    range_rod = f"{1e3 * ends.lower:.1f} mm to {1e3 * ends.upper:.1f} mm"
+    rod = f"its range is {range_rod}. It stays at 5.0 mm."
     try:
         tab.open(visualizer.url())
         for text, message in {
@@ -559,9 +574,10 @@ def test_a_page_checks_what_is_typed(chromium: Any) -> None:
             assert tab.page.input_value("#axis_b-value") == "22.92"
         type_into(tab, "#axis_a-value", "50")
         assert said(tab) == f"axis_a cannot go to 50 mm: {rod}"
+        between = "it must lie between \u221210000 and 10000 mm."
         for text, message in {
-            "1e60": "The target's y cannot be 1e60 mm: it must lie between \u221210000 and 10000 mm.",
-            "e": "The target's y needs a number: it must lie between \u221210000 and 10000 mm.",
+            "1e60": f"The target's y cannot be 1e60 mm: {between}",
+            "e": f"The target's y needs a number: {between}",
         }.items():
             type_into(tab, "#target input[name=y]", "50")
             assert said(tab) == ""
@@ -570,7 +586,8 @@ def test_a_page_checks_what_is_typed(chromium: Any) -> None:
             assert tab.page.input_value("#target input[name=y]") == ""
         assert seen == []
         assert visualizer.q.tolist() == start
-        # a limit as the page shows it, rounded beyond itself, is the limit, and takes the message away
+        # A limit as the page shows it is rounded beyond itself; it counts as the limit.
+        # It takes the message away.
         shown = f"{math.degrees(UPPER[1]):.2f}"
         assert math.radians(float(shown)) > UPPER[1]
         type_into(tab, "#axis_d-value", shown)
@@ -603,7 +620,7 @@ def test_a_page_that_is_refused_says_so_and_goes_back(chromium: Any) -> None:
         assert tab.run("() => alpha5.q.axis_e") == 2.0
         assert visualizer.q.tolist() == [2.0, 1.0, 2.2, 9.0]
         assert seen == []
-        # what a hand moves is within the limits, and so is a joint that Python showed beyond
+        # What a hand moves stays within the limits, also if Python showed it beyond.
         slide(tab, "axis_d", 0.5)
         wait_for(lambda: seen and seen[-1].tolist() == [2.0, 0.5, 2.2, UPPER[3]])
         tab.page.wait_for_function(f"() => alpha5.q.axis_b === {float(UPPER[3])!r}")
@@ -615,9 +632,10 @@ def test_a_page_that_is_refused_says_so_and_goes_back(chromium: Any) -> None:
             "5",
             "undefined",
         ):
-            refused = tab.run(
-                f"() => {{ try {{ alpha5.setPose({wrong}); }} catch (error) {{ return error.message; }} }}"
-            )
+            refused = tab.run(f"""() => {{
+              try {{ alpha5.setPose({wrong}); }}
+              catch (error) {{ return error.message; }}
+            }}""")
             assert "expected 4 finite numbers" in refused
         assert tab.complaints == []
     finally:
@@ -675,7 +693,7 @@ def test_a_page_survives_what_it_cannot_read(chromium: Any) -> None:
 
 
 def test_a_page_is_asked_for_its_picture(chromium: Any) -> None:
-    """With what another program put into it, which Python's own drawing does not know."""
+    """The picture has what another program added, which Python's drawing lacks."""
     import meshcat.geometry
 
     visualizer = a5.view(a5.load())

@@ -1,4 +1,7 @@
-"""The page under a hand, in a real browser: drag, ghosts, views, limits, strip, layout; two windows, two schemes."""
+"""The page under a hand, in a real browser with two window sizes and two schemes.
+
+Covered: drag, ghosts, views, limits, strip and layout.
+"""
 
 from __future__ import annotations
 
@@ -68,7 +71,10 @@ def files(
 
 @pytest.fixture(scope="module")
 def tabs(chromium: Any, files: dict[str, Path]) -> Iterator[dict[str, Tab]]:
-    """A page with a motion in a window of each size, one opened in the dark; a page costs seconds."""
+    """A page with a motion in a window of each size, one in the dark.
+
+    The tests share them because a page costs seconds.
+    """
     out = {}
     for name in ("wide dark", "phone light"):
         size, scheme = WINDOWS[name]
@@ -88,10 +94,13 @@ def tab(tabs: dict[str, Tab], request: pytest.FixtureRequest) -> Tab:
     name = getattr(request, "param", "wide light")
     one = tabs[name.split()[0]]
     one.page.emulate_media(color_scheme=WINDOWS[name][1])
-    one.run(
-        "() => { alpha5.pause(); alpha5.setAim(null); alpha5.setPose(alpha5.data.poses.home);"
-        "for (const g of alpha5.data.groups) alpha5.setGroup(g.name, g.shown); alpha5.look('home', false); }"
-    )
+    one.run("""() => {
+      alpha5.pause();
+      alpha5.setAim(null);
+      alpha5.setPose(alpha5.data.poses.home);
+      for (const g of alpha5.data.groups) alpha5.setGroup(g.name, g.shown);
+      alpha5.look('home', false);
+    }""")
     one.settle()
     return one
 
@@ -112,7 +121,7 @@ def joints(tab: Tab) -> np.ndarray:
 
 
 def drag(tab: Tab, pixels: tuple[float, float], release: bool = True) -> np.ndarray:
-    """Drag the tip by its handle; the point that the pointer asks for, by the camera's matrices."""
+    """Drag the tip by its handle; the point that the camera's matrices put there."""
     start = np.array(tab.run("() => alpha5.poses().tcp.elements.slice(12, 15)"))
     goal = tab.shifted(start, pixels)
     box = tab.page.locator("#tip").bounding_box()
@@ -210,7 +219,10 @@ def outline(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
 
 
 def centres(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
-    """Points within upper arm and forearm: their centres of buoyancy; the line of `outline` leaves them at the elbow."""
+    """Points within upper arm and forearm: their centres of buoyancy.
+
+    The line of `outline` leaves the bodies at the elbow.
+    """
     links = a5.parameters().links
     return np.array(
         [arm.forward_kinematics(q, frame=f"link_{i}").act(links[i].cob) for i in (2, 4)]
@@ -243,10 +255,10 @@ def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
     tab.page.mouse.click(x, y)
     after = joints(tab)
     np.testing.assert_allclose(after[:4], ways.q[chosen], atol=1e-9)
-    # what equals the arm is not drawn any more, the way that it left is
-    seen = tab.run(
-        "() => alpha5.ghosts.map((g) => g.group.visible && Object.values(g.links).some((l) => l.visible))"
-    )
+    # A ghost that equals the arm is hidden; the pose that the arm left is a ghost now.
+    seen = tab.run("""() => alpha5.ghosts.map(
+      (g) => g.group.visible && Object.values(g.links).some((l) => l.visible)
+    )""")
     assert seen == [i != chosen for i in range(4)]
     tab.page.mouse.click(float(tab.size()[0]) - 5, 450)  # where there is no ghost
     np.testing.assert_array_equal(joints(tab), after)
@@ -277,10 +289,17 @@ def body_points(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
     """Corners of all bodies in the world."""
     folder = str(Path(JAWS_URDF_PATH).parent)
     parts = []
-    for shape in urdf_shapes(Path(JAWS_URDF_PATH).read_text()):
+    for shape in urdf_shapes(Path(JAWS_URDF_PATH).read_text("utf-8")):
         pose = arm.forward_kinematics(q, frame=shape.link).homogeneous
         parts.append(drawn(shape, folder).vertices[::7] @ pose[:3, :3].T + pose[:3, 3])
     return np.concatenate(parts)
+
+
+#: The direction from the centre of the view to the camera, in three.js's axes.
+_CAMERA_DIRECTION = """() => {
+  const { camera, controls } = alpha5.viewer;
+  return camera.position.clone().sub(controls.target).normalize().toArray();
+}"""
 
 
 @every_window
@@ -303,10 +322,7 @@ def test_views_by_button_and_key_frame_the_whole_motion(
         else:
             tab.page.get_by_role("button", name=name, exact=True).click()
         tab.settle()
-        x, y, z = tab.run(
-            "() => alpha5.viewer.camera.position.clone().sub(alpha5.viewer.controls.target)"
-            ".normalize().toArray()"
-        )
+        x, y, z = tab.run(_CAMERA_DIRECTION)
         np.testing.assert_allclose([x, -z, y], back, atol=2e-4)
         left, top, right, bottom = tab.run("() => alpha5.free()")
         seen = tab.project(points)
@@ -321,10 +337,9 @@ def test_a_view_turned_by_hand_is_fitted_as_it_looks(tab: Tab) -> None:
     tab.page.mouse.down()
     tab.page.mouse.move(1000, 260, steps=2)
     tab.page.mouse.up()
-    back = "() => alpha5.viewer.camera.position.clone().sub(alpha5.viewer.controls.target).normalize().toArray()"
-    before = tab.run(back)
+    before = tab.run(_CAMERA_DIRECTION)
     tab.page.keyboard.press("f")
-    np.testing.assert_allclose(tab.run(back), before, atol=1e-9)
+    np.testing.assert_allclose(tab.run(_CAMERA_DIRECTION), before, atol=1e-9)
 
 
 def test_the_scale_bar_is_as_long_as_it_says(tab: Tab) -> None:
@@ -333,10 +348,11 @@ def test_the_scale_bar_is_as_long_as_it_says(tab: Tab) -> None:
     x, _, z = tab.run("() => alpha5.viewer.controls.target.toArray()")
     middle = np.array([x, 0.0, 0.0])
     y = -z
-    bars = tab.run(
-        "() => [...document.querySelectorAll('#scale div:not([hidden])')].map((d) => [d.textContent, "
-        "Number(d.dataset.size), d.querySelector('i').getBoundingClientRect().width])"
-    )
+    bars = tab.run("""() => {
+      const bars = [...document.querySelectorAll('#scale div:not([hidden])')];
+      const width = (bar) => bar.querySelector('i').getBoundingClientRect().width;
+      return bars.map((d) => [d.textContent, Number(d.dataset.size), width(d)]);
+    }""")
     assert [text.split()[1] for text, *_ in bars] == ["mm", "N"]
     for (_, size, width), metres in zip(bars, (1e-3, 0.015), strict=True):
         ends = np.array([[middle[0], y, 0.0], [middle[0] + size * metres, y, 0.0]])
@@ -345,10 +361,12 @@ def test_the_scale_bar_is_as_long_as_it_says(tab: Tab) -> None:
 
 
 def beyond(tab: Tab) -> tuple[str, list[str]]:
-    return tab.run(
-        "() => [document.querySelector('#message').textContent, "
-        "[...document.querySelectorAll('.joint.beyond label')].map((l) => l.textContent)]"
-    )
+    """The message, and the names of the joints that are marked."""
+    return tab.run("""() => {
+      const labels = [...document.querySelectorAll('.joint.beyond label')];
+      const message = document.querySelector('#message').textContent;
+      return [message, labels.map((l) => l.textContent)];
+    }""")
 
 
 def red(pixels: np.ndarray) -> int:
@@ -365,9 +383,7 @@ def test_joints_beyond_their_limits_are_marked(
     said, rows = beyond(tab)
     assert said == "axis_b at 515.7° is above its upper limit, 355.2°."
     assert rows == ["axis_b"]
-    tab.run(
-        "() => { for (const g of alpha5.data.groups) alpha5.setGroup(g.name, g.name === 'bodies'); }"
-    )
+    tab.show_only("bodies")
     assert red(tab.pixels()) > 1500
     # typed in radians, within its limits
     tab.page.get_by_role("button", name="rad", exact=True).click()
@@ -422,11 +438,11 @@ def test_the_strip_shows_what_python_computes_there(
     }
     causes["total"] = analysis.torque
     del causes["friction"]
-    read = (
-        "() => [...document.querySelectorAll('#charts figure')].map((f) => Object.fromEntries("
-        "[...f.querySelectorAll('.item')].map((i) => [i.dataset.curve, "
-        "Number(i.querySelector('output').dataset.value)])))"
-    )
+    read = """() => [...document.querySelectorAll('#charts figure')].map((figure) => {
+      const items = [...figure.querySelectorAll('.item')];
+      const value = (item) => Number(item.querySelector('output').dataset.value);
+      return Object.fromEntries(items.map((i) => [i.dataset.curve, value(i)]));
+    })"""
     for joint, at in ((1, 0.3), (2, 0.62), (4, 0.8)):
         tab.page.select_option("#torque-of", index=joint)
         tab.run("(t) => alpha5.seek(t)", at * time[-1])
@@ -489,29 +505,55 @@ def test_picture_and_film_hold_what_is_seen(tab: Tab, moved: Motion) -> None:
         assert image.size == shot.shape[1::-1]
 
 
+#: Texts that are cut, that leave the panel or that lie over another element.
 _CLIPPED = """() => {
+  const neighbours =
+    "figcaption *, #player > *, .joint > *, #target > *, header > *";
+  const overlap = (a, b) =>
+    a.left < b.right - 1 && a.right > b.left + 1 &&
+    a.top < b.bottom - 1 && a.bottom > b.top + 1;
+  const related = (one, other) =>
+    other.contains(one) || one.contains(other) ||
+    other.parentElement !== one.parentElement;
   const bad = [];
   for (const element of document.querySelectorAll("body *")) {
-    if (element.closest("#pane, script, .dg, #labels, option") || !element.checkVisibility()) continue;
-    const texts = [...element.childNodes].filter((n) => n.nodeType === 3 && n.textContent.trim());
+    const skipped = element.closest("#pane, script, .dg, #labels, option");
+    if (skipped || !element.checkVisibility()) continue;
+    const nodes = [...element.childNodes];
+    const texts = nodes.filter((n) => n.nodeType === 3 && n.textContent.trim());
     if (!texts.length && element.tagName !== "SELECT") continue;
     const box = element.getBoundingClientRect();
     const range = document.createRange();
     range.selectNodeContents(element);
     const ink = element.tagName === "SELECT" ? box : range.getBoundingClientRect();
     const scroll = element.closest("#panel");
-    const edge = scroll ? scroll.getBoundingClientRect() : { left: 0, right: innerWidth };
-    if (element.scrollWidth > element.clientWidth + 1 && getComputedStyle(element).display !== "inline")
+    const page = { left: 0, right: innerWidth };
+    const edge = scroll ? scroll.getBoundingClientRect() : page;
+    const inline = getComputedStyle(element).display === "inline";
+    if (element.scrollWidth > element.clientWidth + 1 && !inline)
       bad.push(["cut", element.textContent]);
-    if (ink.left < edge.left - 0.5 || ink.right > edge.right + 0.5) bad.push(["outside", element.textContent]);
-    for (const other of document.querySelectorAll("figcaption *, #player > *, .joint > *, #target > *, header > *")) {
-      if (other.contains(element) || element.contains(other) || other.parentElement !== element.parentElement) continue;
+    if (ink.left < edge.left - 0.5 || ink.right > edge.right + 0.5)
+      bad.push(["outside", element.textContent]);
+    for (const other of document.querySelectorAll(neighbours)) {
+      if (related(element, other)) continue;
       const b = other.getBoundingClientRect();
-      if (b.width && ink.left < b.right - 1 && ink.right > b.left + 1 && ink.top < b.bottom - 1 && ink.bottom > b.top + 1)
+      if (b.width && overlap(ink, b))
         bad.push(["over", element.textContent, other.textContent]);
     }
   }
   return bad;
+}"""
+
+#: Controls that are smaller than a finger.
+_SMALL = """() => {
+  const all = "button, input, select, #groups label";
+  const touched = (e) =>
+    e.checkVisibility() && !e.closest("#labels, .dg") && e.type !== "checkbox";
+  return [...document.querySelectorAll(all)]
+    .filter(touched)
+    .map((e) => [e.id || e.name || e.textContent, e.getBoundingClientRect()])
+    .filter(([, b]) => b.width < 40 || b.height < 40)
+    .map(([name, b]) => [name, b.width, b.height]);
 }"""
 
 
@@ -530,18 +572,13 @@ def test_no_text_is_cut_and_nothing_lies_on_it(tab: Tab) -> None:
         box = tab.page.locator("#panel").bounding_box()
         assert box["y"] > 200, "the arm stays in sight"
         assert box["y"] + box["height"] == pytest.approx(tab.size()[1], abs=1)
-        small = tab.run(
-            "() => [...document.querySelectorAll('button, input, select, #groups label')]"
-            ".filter((e) => e.checkVisibility() && !e.closest('#labels, .dg') && e.type !== 'checkbox')"
-            ".map((e) => [e.id || e.name || e.textContent, e.getBoundingClientRect()])"
-            ".filter(([, b]) => b.width < 40 || b.height < 40).map(([name, b]) => [name, b.width, b.height])"
-        )
-        assert small == []
+        assert tab.run(_SMALL) == []
         tab.page.locator("#fold").click()
     # the measure sees a text that is cut
-    tab.run(
-        "() => { document.querySelector('h1').style.cssText = 'width: 20px; overflow: hidden; white-space: nowrap'; }"
-    )
+    tab.run("""() => {
+      document.querySelector('h1').style.cssText =
+        'width: 20px; overflow: hidden; white-space: nowrap';
+    }""")
     assert ["cut", "Reach Alpha 5"] in tab.run(_CLIPPED)
     tab.run("() => { document.querySelector('h1').style.cssText = ''; }")
 
@@ -551,17 +588,17 @@ def test_the_scheme_is_that_of_the_system_and_jaws_stand_out(
     tab: Tab, arm: a5.Arm
 ) -> None:
     dark = tab.run("() => matchMedia('(prefers-color-scheme: dark)').matches")
+    colours = tab.run("""() => {
+      const style = getComputedStyle(document.getElementById('panel'));
+      return [style.color, style.backgroundColor];
+    }""")
     ink, paper = (
-        [float(x) for x in re.findall(r"[\d.]+", text)][:3]
-        for text in tab.run(
-            "() => { const s = getComputedStyle(document.getElementById('panel')); return [s.color, s.backgroundColor]; }"
-        )
+        [float(x) for x in re.findall(r"[\d.]+", text)][:3] for text in colours
     )
     assert (sum(ink) > sum(paper)) == dark
     assert abs(sum(ink) - sum(paper)) > 450, "enough to read"
-    tab.run(
-        "() => { for (const g of alpha5.data.groups) alpha5.setGroup(g.name, g.name === 'bodies'); alpha5.look('fit', false); }"
-    )
+    tab.show_only("bodies")
+    tab.run("() => alpha5.look('fit', false)")
     with_jaws = tab.pixels()
     tab.run("() => alpha5.setGroup('bodies', false)")
     without = tab.pixels()
@@ -577,15 +614,19 @@ def test_the_scheme_is_that_of_the_system_and_jaws_stand_out(
 def test_labels_keep_clear_of_each_other_and_have_lines_to_what_they_name(
     tab: Tab,
 ) -> None:
-    tab.run(
-        "() => { for (const g of ['frames', 'weight', 'buoyancy', 'ghosts']) alpha5.setGroup(g, true); }"
-    )
+    tab.run("""() => {
+      for (const g of ['frames', 'weight', 'buoyancy', 'ghosts'])
+        alpha5.setGroup(g, true);
+    }""")
     tab.settle()
-    boxes, lines = tab.run(
-        "() => [[...document.querySelectorAll('#labels > *')].filter((e) => e.style.display !== 'none')"
-        ".map((e) => e.getBoundingClientRect()).map((b) => [b.left, b.top, b.right, b.bottom]),"
-        "[...document.querySelectorAll('#leaders i')].filter((e) => e.style.display !== 'none' && e.ends).length]"
-    )
+    boxes, lines = tab.run("""() => {
+      const all = (selector) => [...document.querySelectorAll(selector)];
+      const shown = (e) => e.style.display !== 'none';
+      const boxes = all('#labels > *').filter(shown)
+        .map((e) => e.getBoundingClientRect())
+        .map((b) => [b.left, b.top, b.right, b.bottom]);
+      return [boxes, all('#leaders i').filter((e) => shown(e) && e.ends).length];
+    }""")
     assert len(boxes) > 15
     assert lines > 0
     for i, (l, t, r, b) in enumerate(boxes):  # noqa: E741
@@ -596,14 +637,23 @@ def test_labels_keep_clear_of_each_other_and_have_lines_to_what_they_name(
 
 
 def test_what_is_seen_through_does_not_fight_with_what_it_lies_on(tab: Tab) -> None:
-    """Collision bodies lie nearer, ghosts further than the bodies, by polygon offset."""
-    offsets = tab.run(
-        "() => { const out = {}; alpha5.setGroup('ghosts', true); alpha5.follow([0.06, 0.05, 0.36], 0);"
-        "for (const group of ['bodies', 'collision', 'ghosts']) alpha5.viewer.scene_tree.find(['meshcat', 'alpha5', group])"
-        ".object.traverse((o) => { if (o.isMesh) (out[group] = out[group] || new Set())"
-        ".add(o.material.polygonOffset ? Math.sign(o.material.polygonOffsetFactor) : 0); });"
-        "return Object.fromEntries(Object.entries(out).map(([k, v]) => [k, [...v]])); }"
-    )
+    """Polygon offsets put collision bodies before the bodies, ghosts behind them."""
+    offsets = tab.run("""() => {
+      const out = {};
+      alpha5.setGroup('ghosts', true);
+      alpha5.follow([0.06, 0.05, 0.36], 0);
+      for (const group of ['bodies', 'collision', 'ghosts']) {
+        const signs = new Set();
+        const { object } = alpha5.viewer.scene_tree.find(['meshcat', 'alpha5', group]);
+        object.traverse((o) => {
+          if (!o.isMesh) return;
+          const { polygonOffset, polygonOffsetFactor } = o.material;
+          signs.add(polygonOffset ? Math.sign(polygonOffsetFactor) : 0);
+        });
+        if (signs.size) out[group] = [...signs];
+      }
+      return out;
+    }""")
     assert offsets == {"bodies": [0], "collision": [-1], "ghosts": [1]}
 
 

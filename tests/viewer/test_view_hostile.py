@@ -1,6 +1,6 @@
 """The live viewer under hostile input: HTTP, WebSocket and meshcat's protocol.
 
-Each input is answered within two seconds: by a refusal, or by the end of its connection.
+The viewer answers each input within two seconds: it refuses, or closes the connection.
 Nothing moves, nothing is printed, and the viewer goes on.
 """
 
@@ -682,7 +682,7 @@ def test_calls_of_a_closed_viewer_say_so() -> None:
     for call in (
         lambda: viewer.display([1, 1, 1, 1]),
         lambda: viewer.show("frames"),
-        lambda: viewer["x"].delete(),
+        viewer["x"].delete,
         viewer.static_html,
         viewer.get_image,
         viewer.wait,
@@ -711,7 +711,7 @@ def test_an_error_reaches_who_called(viewer: ArmVisualizer) -> None:
 
 
 def test_the_command_prints_nothing_but_its_address() -> None:
-    """As a user runs it: without the handlers of logs that pytest brings, and until its end."""
+    """As a user runs it: to its end, and without pytest's handlers of logs."""
     process = subprocess.Popen(
         [sys.executable, "-u", "-m", "alpha5_model", "view", "--serve"],
         stdout=subprocess.PIPE,
@@ -724,8 +724,10 @@ def test_the_command_prints_nothing_but_its_address() -> None:
         where = (host.split(":")[0], int(host.split(":")[1]))
         start = f"GET / HTTP/1.1\r\nHost: {host}\r\n"
         join = (
-            f"{start}Origin: http://{host}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-            "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: x3JJHMbDL1EzLkh9GBhXDw==\r\n\r\n"
+            f"{start}Origin: http://{host}\r\n"
+            "Connection: Upgrade\r\nUpgrade: websocket\r\n"
+            "Sec-WebSocket-Version: 13\r\n"
+            "Sec-WebSocket-Key: x3JJHMbDL1EzLkh9GBhXDw==\r\n\r\n"
         ).encode()
         texts = ('{"data":5}', "[" * 100, '{"q": [99, 99, 99, 99, 99]}')
         for sent in (

@@ -1,4 +1,7 @@
-"""The page as text: one file, nothing from elsewhere, the same bytes; and the command line's errors."""
+"""The page as text, and the command line's errors.
+
+The page is one file, loads nothing, and has the same bytes each time.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The software renderer against geometry worked out by hand, and the pictures that it makes."""
+"""The software renderer against geometry worked out by hand, and its pictures."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def test_the_nearer_triangle_hides_the_farther(near_first: bool) -> None:
 
 
 def test_crossing_triangles_cut_each_other() -> None:
-    """Two planes through the same line: each pixel goes to the plane nearer along its ray."""
+    """Two planes cross in a line; each pixel shows the plane nearer along its ray."""
     canvas = Canvas(FRONT, 300, 200)
     for tilt, color in ((0.5, RED), (-0.5, BLUE)):
         square = np.array(

@@ -1,4 +1,4 @@
-"""What the viewer is told to draw, held against Pinocchio, the printed tables and trimesh."""
+"""What the viewer draws, compared with Pinocchio, the printed tables and trimesh."""
 
 from __future__ import annotations
 
@@ -93,9 +93,8 @@ def test_link_poses_are_the_documents(locked: Scene) -> None:
 
 
 def test_loads_are_tables_2_and_3(locked: Scene) -> None:
-    assert [load.link for load in locked.loads] == [
-        "base_link", "link_1", "link_2", "link_3", "link_4"
-    ]  # fmt: skip
+    links = [load.link for load in locked.loads]
+    assert links == ["base_link", "link_1", "link_2", "link_3", "link_4"]
     for load, mass, com, volume, cob in zip(
         locked.loads, MASS, COM, VOLUME, COB, strict=True
     ):
@@ -274,7 +273,7 @@ def test_the_section_is_what_the_arm_reaches() -> None:
 
 
 def test_the_base_body_lies_on_the_minus_x_side() -> None:
-    (base, *_) = urdf_shapes(Path(URDF_PATH).read_text())
+    (base, *_) = urdf_shapes(Path(URDF_PATH).read_text("utf-8"))
     mesh = drawn(base, str(Path(URDF_PATH).parent))
     assert base.link == "link_0"
     assert mesh.vertices[:, 0].min() < -0.12
@@ -407,6 +406,7 @@ def test_view_is_there_and_loads_nothing_until_called() -> None:
     )
     done = subprocess.run(
         [sys.executable, "-c", script],
+        check=False,
         cwd=REPOSITORY_PATH,
         capture_output=True,
         text=True,

@@ -1,20 +1,20 @@
 """Colours, sizes, places and words of what is drawn, as files that a person can read.
 
-What is drawn is held against Pinocchio and the tables elsewhere; this is its look. After a
-change that is meant: ``ALPHA5_UPDATE_PRINTED=1 python -m pytest
-tests/viewer/test_view_snapshots.py``, and read the difference.
+Other tests compare what is drawn with Pinocchio and the tables; this is its look. After
+a change that you meant, run ``ALPHA5_UPDATE_PRINTED=1 python -m pytest
+tests/viewer/test_view_snapshots.py`` and read the difference.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import os
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from committed_texts import check_committed
 from descriptions import described, figure
 
 import alpha5_model as a5
@@ -35,13 +35,9 @@ from alpha5_model.viewer.workspace_plot import workspace_figure
 FOLDER = Path(__file__).parent / "snapshots"
 
 
-def held(name: str, lines: Iterable[str]) -> None:
-    """Compare lines with the committed ones, or write these anew."""
-    text = "\n".join(lines) + "\n"
-    path = FOLDER / f"{name}.txt"
-    if os.environ.get("ALPHA5_UPDATE_PRINTED"):
-        path.write_text(text, "utf-8")
-    assert text == path.read_text("utf-8")
+def check_lines(name: str, lines: Iterable[str]) -> None:
+    """Fail unless the lines equal those of the committed file of this name."""
+    check_committed(FOLDER / f"{name}.txt", "\n".join(lines) + "\n")
 
 
 def arm_with_made_up_masses() -> a5.Arm:
@@ -72,20 +68,20 @@ def scene() -> Scene:
 
 def test_the_scene(scene: Scene) -> None:
     drawn = dataclasses.replace(scene, tree=())  # the tree is Pinocchio's elsewhere
-    held("scene", described("scene", drawn))
+    check_lines("scene", described("scene", drawn))
 
 
 def test_the_scene_of_a_target() -> None:
     target = build_scene(arm_with_made_up_masses(), target=(0.25, 0.1, 0.1))
     shapes = [shape for shape in target.shapes if shape.group == "ghosts"]
-    held("target", described("ghosts", (shapes, target.labels, target.camera)))
+    check_lines("target", described("ghosts", (shapes, target.labels, target.camera)))
 
 
 def test_the_data_of_the_page(scene: Scene) -> None:
     data = page_data(scene)
     for seen_elsewhere in ("labels", "anchors", "tree", "statics", "streams"):
         del data[seen_elsewhere]
-    held("page", described("page", data))
+    check_lines("page", described("page", data))
 
 
 def test_the_commands_of_meshcat(scene: Scene) -> None:
@@ -94,7 +90,7 @@ def test_the_commands_of_meshcat(scene: Scene) -> None:
     lines = []
     for command in scene_commands(few):
         lines += described(command["type"], without_arrays(command), depth=0)
-    held("commands", lines)
+    check_lines("commands", lines)
 
 
 def without_arrays(part: object) -> object:
@@ -109,11 +105,11 @@ def without_arrays(part: object) -> object:
 
 
 def test_the_plot_of_the_workspace() -> None:
-    held("workspace", figure(workspace_figure(catalogue())))
+    check_lines("workspace", figure(workspace_figure(catalogue())))
 
 
 def test_the_plot_of_self_collision() -> None:
-    held("self_collision", figure(self_collision_figure(cell=0.1, samples=400)))
+    check_lines("self_collision", figure(self_collision_figure(cell=0.1, samples=400)))
 
 
 def test_the_plot_of_a_motion() -> None:
@@ -133,7 +129,7 @@ def test_the_plot_of_a_motion() -> None:
         current_limit=0.8,
         current=(0.2, 0.0, -0.1),
     )
-    held("motion", figure(motion_figure(analysis)))
+    check_lines("motion", figure(motion_figure(analysis)))
 
 
 def _write_with_another_link_2(path: Path) -> None:
@@ -162,7 +158,7 @@ def test_the_plot_of_a_comparison(
     path = tmp_path / "changed.urdf"
     _write_with_another_link_2(path)
     plot_comparison(a5.compare(path), tmp_path / "errors.png")
-    held("comparison", figure(drawn[0]))
+    check_lines("comparison", figure(drawn[0]))
 
 
 def test_the_plot_of_planar_arms() -> None:
@@ -174,11 +170,11 @@ def test_the_plot_of_planar_arms() -> None:
         axes = new_axes()
         plot_planar(arm, axes=axes)
         lines += figure(axes.figure)
-    held("planar", lines)
+    check_lines("planar", lines)
 
 
 def test_the_plot_of_the_load_on_the_mount() -> None:
-    held(
+    check_lines(
         "mount",
         figure(mount_load_figure(arm_with_made_up_masses(), [3.0, 1.0, 1.0, 0.5], 0.5)),
     )
