@@ -1,4 +1,4 @@
-"""The verification passes what is right and catches each mistake that public models make."""
+"""The verification passes what is right and finds each mistake of public models."""
 
 from __future__ import annotations
 
@@ -198,7 +198,8 @@ WRONG = {
         "0.35500000000000004",
     ),
     "a COM in the DH frame of the link": (
-        # {1} of Section 2 stands at the origin of DH {0}; the link's DH frame is 20 mm out, 46.2 mm up.
+        # {1} of Section 2 is at the origin of DH {0}. The link's DH frame is 20 mm out
+        # and 46.2 mm up.
         swap(
             LOCKED,
             'xyz="0.007746 0.000112 0.025038"',
@@ -247,7 +248,8 @@ WRONG = {
     "a joint without limits": (
         swap(
             LOCKED,
-            '<limit effort="9.0" lower="0.01745" upper="6.143" velocity="0.5235987755982988"/>',
+            '<limit effort="9.0" lower="0.01745" upper="6.143" '
+            'velocity="0.5235987755982988"/>',
             "",
         ),
         {"joints", "frames, Pinocchio"},
@@ -359,7 +361,10 @@ def test_of_many_differences_three_are_told(
 def test_what_the_closed_jaws_lack_is_told_in_parts_of_its_block(
     tmp_path: Path,
 ) -> None:
-    """Second moments are half the trace less the inertia: more about all axes alike is half as much."""
+    """Second moments are half the trace less the inertia.
+
+    A tensor that is larger about all axes therefore adds half as much.
+    """
     more = 1e-6
     root = ET.fromstring(JAWS)
     for axes in ("ixx", "iyy", "izz"):
@@ -368,7 +373,7 @@ def test_what_the_closed_jaws_lack_is_told_in_parts_of_its_block(
     rows = verify(ET.tostring(root, encoding="unicode"), tmp_path)
     (row,) = [row for row in rows if row.check == "closed jaws"]
     xx, yy, zz = (x * 1e-6 for x in reference.INERTIA[4][:3])
-    # Most of link 4 lies along its z axis, where the squares are those of x and y less that of z.
+    # Most of link 4 lies along its z axis, whose second moment is (xx + yy - zz) / 2.
     largest = (xx + yy - zz) / 2 + reference.MASS[4] * (reference.COM[4][2] * 1e-3) ** 2
     assert row.measured == pytest.approx(more / 2 / largest, rel=1e-4)
 
@@ -508,7 +513,8 @@ def test_the_report_fits_its_width(
     )
     summary = (
         f"Documents {agree} agree, {errors} errors, {readings} readings, "
-        f"{transcription} matters of transcription; observations {observed_agree} agree, "
+        f"{transcription} matters of transcription; "
+        f"observations {observed_agree} agree, "
         f"{len(observed) - observed_agree} differ; files "
     )
     assert " ".join("\n".join(lines).split()).startswith(summary)
@@ -516,10 +522,11 @@ def test_the_report_fits_its_width(
     assert not any("…" in line for line in lines)
     # One sentence a finding: where, what was measured, figure and bound with their unit.
     for words in (
-        "differs Section 2.1, Table 2, link 0: largest distance between I_Link and I_COM carried "
-        "to the link frame: 6.625 kg·mm², must be 0 ± 1.4 kg·mm²",
+        "differs Section 2.1, Table 2, link 0: largest distance between I_Link and "
+        "I_COM carried to the link frame: 6.625 kg·mm², must be 0 ± 1.4 kg·mm²",
         "that the two formulas recover: 81.53 ± 0.61 %, must be at least 100 %",
-        "differs Section 2.2.1, Table 4, actuator 0, 1, 2: K_t / K_v of one motor, 1 in SI units if ",
+        "differs Section 2.2.1, Table 4, actuator 0, 1, 2: "
+        "K_t / K_v of one motor, 1 in SI units if ",
         "alpha5_jaws.urdf: 10 passed",
     ):
         assert words in text
@@ -545,7 +552,7 @@ def test_the_report_fits_its_width(
 
 
 def split_by_heading(text: str) -> dict[str, str]:
-    """The parts of the answer on the documents, by the first words of their headings."""
+    """The parts of the answer on the documents, by the first words of a heading."""
     headings = (
         "Errors of the documents",
         "Readings",
@@ -621,7 +628,7 @@ def test_a_finger_on_another_link_is_no_split_of_link_4(tmp_path: Path) -> None:
 
 
 def test_a_rod_that_starts_at_zero_closes_its_jaws_there(tmp_path: Path) -> None:
-    """The fingers are closed as before; only the rod of a few grammes stands 1.3 mm off."""
+    """The fingers close as before; only the rod of a few grammes is 1.3 mm off."""
     text = JAWS.replace('lower="0.0013"', 'lower="0.0"').replace(
         'offset="-0.0663"', 'offset="0.0"'
     )

@@ -1,4 +1,4 @@
-"""Numbers of the pages on proof, moving water, simulators and uncertainty, computed again."""
+"""Numbers of the pages on proof, moving water, simulators and uncertainty."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ import reference
 from current_load import load as current_load
 from dynamics_cases import VARIANTS, make, moved, random_q, random_v
 from fk import sample, tip
+from hydrodynamics.revolution import cylinder_across
 from newton_euler import newton_euler
 from reference import LOWER, UPPER
 from shared_recordings import RECORDINGS, needs_recordings
@@ -36,9 +37,6 @@ from test_uncertainty import of_link, states
 
 import alpha5_model as a5
 from alpha5_model.numbers.hydrodynamics import LEVELS, hydrodynamics
-
-sys.path.insert(0, str(REPOSITORY / "scripts"))
-from hydrodynamics.revolution import cylinder_across
 
 PROOF = "docs/proof.md"
 WATER = "docs/guides/moving-water.md"
@@ -413,7 +411,7 @@ def longest_cylinder() -> Sequence[Figure]:
 
 
 def whole_arm(pose: str) -> dict[str, Any]:
-    """What scripts/hydrodynamics/added_mass.py found for the whole arm against the sum of its bodies."""
+    """The whole arm against the sum of its bodies, by added_mass.py of the scripts."""
     text = (REPOSITORY / "scripts" / "hydrodynamics" / "whole_arm.toml").read_text(
         "utf-8"
     )
@@ -477,7 +475,7 @@ def folded_arm() -> Sequence[Figure]:
 
 @cache
 def mujocos_errors() -> dict[str, np.ndarray]:
-    """Root mean square of MuJoCo's torque error over that of the torque, by joint [%]."""
+    """MuJoCo's torque error relative to the torque, root mean squares by joint [%]."""
     mujoco, model, data = moving()
     rng = np.random.default_rng(8)
     errors: dict[str, list[Any]] = {"one joint": [], "drag": [], "current": []}
@@ -542,7 +540,8 @@ def mujoco_in_a_current() -> Sequence[Figure]:
 
 @statement(
     "alpha5_model/description/templates/mjcf_moving_water.md",
-    "joint torques of drag alone are within {} % for one moving joint and {} % in a current",
+    "joint torques of drag alone are within {} % for one moving joint "
+    "and {} % in a current",
 )
 def mujocos_drag() -> Sequence[Figure]:
     found = mujocos_errors()
@@ -628,7 +627,7 @@ def stall_torque() -> Sequence[Figure]:
     UNCERTAINTY, "the interval is at most {} times as wide as that of the best corner"
 )
 def bounds_in_motion() -> Sequence[Figure]:
-    """Of the torque of axis_d, corners found by walking along the edges, link by link."""
+    """For the torque of axis_d; corners are found by a walk along the edges by link."""
     q, v, a = states(6, 8)
     numbers = a5.uncertainty.printed_numbers()
     ours = a5.uncertainty.bounds(q, v, a, a5.load(1000.0, gravity=(1.7, -2.3, -9.4)))
@@ -670,8 +669,8 @@ def bounds_in_motion() -> Sequence[Figure]:
 def coverage() -> Sequence[Figure]:
     """The page has 500 trials, here are 100 of each kind.
 
-    The hits within one trial depend on each other, so the error of the mean comes from the
-    spread of the trials.
+    The hits within one trial depend on each other, so the error of the mean comes from
+    the spread of the trials.
     """
     u = a5.uncertainty
     time = np.arange(0.0, 12.0, 0.02)
