@@ -45,7 +45,7 @@ def verify(text: str, folder: Path, **options: object) -> tuple[FileCheck, ...]:
     return verify_urdf(file, samples=50, **options)  # type: ignore[arg-type]
 
 
-# --- what is right ----------------------------------------------------------------------------
+# --- what is right --------------------------------------------------------------------
 
 
 def test_the_committed_files_pass() -> None:
@@ -138,7 +138,7 @@ def test_a_committed_file_that_cannot_be_read_has_failed(
     assert "no such file" in " ".join(capsys.readouterr().out.split())
 
 
-# --- what is wrong ----------------------------------------------------------------------------
+# --- what is wrong --------------------------------------------------------------------
 
 
 def inertia(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> str:
@@ -457,7 +457,7 @@ def test_a_missing_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert "no such file; expected a URDF file" in capsys.readouterr().err
 
 
-# --- tools that are not there are never a pass ------------------------------------------------
+# --- tools that are not there are never a pass ----------------------------------------
 
 
 def test_missing_tools_are_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -469,7 +469,7 @@ def test_missing_tools_are_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found["frames, Pinocchio"] == "passed"
 
 
-# --- the command ------------------------------------------------------------------------------
+# --- the command ----------------------------------------------------------------------
 
 
 def test_a_differing_document_is_not_a_failure(

@@ -227,7 +227,7 @@ def test_what_is_left_out_here_runs_elsewhere(name: str, call: str) -> None:
     assert call in (REPOSITORY / "tests" / name).read_text("utf-8")
 
 
-# --- nothing is left out ------------------------------------------------------------------------
+# --- nothing is left out --------------------------------------------------------------
 
 
 def test_every_public_name_has_its_place_in_the_api_pages() -> None:

@@ -67,7 +67,7 @@ def test_every_link_leads_to_a_file() -> None:
     assert broken(PAGES[0], "[a](README.md#x) [b](docs/none.md)") == ["docs/none.md"]
 
 
-# --- the errata are the audit's ----------------------------------------------------------------
+# --- the errata are the audit's -------------------------------------------------------
 
 
 #: Category of the audit -> the table of the page that holds its rows.

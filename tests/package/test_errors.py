@@ -148,7 +148,7 @@ def test_an_attribute_that_cannot_be_pickled_arrives_printed() -> None:
     )
 
 
-# --- the checks that raise them ---------------------------------------------------------------
+# --- the checks that raise them -------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ def test_robots_as_read_are_told_apart_and_hashed_by_identity() -> None:
     assert len({one, other, one}) == 2
 
 
-# --- numbers and branches of the description that no other test holds ---------------------------
+# --- numbers and branches of the description that no other test holds -----------------
 
 
 def test_the_rod_of_the_mujoco_model_is_damped_by_hand() -> None:

@@ -1,4 +1,7 @@
-"""The audit's figures by a second route: mm and kg by hand, corner enumeration, brute force."""
+"""Each figure of the audit has a second route here.
+
+The routes: millimetres and kilograms by hand, enumerated corners, brute force.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +62,7 @@ def audit_of(document: str) -> dict[str, AuditRow]:
     return {row.claim: row for row in audit_of_document(printed, p)}
 
 
-# --- the record -------------------------------------------------------------------------------
+# --- the record -----------------------------------------------------------------------
 
 
 def test_rows_are_frozen_unique_and_computed_once() -> None:
@@ -128,7 +131,7 @@ def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
         claims = [f"{topic}.{name}" for name in subjects]
         assert claims or any(row.topic == topic for row in rows.values()), topic
         assert set(claims) <= set(rows)
-    # Frames are {0}, {i}, {i-1} and {A}; longer words in braces are places that nothing filled.
+    # Frames are {0}, {i}, {i-1} and {A}; a longer word in braces is an unfilled field.
     unfilled = re.compile(r"\{\w*[a-z_]{2}")
     assert not any(
         unfilled.search(row.says + row.place + row.finding) for row in rows.values()
@@ -136,7 +139,7 @@ def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
 
 
 def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
-    """The documents do not speak of these: their numbers are held against something else."""
+    """The documents make no statement about these; the audit compares them itself."""
     observed = {claim for claim, row in rows.items() if row.kind == "observation"}
     by_link = {
         f"{name}.link_{i}" for name in ("density", "mass_spread") for i in range(5)
@@ -161,7 +164,8 @@ def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
     assert observed == by_link | by_actuator | single | moving_water
 
 
-#: What the documents say that is right in no reading that we know. Who adds a row here accuses them.
+#: The statements of the documents that no reading makes right.
+#: A row added here accuses the authors.
 ERRORS = {
     "workspace.downward_centre",
     "workspace.downward_radius",
@@ -251,7 +255,8 @@ def test_the_audit_needs_numpy_and_for_self_collision_pinocchio() -> None:
     script = (
         "import alpha5_model as a5, alpha5_model.proofs.audit, sys; "
         "early = 'pinocchio' in sys.modules; a5.audit(); "
-        "print(early or any(m in sys.modules for m in ('scipy', 'matplotlib', 'xacro', 'rich')))"
+        "unwanted = ('scipy', 'matplotlib', 'xacro', 'rich'); "
+        "print(early or any(name in sys.modules for name in unwanted))"
     )
     done = subprocess.run(
         [sys.executable, "-c", script],
@@ -263,11 +268,14 @@ def test_the_audit_needs_numpy_and_for_self_collision_pinocchio() -> None:
     assert done.stdout.strip() == "False"
 
 
-# --- Table 2 ----------------------------------------------------------------------------------
+# --- Table 2 --------------------------------------------------------------------------
 
 
 def steiner(mass: float, p: tuple[float, float, float]) -> np.ndarray:
-    """xx, yy, zz, xy, xz, yz of the parallel-axis term, products positive as SolidWorks prints."""
+    """The parallel-axis term as (xx, yy, zz, xy, xz, yz), products positive.
+
+    SolidWorks prints the products of inertia with this sign.
+    """
     x, y, z = p
     return mass * np.array(
         [y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z]
@@ -278,7 +286,7 @@ def steiner(mass: float, p: tuple[float, float, float]) -> np.ndarray:
 def test_parallel_axis_and_its_bound(rows: dict[str, AuditRow], i: int) -> None:
     com, mass = reference.COM[i], reference.MASS[i]
     residual = np.array(INERTIA_LINK[i]) - reference.INERTIA[i] - steiner(mass, com)
-    # The exact worst case: every corner of the rounding box, the tensors' own digits on top.
+    # The exact worst case: every corner of the rounding box, and the tensors' digits.
     corners = [
         steiner(
             mass + s * MASS_ROUNDING[i],
@@ -385,7 +393,8 @@ def test_equation_1_needs_the_com_and_the_other_rotation(
     row = rows["equation_1.any_frame"]
     assert row.measured == pytest.approx(np.abs(again).max(), abs=1e-9)
     assert row.verdict == "impossible"
-    # A quarter turn about x exchanges xy and xz; turned the wrong way their signs are the other ones.
+    # A quarter turn about x exchanges xy and xz.
+    # A turn in the other direction gives the other signs.
     quarter = [reference.INERTIA[i] for i in (1, 3, 4)]
     rotation = rows["equation_1.rotation"]
     assert rotation.measured == pytest.approx(
@@ -437,7 +446,7 @@ def test_link_1_is_longer_than_its_part(rows: dict[str, AuditRow]) -> None:
     assert all(rows[f"com_inside.link_{i}"].verdict == "agrees" for i in range(5))
 
 
-# --- Table 3 ----------------------------------------------------------------------------------
+# --- Table 3 --------------------------------------------------------------------------
 
 
 def test_link_3s_cob_is_outside(rows: dict[str, AuditRow]) -> None:
@@ -485,7 +494,7 @@ def test_totals(rows: dict[str, AuditRow]) -> None:
     }
 
 
-# --- Table 4 ----------------------------------------------------------------------------------
+# --- Table 4 --------------------------------------------------------------------------
 
 
 def test_motor_constants(rows: dict[str, AuditRow]) -> None:
@@ -555,7 +564,7 @@ def test_the_joints_that_turn(rows: dict[str, AuditRow]) -> None:
         assert turned["actuators.turning"].verdict == "differs"
 
 
-# --- moving water -----------------------------------------------------------------------------
+# --- moving water ---------------------------------------------------------------------
 
 
 def test_added_inertia_of_the_numbers_that_circulate_by_pinocchio(
@@ -582,101 +591,139 @@ def test_added_inertia_of_the_numbers_that_circulate_by_pinocchio(
 
 
 def test_strip_theory_is_coupled(rows: dict[str, AuditRow]) -> None:
-    """Turning about an end and moving, uncoupled: (1/3 + 1/4) m L^2 about the middle, where 1/12 is right."""
+    """Uncoupled strips give (1/3 + 1/4) m L^2 about the middle; 1/12 is right."""
     row = rows["circulating_water.coupling"]
     assert row.measured == pytest.approx(7, abs=1e-3)  # five printed digits
     assert row.verdict == "differs"
-    # and coupled they overstate about all three axes, as the finding says: a line of masses on each link
-    pieces = (np.arange(200) + 0.5) / 200
-    lines = {
-        1: (0.0, 0.0, 0.0207, 0.0255, 2),
-        2: (0, 0, 0, 0.16, 0),
-        3: (0, 0, 0, -0.0255, 1),
-        4: (0, 0, 0, -0.18, 2),
-    }
-    lower, upper = reference.LOWER, reference.UPPER
+
+
+@dataclasses.dataclass(frozen=True)
+class WaterLine:
+    """The middle line of a link's water, in the link's inertial frame (m)."""
+
+    start: tuple[float, float, float]
+    length: float
+    axis: int
+
+
+#: Link -> the line along which its water lies.
+WATER_LINES = {
+    1: WaterLine(start=(0.0, 0.0, 0.0207), length=0.0255, axis=2),
+    2: WaterLine(start=(0.0, 0.0, 0.0), length=0.16, axis=0),
+    3: WaterLine(start=(0.0, 0.0, 0.0), length=-0.0255, axis=1),
+    4: WaterLine(start=(0.0, 0.0, 0.0), length=-0.18, axis=2),
+}
+WATER_DENSITY = 1000.0
+WATER_RADIUS = 0.02
+PIECES = 200
+
+
+def added_inertia(q: np.ndarray) -> np.ndarray:
+    """Added inertia about the first three axes, of masses in a row on each link."""
+    frames = reference.inertial_frames(q)
+    cross_section = math.pi * WATER_RADIUS**2
+    half_sphere = 0.5 * 4 / 3 * math.pi * WATER_RADIUS**3 * WATER_DENSITY
+    along = (np.arange(PIECES) + 0.5) / PIECES
     total = np.zeros(3)
-    grid = list(
-        itertools.product(
-            [0.0], *(np.linspace(lower[k], upper[k], 7) for k in (1, 2, 3))
-        )
-    )
-    for q in grid:
-        frames = reference.inertial_frames(np.array(q))
-        for i, (x, y, z, length, axis) in lines.items():
-            points = (
-                np.tile([x, y, z], (200, 1))
-                + pieces[:, None] * length * np.eye(3)[axis]
-            )
-            world = points @ frames[i][:3, :3].T + frames[i][:3, 3]
-            mass = 1000 * math.pi * 0.02**2 * abs(length) / 200
-            for k in range(min(i, 3)):
-                origin, turn = frames[k + 1][:3, 3], frames[k + 1][:3, 2]
-                speed = np.cross(turn, world - origin)
-                across = (
-                    speed - (speed @ frames[i][:3, axis])[:, None] * frames[i][:3, axis]
-                )
-                total[k] += mass * (across**2).sum() / len(grid)
-                along = (speed @ frames[i][:3, axis]) ** 2  # half the water of a sphere
-                total[k] += (
-                    0.5 * 4 / 3 * math.pi * 0.02**3 * 1000 * along.mean() / len(grid)
-                )
+
+    for i, line in WATER_LINES.items():
+        rotation, origin = frames[i][:3, :3], frames[i][:3, 3]
+        offsets = along[:, None] * line.length * np.eye(3)[line.axis]
+        points = (np.array(line.start) + offsets) @ rotation.T + origin
+        direction = rotation[:, line.axis]
+        piece_mass = WATER_DENSITY * cross_section * abs(line.length) / PIECES
+
+        for k in range(min(i, 3)):
+            pivot, turn = frames[k + 1][:3, 3], frames[k + 1][:3, 2]
+            velocity = np.cross(turn, points - pivot)
+            lengthwise = velocity @ direction
+            crosswise = velocity - lengthwise[:, None] * direction
+            total[k] += piece_mass * (crosswise**2).sum()
+            total[k] += half_sphere * (lengthwise**2).mean()
+
+    return total
+
+
+def test_coupled_strips_overstate_about_three_axes(rows: dict[str, AuditRow]) -> None:
+    """The findings state the ratio of both added inertias, averaged over poses."""
+    ranges = [np.linspace(reference.LOWER[k], reference.UPPER[k], 7) for k in (1, 2, 3)]
+    poses = [np.array(q) for q in itertools.product([0.0], *ranges)]
     arm = a5.load(a5.FRESH_WATER)
     wet = arm.with_hydrodynamics()
-    ours = np.mean(
-        [np.diag(wet.mass_matrix(q) - arm.mass_matrix(q)) for q in grid], axis=0
-    )[:3]
-    for joint, ratio in zip(("axis_e", "axis_d", "axis_c"), total / ours, strict=True):
-        said = rows[f"circulating_water.{joint}"].finding
-        assert float(re.search(r"; (\d\.\d\d) with", said)[1]) == pytest.approx(
-            ratio, abs=0.008
-        )
+    ours = [np.diag(wet.mass_matrix(q) - arm.mass_matrix(q))[:3] for q in poses]
+    masses_in_rows = [added_inertia(q) for q in poses]
+    ratios = np.mean(masses_in_rows, axis=0) / np.mean(ours, axis=0)
+
+    for joint, ratio in zip(("axis_e", "axis_d", "axis_c"), ratios, strict=True):
+        finding = rows[f"circulating_water.{joint}"].finding
+        stated = float(re.search(r"; (\d\.\d\d) with", finding)[1])
+        assert stated == pytest.approx(ratio, abs=0.008)
 
 
-# --- Sections 1 and 2 -------------------------------------------------------------------------
+# --- Sections 1 and 2 -----------------------------------------------------------------
 
 
-def test_frames(rows: dict[str, AuditRow]) -> None:
-    assert (rows["frames.first"].measured, rows["frames.first"].verdict) == (
-        -1,
-        "differs",
-    )
+def test_the_first_frame_differs(rows: dict[str, AuditRow]) -> None:
+    first = rows["frames.first"]
+    assert (first.measured, first.verdict) == (-1, "differs")
+
+
+def test_no_other_frame_is_aligned(rows: dict[str, AuditRow]) -> None:
+    """The largest angle between an inertial frame and its Denavit-Hartenberg frame."""
     angles = []
     for q in reference.configurations(20, seed=5):
-        for frame, dh in zip(
-            reference.inertial_frames(q)[1:], reference.dh_frames(q)[1:], strict=False
-        ):
+        inertial = reference.inertial_frames(q)[1:]
+        hartenberg = reference.dh_frames(q)[1:]
+        for frame, dh in zip(inertial, hartenberg, strict=False):
             cosine = (np.trace(frame[:3, :3].T @ dh[:3, :3]) - 1) / 2
             angles.append(math.degrees(math.acos(np.clip(cosine, -1, 1))))
     assert rows["frames.aligned"].measured == pytest.approx(max(angles), abs=1e-5)
     assert min(angles) == pytest.approx(90, abs=1e-5)
     assert rows["frames.aligned"].verdict == "differs"
+
+
+def test_cross_references(rows: dict[str, AuditRow]) -> None:
     assert rows["cross_reference.section_1.1"].verdict == "agrees"
     wrong = rows["cross_reference.section_2.2"]
     assert (wrong.measured, wrong.expected, wrong.verdict) == (2.1, 2, "differs")
 
 
-def test_angles_outside_their_ranges(rows: dict[str, AuditRow]) -> None:
-    """Overarm theta_0 = atan2(y, x) is negative for half of all targets, the range starts at 1 deg."""
-    row = rows["inverse_kinematics.wrapping"]
-    q = np.random.default_rng(8).uniform(reference.LOWER, reference.UPPER, (20_000, 4))
-    r, height = plane(q[:, 1], q[:, 2])
+def printed_solution(
+    x: np.ndarray, y: np.ndarray, height: np.ndarray, under: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(theta_0, theta_1) by the printed formulas, for the pose ``under`` or over arm.
+
+    The document has ``theta_0 = atan2(y, x)`` overarm. That is negative for half of
+    all targets, while the joint's range starts at 1 degree.
+    """
     a_0, d_0, length, offset, a_2, d_3 = LENGTHS
     l_1, l_2 = math.hypot(offset, length), math.hypot(a_2, d_3)
-    gamma = math.asin(2 * a_2 / l_1) + math.asin(a_2 / l_2)
-    recovered = q[:, 2] + gamma < np.pi
-    x, y = -r * np.cos(q[:, 0]), -r * np.sin(q[:, 0])  # underarm for r > 0
     flat = np.hypot(x, y)
-    under = r > 0
-    theta_0 = np.arctan2(y, x) + np.where(under, np.pi, 0)
     reach = np.where(under, flat - a_0, flat + a_0)
     l_3 = np.hypot(reach, height - d_0)
     bearing = np.arctan2(height - d_0, reach)
     inner = np.arccos(np.clip((l_1**2 + l_3**2 - l_2**2) / (2 * l_1 * l_3), -1, 1))
-    theta_1 = np.where(under, np.pi / 2 + bearing, 1.5 * np.pi - bearing) - inner
-    theta_1 -= math.asin(2 * a_2 / l_1)
-    as_printed = (np.abs(theta_0 - q[:, 0]) < 1e-6) & (np.abs(theta_1 - q[:, 1]) < 1e-6)
-    share = 100 * as_printed[recovered].mean()
+    to_elbow = np.where(under, np.pi / 2 + bearing, 1.5 * np.pi - bearing) - inner
+
+    theta_0 = np.arctan2(y, x) + np.where(under, np.pi, 0)
+    theta_1 = to_elbow - math.asin(2 * a_2 / l_1)
+    return theta_0, theta_1
+
+
+def test_angles_outside_their_ranges(rows: dict[str, AuditRow]) -> None:
+    """The share of recoverable poses whose angles the printed formulas return."""
+    row = rows["inverse_kinematics.wrapping"]
+    q = np.random.default_rng(8).uniform(reference.LOWER, reference.UPPER, (20_000, 4))
+    recovered = q[:, 2] + elbow_constant() < np.pi
+
+    r, height = plane(q[:, 1], q[:, 2])
+    x = -r * np.cos(q[:, 0])
+    y = -r * np.sin(q[:, 0])
+    theta_0, theta_1 = printed_solution(x, y, height, under=r > 0)
+
+    same_0 = np.abs(theta_0 - q[:, 0]) < 1e-6
+    same_1 = np.abs(theta_1 - q[:, 1]) < 1e-6
+    share = 100 * (same_0 & same_1)[recovered].mean()
     assert row.measured == pytest.approx(share, abs=4 * row.standard_error)
 
 
@@ -746,7 +793,7 @@ def test_tori(rows: dict[str, AuditRow]) -> None:
 def test_the_outer_torus_asks_for_the_elbows_limits(
     old: str, new: str, theta_2: float
 ) -> None:
-    """A limit short of the stretched elbow, or beyond it, keeps the arm from the torus."""
+    """A limit before or beyond the stretched elbow keeps the arm from the torus."""
     head, _, tail = SUPPLEMENTARY.partition("[joints.axis_c]")
     assert old in tail
     changed = f"{head}[joints.axis_c]{tail.replace(old, new, 1)}"
@@ -783,49 +830,86 @@ def test_the_tests_own_plane() -> None:
         assert (math.hypot(x, y), z) == (pytest.approx(abs(r)), pytest.approx(height))
 
 
-def test_workspace_shares_by_filling_cells(rows: dict[str, AuditRow]) -> None:
-    """Millions of joint positions paint a grid of 1 mm cells; no inverse kinematics in here."""
+@dataclasses.dataclass(frozen=True)
+class Cells:
+    """Cells of a vertical plane, and whether the arm reaches them."""
+
+    radius: np.ndarray
+    height: np.ndarray
+    reached: np.ndarray
+
+    def inside_the_tori(self, numbers: np.ndarray) -> np.ndarray:
+        """The cells of the printed region, whose numbers are `TORUS_NUMBERS`."""
+        a_0, d_0, length, offset, a_2, d_3, leg, other_leg, drop = numbers
+        outer_radius = math.hypot(offset, length) + math.hypot(d_3, a_2)
+        height = self.height - d_0
+        square = (self.radius - a_0) ** 2 + height**2
+        below_square = (self.radius - a_0) ** 2 + (height + drop) ** 2
+
+        within_outer: np.ndarray = square <= outer_radius**2
+        beyond_inner = square >= (leg + a_2) ** 2 + (other_leg - d_3) ** 2
+        beyond_downward = below_square >= d_3**2
+        return within_outer & beyond_inner & beyond_downward
+
+    def shares(self, numbers: np.ndarray) -> dict[str, float]:
+        """Percentages: of the region beyond reach, of the reach left out."""
+        region = self.inside_the_tori(numbers)
+        beyond = (region & ~self.reached).sum() / region.sum()
+        outside = (self.reached & ~region).sum() / self.reached.sum()
+        return {"beyond_reach": 100 * beyond, "left_out": 100 * outside}
+
+
+#: `LENGTHS`, the two legs of the inner torus, the drop of the downward one. mm.
+TORUS_NUMBERS = np.array([*LENGTHS, 39.94, 145.3, 145.3])
+#: Half of the last digit of each.
+TORUS_ROUNDING = [0.5, 0.05, 0.05, 0.5, 0.5, 0.5, 0.005, 0.05, 0.05]
+
+
+@pytest.fixture(scope="module")
+def cells() -> Cells:
+    """Millions of joint positions paint a grid of 1 mm, without inverse kinematics."""
     t_1, t_2 = (
         np.linspace(reference.LOWER[i], reference.UPPER[i], 2400) for i in (1, 2)
     )
     r, z = plane(t_1[:, None], t_2[None, :])
     edges = np.arange(0.0, 361.0), np.arange(-300.0, 401.0)
-    painted = np.histogram2d(np.abs(r).ravel(), z.ravel(), bins=edges)[0] > 0
-    radius, height = np.meshgrid(*(e[:-1] + 0.5 for e in edges), indexing="ij")
+    counts, *_ = np.histogram2d(np.abs(r).ravel(), z.ravel(), bins=edges)
+    centres = [line[:-1] + 0.5 for line in edges]
+    radius, height = np.meshgrid(*centres, indexing="ij")
+    return Cells(radius=radius, height=height, reached=counts > 0)
 
-    def printed(numbers: np.ndarray) -> np.ndarray:
-        a_0, d_0, length, offset, a_2, d_3, leg, other_leg, drop = numbers
-        square = (radius - a_0) ** 2 + (height - d_0) ** 2
-        inside: np.ndarray = (
-            (square <= (math.hypot(offset, length) + math.hypot(d_3, a_2)) ** 2)
-            & (square >= (leg + a_2) ** 2 + (other_leg - d_3) ** 2)
-            & ((radius - a_0) ** 2 + (height - d_0 + drop) ** 2 >= d_3**2)
-        )
-        return inside
 
-    numbers = np.array([*LENGTHS, 39.94, 145.3, 145.3])
-    region = printed(numbers)
-    beyond = 100 * (region & ~painted).sum() / region.sum()
-    outside = 100 * (painted & ~region).sum() / painted.sum()
-    assert rows["workspace.beyond_reach"].measured == pytest.approx(beyond, abs=0.8)
-    assert rows["workspace.left_out"].measured == pytest.approx(outside, abs=0.8)
-    for name in ("beyond_reach", "left_out"):
+def test_workspace_shares_by_filling_cells(
+    rows: dict[str, AuditRow], cells: Cells
+) -> None:
+    for name, share in cells.shares(TORUS_NUMBERS).items():
+        assert rows[f"workspace.{name}"].measured == pytest.approx(share, abs=0.8)
         assert rows[f"workspace.{name}"].verdict == "differs"
         assert rows[f"workspace.{name}"].bound < 1.5
-    # Roughly as far as half of each last digit moves the shares; steps of less than a cell are lost.
-    moved = {"beyond_reach": 0.0, "left_out": 0.0}
-    for step in np.eye(9) * [0.5, 0.05, 0.05, 0.5, 0.5, 0.5, 0.005, 0.05, 0.05]:
-        ends = [printed(numbers + 8 * step), printed(numbers - 8 * step)]
-        shares = [100 * (end & ~painted).sum() / end.sum() for end in ends]
-        moved["beyond_reach"] += max(abs(share - beyond) for share in shares) / 8
-        shares = [100 * (painted & ~end).sum() / painted.sum() for end in ends]
-        moved["left_out"] += max(abs(share - outside) for share in shares) / 8
-    for name, bound in moved.items():
+
+
+def test_bounds_of_the_workspace_shares(
+    rows: dict[str, AuditRow], cells: Cells
+) -> None:
+    """Roughly the change of each share by half of each last digit.
+
+    The numbers move by eight such steps: a step of less than a cell would be lost.
+    """
+    shares = cells.shares(TORUS_NUMBERS)
+    bounds = dict.fromkeys(shares, 0.0)
+    for step in np.diag(TORUS_ROUNDING):
+        more = cells.shares(TORUS_NUMBERS + 8 * step)
+        less = cells.shares(TORUS_NUMBERS - 8 * step)
+        for name, share in shares.items():
+            change = max(abs(more[name] - share), abs(less[name] - share))
+            bounds[name] += change / 8
+
+    for name, bound in bounds.items():
         assert bound / 2 < rows[f"workspace.{name}"].bound < 2 * bound
 
 
 def test_self_collision_point_by_point(rows: dict[str, AuditRow]) -> None:
-    """Figure 2: other points, each solution by itself, by distances instead of contacts."""
+    """Figure 2 again, with other points, single solutions and distances."""
     row = rows["workspace.self_collision"]
     assert row.verdict == "differs"
     p = row.measured / 100
@@ -851,15 +935,21 @@ def test_self_collision_point_by_point(rows: dict[str, AuditRow]) -> None:
     assert share == pytest.approx(p, abs=3 * error)
 
 
+def elbow_constant() -> float:
+    """gamma - theta_2 (rad); the printed formulas take the elbow 0 < gamma < pi."""
+    _, _, length, offset, a_2, d_3 = LENGTHS
+    l_1, l_2 = math.hypot(offset, length), math.hypot(a_2, d_3)
+    return math.asin(2 * a_2 / l_1) + math.asin(a_2 / l_2)
+
+
 def test_inverse_kinematics(rows: dict[str, AuditRow]) -> None:
     for name in ("underarm", "overarm"):
         assert rows[f"inverse_kinematics.{name}"].verdict == "agrees"
         assert rows[f"inverse_kinematics.{name}"].measured < 1e-9
-    # The formulas take the elbow with 0 < gamma < pi, gamma = theta_2 plus two constant angles.
-    _, _, length, offset, a_2, d_3 = LENGTHS
-    gamma = math.asin(2 * a_2 / math.hypot(offset, length)) + math.asin(
-        a_2 / math.hypot(a_2, d_3)
-    )
+
+
+def test_the_formulas_recover_one_bend_of_the_elbow(rows: dict[str, AuditRow]) -> None:
+    gamma = elbow_constant()
     low, high = reference.LOWER[2], reference.UPPER[2]
     share = 100 * (min(high, math.pi - gamma) - low) / (high - low)
     row = rows["inverse_kinematics.branches"]
@@ -869,57 +959,94 @@ def test_inverse_kinematics(rows: dict[str, AuditRow]) -> None:
     assert row.finding.endswith("the four solutions recover 100 %")
 
 
-# --- the lecture ------------------------------------------------------------------------------
+# --- the lecture ----------------------------------------------------------------------
+
+
+@dataclasses.dataclass(frozen=True)
+class FourLinks:
+    """A planar arm with links of these lengths; the last one is its hand."""
+
+    lengths: tuple[int, int, int, int]
+
+    def turns_fully(self) -> bool:
+        """Whether links 1 and 2 reach the wrist in every orientation of the hand."""
+        l_1, l_2, l_3, l_4 = self.lengths
+        angle = np.linspace(0, 2 * np.pi, 721)
+        wrist = np.hypot(l_4 + l_3 * np.cos(angle), l_3 * np.sin(angle))
+        near_enough = wrist.max() <= l_1 + l_2 + 1e-9
+        far_enough = wrist.min() >= abs(l_1 - l_2) - 1e-9
+        return bool(near_enough and far_enough)
+
+    def is_promised(self) -> bool:
+        """Whether the theorem of the lecture says that the hand turns fully."""
+        half = sum(self.lengths) / 2
+        return all(sum(pair) >= half for pair in itertools.combinations(self._long, 2))
+
+    def is_borderline(self) -> bool:
+        """Whether the theorem would not say so with > in place of >=."""
+        return sum(sorted(self._long)[:2]) == sum(self.lengths) / 2
+
+    def has_a_longer_third_link(self) -> bool:
+        return self.lengths[2] > min(self._long)
+
+    @property
+    def _long(self) -> tuple[int, int, int]:
+        """The links that the theorem adds up in pairs."""
+        l_1, l_2, _, l_4 = self.lengths
+        return l_1, l_2, l_4
 
 
 def test_the_theorem_by_turning_the_hand(rows: dict[str, AuditRow]) -> None:
-    """The hand turns fully if its wrist stays within the reach of links 1 and 2, all the way round."""
-    turns = promised = broken = missed = longer = strict = 0
-    angle = np.linspace(0, 2 * np.pi, 721)
-    for l_1, l_2, l_3, l_4 in itertools.product(range(1, 7), repeat=4):
-        wrist = np.hypot(l_4 + l_3 * np.cos(angle), l_3 * np.sin(angle))
-        exact = wrist.max() <= l_1 + l_2 + 1e-9 and wrist.min() >= abs(l_1 - l_2) - 1e-9
-        half = (l_1 + l_2 + l_3 + l_4) / 2
-        theorem = all(
-            a + b >= half for a, b in itertools.combinations((l_1, l_2, l_4), 2)
-        )
-        turns, promised = turns + exact, promised + theorem
-        broken, missed = (
-            broken + (theorem and not exact),
-            missed + (exact and not theorem),
-        )
-        longer += exact and l_3 > min(l_1, l_2, l_4)
-        strict += theorem and sum(sorted((l_1, l_2, l_4))[:2]) == half
-        assert not (exact and not theorem) or l_4 <= min(l_1, l_2, l_3)
-    assert rows["lecture.sufficient"].measured == 100 * broken / promised == 0
-    assert rows["lecture.sufficient"].verdict == "agrees"
-    assert rows["lecture.necessary"].measured == pytest.approx(100 * missed / turns)
-    assert rows["lecture.necessary"].verdict == "differs"
-    assert rows["lecture.shortest"].measured == pytest.approx(100 * longer / turns)
-    assert rows["lecture.strict"].measured == pytest.approx(100 * strict / promised)
-    assert min(longer, strict) > 0
+    arms = [FourLinks(x) for x in itertools.product(range(1, 7), repeat=4)]
+    turning = [arm for arm in arms if arm.turns_fully()]
+    promised = [arm for arm in arms if arm.is_promised()]
+    broken = [arm for arm in promised if not arm.turns_fully()]
+    missed = [arm for arm in turning if not arm.is_promised()]
+    longer = [arm for arm in turning if arm.has_a_longer_third_link()]
+    borderline = [arm for arm in promised if arm.is_borderline()]
+
+    for arm in missed:
+        assert arm.lengths[3] <= min(arm.lengths[:3])
+    sufficient = rows["lecture.sufficient"]
+    assert sufficient.measured == 100 * len(broken) / len(promised) == 0
+    assert sufficient.verdict == "agrees"
+    necessary = rows["lecture.necessary"]
+    assert necessary.measured == pytest.approx(100 * len(missed) / len(turning))
+    assert necessary.verdict == "differs"
+    shortest = rows["lecture.shortest"]
+    assert shortest.measured == pytest.approx(100 * len(longer) / len(turning))
+    strict = rows["lecture.strict"]
+    assert strict.measured == pytest.approx(100 * len(borderline) / len(promised))
+    assert longer
+    assert borderline
+
+
+def hand_turns(first: list[int], last: int, tip: int) -> bool:
+    """Whether the wrist of a turning hand stays in the annulus of the first links."""
+    angle = np.linspace(0, 2 * np.pi, 361)
+    wrist = np.hypot(tip + last * np.cos(angle), last * np.sin(angle))
+    inner = max(0, 2 * max(first) - sum(first))
+    return bool(
+        wrist.max() <= sum(first) + 1e-9 and wrist.min() >= inner - 1e-9,
+    )
 
 
 def test_the_theorem_with_four_joints(rows: dict[str, AuditRow]) -> None:
-    """Link 4 turns if its wrist stays in the annulus of links 1 to 3; pairs of all others add up to too little."""
+    """Two of the other links never reach half of the sum; three of them do."""
     row = rows["lecture.any_number"]
     turning = by_pairs = by_threes = broken = 0
-    angle = np.linspace(0, 2 * np.pi, 361)
-    for *links, tip in itertools.product(range(1, 5), repeat=5):
-        first, last = links[:3], links[3]
-        wrist = np.hypot(tip + last * np.cos(angle), last * np.sin(angle))
-        inner = max(0, 2 * max(first) - sum(first))
-        turns = wrist.max() <= sum(first) + 1e-9 and wrist.min() >= inner - 1e-9
-        half = (sum(links) + tip) / 2
+    for *first, last, tip in itertools.product(range(1, 5), repeat=5):
+        half = (sum(first) + last + tip) / 2
         others = [*first, tip]
-        promised = all(a + b >= half for a, b in itertools.combinations(others, 2))
-        threes = all(sum(x) >= half for x in itertools.combinations(others, 3))
-        turning, by_pairs, by_threes = (
-            turning + turns,
-            by_pairs + promised,
-            by_threes + threes,
-        )
-        broken += threes and not turns
+        pairs_reach = all(sum(x) >= half for x in itertools.combinations(others, 2))
+        threes_reach = all(sum(x) >= half for x in itertools.combinations(others, 3))
+        turns = hand_turns(first, last, tip)
+
+        turning += turns
+        by_pairs += pairs_reach
+        by_threes += threes_reach
+        broken += threes_reach and not turns
+
     assert by_pairs == 0
     assert by_threes > 100
     assert f"share of the {turning} sets" in row.finding
@@ -931,7 +1058,7 @@ def test_the_theorem_with_four_joints(rows: dict[str, AuditRow]) -> None:
 def test_the_spatial_condition_by_counting_dimensions(
     rows: dict[str, AuditRow],
 ) -> None:
-    """Prismatic joints do not turn the tool: three dimensions need three revolute joints, six need six."""
+    """Only revolute joints turn the tool: three dimensions need three of them."""
     row = rows["dexterous_workspace.spatial"]
     assert (row.measured, row.verdict) == (0, "agrees")
     sequences = [
@@ -997,7 +1124,7 @@ def test_two_links_with_limits_keep_their_hole(rows: dict[str, AuditRow]) -> Non
 
 
 def dexterous_cells(limit: float, spacing: float = 0.2) -> float:
-    """Area of the cells whose centre the arm (5, 4, 1) reaches with each of 90 hand orientations."""
+    """The area that the arm (5, 4, 1) reaches with each of 90 hand orientations."""
     line = np.arange(-10 + spacing / 2, 10, spacing)
     tip = (line[:, None] + 1j * line[None, :])[..., None]
     hand = np.exp(1j * np.linspace(0, 2 * np.pi, 90, endpoint=False))
@@ -1075,7 +1202,7 @@ def test_the_relative_pose_by_its_four_factors(rows: dict[str, AuditRow]) -> Non
     assert rows["relative_pose.corrected"].effect < 1e-9
 
 
-# --- the seed texts themselves -----------------------------------------------------------------
+# --- the seed texts themselves --------------------------------------------------------
 
 SEEDS = Path(
     os.environ.get("ALPHA5_SEEDS", DATA.parent.parent.parent / "shared" / "seeds")
@@ -1124,7 +1251,7 @@ def test_the_documents_cross_references_arrived() -> None:
     assert found == frames.REFERENCES
 
 
-# --- other documents: every verdict can turn --------------------------------------------------
+# --- other documents: every verdict can turn ------------------------------------------
 
 #: What is changed -> (old, new, claim, verdict then)
 TURNED = {
@@ -1224,7 +1351,10 @@ def test_a_mass_without_its_last_digit(rows: dict[str, AuditRow]) -> None:
 
 
 def test_eta_max_as_a_gearboxs(rows: dict[str, AuditRow]) -> None:
-    """Stages of one efficiency and ratio: 340.4 = r^n, 0.77 = e^n, 1754.4 = r^m, and e^m is asked for."""
+    """Stages of one efficiency e and ratio r: 340.4 = r^n, 0.77 = e^n, 1754.4 = r^m.
+
+    The efficiency of the second gearbox is e^m.
+    """
     stages = math.log(1754.4) / math.log(340.4)
     stall = rows["stall_torque.actuator_0"].measured
     for i in range(3):
@@ -1239,39 +1369,48 @@ def test_eta_max_as_a_gearboxs(rows: dict[str, AuditRow]) -> None:
     assert worse["efficiency.actuator_0"].verdict == "agrees"
 
 
-def test_the_tori_fit_the_underarm_pose(rows: dict[str, AuditRow]) -> None:
-    """Cells of half a millimetre whose centre the two links reach, by the law of cosines."""
-    a_0, d_0, length, offset, a_2, d_3 = LENGTHS
+def planar_pose_in_range(cells_from_shoulder: np.ndarray, side: int) -> np.ndarray:
+    """Whether the two links reach the cells with the elbow on a side.
+
+    Cells are complex numbers, seen from the shoulder (mm).
+    """
+    _, _, length, offset, a_2, d_3 = LENGTHS
     l_1, l_2 = math.hypot(offset, length), math.hypot(a_2, d_3)
+    square = np.abs(cells_from_shoulder) ** 2
+    with np.errstate(invalid="ignore"):
+        fold = side * np.arccos((l_1**2 + l_2**2 - square) / (2 * l_1 * l_2))
+    to_elbow = np.angle(cells_from_shoulder) - np.angle(l_1 - l_2 * np.exp(-1j * fold))
+    angles = {
+        1: to_elbow + np.pi / 2 - reference.THETA_C,
+        2: fold - reference.THETA_C - math.atan(a_2 / d_3),
+    }
+
+    within = np.ones(cells_from_shoulder.shape, bool)
+    for i, angle in angles.items():
+        turned = np.mod(angle - reference.LOWER[i], 2 * np.pi)
+        within &= turned <= reference.UPPER[i] - reference.LOWER[i]
+    return within
+
+
+def test_the_tori_fit_the_underarm_pose(rows: dict[str, AuditRow]) -> None:
+    """Cells of half a millimetre whose centre the two links reach, by cosines."""
+    a_0, d_0, *_ = LENGTHS
     lines = np.arange(0.25, 361, 0.5), np.arange(-300.25, 401, 0.5)
     radius, height = np.meshgrid(*lines, indexing="ij")
-    square = (radius - a_0) ** 2 + (height - d_0) ** 2
-    bearing = np.arctan2(height - d_0, radius - a_0)
-    reached = np.zeros(radius.shape, bool)
-    for side in (1, -1):
-        with np.errstate(invalid="ignore"):
-            fold = side * np.arccos((l_1**2 + l_2**2 - square) / (2 * l_1 * l_2))
-        up = bearing - np.angle(l_1 - l_2 * np.exp(-1j * fold))
-        theta_1 = up + np.pi / 2 - reference.THETA_C
-        theta_2 = fold - reference.THETA_C - math.atan(a_2 / d_3)
-        within = np.ones(radius.shape, bool)
-        for i, angle in ((1, theta_1), (2, theta_2)):
-            turned = np.mod(angle - reference.LOWER[i], 2 * np.pi)
-            within &= turned <= reference.UPPER[i] - reference.LOWER[i]
-        reached |= within
-    inside = square <= (l_1 + l_2) ** 2
-    inside &= square >= (39.94 + a_2) ** 2 + (145.3 - d_3) ** 2
-    inside &= (radius - a_0) ** 2 + (height - d_0 + 145.3) ** 2 >= d_3**2
-    share = 100 * (reached & ~inside).sum() / reached.sum()
-    (printed,) = re.findall(
-        r"it is ([\d.]+) % if the tori", rows["workspace.left_out"].finding
-    )
+    from_shoulder = (radius - a_0) + 1j * (height - d_0)
+    elbow_up = planar_pose_in_range(from_shoulder, side=1)
+    elbow_down = planar_pose_in_range(from_shoulder, side=-1)
+    underarm = Cells(radius=radius, height=height, reached=elbow_up | elbow_down)
+
+    share = underarm.shares(TORUS_NUMBERS)["left_out"]
+    row = rows["workspace.left_out"]
+    (printed,) = re.findall(r"it is ([\d.]+) % if the tori", row.finding)
     assert float(printed) == pytest.approx(share, abs=0.02)
-    assert float(printed) < rows["workspace.left_out"].measured / 8
+    assert float(printed) < row.measured / 8
 
 
 def test_the_other_sign_would_be_found(rows: dict[str, AuditRow]) -> None:
-    """A document that printed URDF products everywhere would contradict its own I_Link."""
+    """A document with URDF products everywhere would contradict its own I_Link."""
     document = DOCUMENT
     for a, b in (
         ("0.808", "-0.808"),
@@ -1294,7 +1433,7 @@ def test_motors_that_obey_physics_agree() -> None:
     assert turned["motor_constants.actuator_3"].verdict == "differs"
 
 
-# --- the bound --------------------------------------------------------------------------------
+# --- the bound ------------------------------------------------------------------------
 
 
 def test_the_bound_is_the_worst_case_of_the_digits() -> None:

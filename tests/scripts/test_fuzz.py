@@ -245,7 +245,7 @@ def test_an_input_is_repeated_by_its_number(fuzz, tmp_path):
     assert drawn[0] == drawn[1]
 
 
-# --- found by it -------------------------------------------------------------------------------
+# --- found by it ----------------------------------------------------------------------
 
 
 def test_a_batch_of_no_states_with_one_row_for_all():
