@@ -1,4 +1,7 @@
-"""URDF and xacro files that mean harm: no code runs, no other file is read, none takes long."""
+"""URDF and xacro files that mean harm.
+
+No code runs, no other file is read, and none takes long.
+"""
 
 from __future__ import annotations
 
@@ -18,10 +21,11 @@ from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 from alpha5_model.proofs.comparison.printed_digits import last_place
 
 NAMESPACE = "xmlns:xacro='http://www.ros.org/wiki/xacro'"
-#: What a xacro file can do to its reader; {mark} is a file that it makes, {secret} one that it reads.
+#: What a xacro file can do to its reader: it makes the file {mark} or reads {secret}.
 PROGRAMS = {
-    "subclasses": "${{(lambda: [c for c in ().__class__.__base__.__subclasses__() if c.__name__ "
-    "== '_wrap_close'][0].__init__.__globals__['system']('touch {mark}'))()}}",
+    "subclasses": "${{(lambda: [c for c in ().__class__.__base__.__subclasses__() "
+    "if c.__name__ == '_wrap_close'][0]"
+    ".__init__.__globals__['system']('touch {mark}'))()}}",
     "substitution": "$(eval __import__('os').system('touch {mark}'))",
     "yaml": "${{xacro.load_yaml('{secret}')}}",
     "environment": "$(env ALPHA5_TEST_SECRET)",
@@ -168,8 +172,9 @@ def own_with(more: str) -> str:
 def hanging(length: int, at: str, kind: str) -> str:
     """Our arm with a long chain behind one of its links, each link with a mass."""
     body = (
-        '<inertial><mass value="1e-5"/><inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" '
-        'ixz="0" iyz="0"/></inertial>'
+        '<inertial><mass value="1e-5"/>'
+        '<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/>'
+        "</inertial>"
     )
     parts = []
     for k in range(length):
@@ -218,10 +223,14 @@ HOSTILE = {
     "nested origin": OWN.replace(
         "<origin ", "<a>" * 20_000 + "</a>" * 20_000 + "<origin ", 1
     ),
-    "entity bomb": f'<!DOCTYPE robot [<!ENTITY e0 "ha">{ENTITIES}]><robot name="&e11;"/>',
-    "external entity": '<!DOCTYPE robot [<!ENTITY x SYSTEM "{secret}">]><robot name="a">&x;</robot>',
-    "parameter entity": '<!DOCTYPE robot [<!ENTITY % x SYSTEM "{secret}"> %x;]><robot/>',
-    "external subset": '<!DOCTYPE robot SYSTEM "{secret}"><robot><link name="a"/></robot>',
+    "entity bomb": f'<!DOCTYPE robot [<!ENTITY e0 "ha">{ENTITIES}]>'
+    '<robot name="&e11;"/>',
+    "external entity": '<!DOCTYPE robot [<!ENTITY x SYSTEM "{secret}">]>'
+    '<robot name="a">&x;</robot>',
+    "parameter entity": '<!DOCTYPE robot [<!ENTITY % x SYSTEM "{secret}"> %x;]>'
+    "<robot/>",
+    "external subset": '<!DOCTYPE robot SYSTEM "{secret}">'
+    '<robot><link name="a"/></robot>',
     "long number": with_mass(OWN, "9" * 100_000),
     "long zero": with_mass(OWN, f"0.{'0' * 100_000}38"),
     "many numbers": OWN.replace('rpy="0.0 0.0 0.0"', f'rpy="{"0 " * 50_000}"', 1),
@@ -245,7 +254,8 @@ HOSTILE = {
         "</robot>",
         '<link name="odd">'
         + '<collision><geometry><mesh filename="a"/></geometry></collision>' * 1500
-        + '</link><joint name="o" type="fixed"><parent link="link_4"/><child link="odd"/></joint>'
+        + '</link><joint name="o" type="fixed">'
+        '<parent link="link_4"/><child link="odd"/></joint>'
         "</robot>",
     ),
 }

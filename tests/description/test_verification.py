@@ -520,7 +520,7 @@ def test_the_report_fits_its_width(
     assert " ".join("\n".join(lines).split()).startswith(summary)
     text = " ".join(" ".join(lines).split())
     assert not any("…" in line for line in lines)
-    # One sentence a finding: where, what was measured, figure and bound with their unit.
+    # One sentence a finding: where, what was measured, figure and bound with units.
     for words in (
         "differs Section 2.1, Table 2, link 0: largest distance between I_Link and "
         "I_COM carried to the link frame: 6.625 kg·mm², must be 0 ± 1.4 kg·mm²",

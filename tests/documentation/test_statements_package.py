@@ -243,7 +243,8 @@ def efficiencies() -> Sequence[Figure]:
 
 @statement(
     "alpha5_model/description/mjcf_drag.py",
-    "With k = {} its slender drag goes within {} like the strip's",
+    "With k = {}, its slender drag agrees with that of the strip, ``sin^3 x``, "
+    "within {}",
 )
 def flat_ellipsoid() -> Sequence[Figure]:
     """MuJoCo's slender drag is of what the largest section has beyond the shadow."""

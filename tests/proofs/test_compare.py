@@ -1,4 +1,4 @@
-"""`alpha5 compare`: each known defect of public models, injected into a copy of our own URDF."""
+"""`alpha5 compare` finds each known defect of public models in a copy of our URDF."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def wrong_side(root):
 
 
 def other_zero(root):
-    """The link frames of an arm whose zero of axis_c lies elsewhere, by theta_c - pi/2."""
+    """The link frames if the zero of axis_c is elsewhere, by theta_c - pi/2."""
     root.find("joint[@name='axis_c']/origin").set("rpy", "3.141592653589793 0.0 0.0")
 
 
@@ -189,7 +189,7 @@ def test_each_defect_is_found_and_named(defect):
 
 
 def test_defects_are_found_in_pairs():
-    # wrong mass and COM of one body, or two defects of one tensor, hide each other by nature
+    # Two defects of one tensor, or of mass and COM of one body, hide each other.
     clash = [{zeroed_products, no_inertial}, {guessed_cylinder, dummy_link}]
     for pair in itertools.combinations(DEFECTS, 2):
         if set(pair) in clash:
@@ -248,7 +248,7 @@ def test_shifted_zeros_and_signs_are_measured():
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_mimic_beyond_a_limit_of_zero_is_measured(side):
-    """At its lower limit the rod drives the finger to 51 * 0.0013 - 0.1 rad, or the other way."""
+    """At its lower limit the rod takes the finger to 51 * 0.0013 - 0.1 rad, or back."""
     text = Path(JAWS_URDF_PATH).read_text()
     if side > 0:
         text = text.replace('offset="-0.0663"', 'offset="-0.1"', 1)
