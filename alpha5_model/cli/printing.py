@@ -100,8 +100,12 @@ def progress_bars() -> Iterator[Callable[[str, float], None]]:
     from rich.progress import Progress
 
     console = Console(stderr=True)
-    hidden = not console.is_terminal
-    with Progress(console=console, transient=True, disable=hidden) as bars:
+    if not console.is_terminal:
+        # Before 14.3, Rich ends even disabled bars with an empty line.
+        yield lambda stage, done: None
+        return
+
+    with Progress(console=console, transient=True) as bars:
 
         def progress(stage: str, done: float) -> None:
             if stage not in [task.description for task in bars.tasks]:

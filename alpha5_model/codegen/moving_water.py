@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 import casadi
-import numpy as np
 from casadi import SX, cross, fabs, horzcat, sqrt, vertcat, vertsplit
 
 from alpha5_model.codegen.added_mass_and_drag import STRIPS, WATER_PARAMETERS, StripKind
@@ -26,6 +25,7 @@ from alpha5_model.codegen.equations_of_motion import (
     weightless,
 )
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, SECOND
+from alpha5_model.numbers.hydrodynamics import gauss_rule
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
@@ -188,7 +188,7 @@ def _sums_of_speeds(
     speeds = SX(0)
     first = SX(0)
     second = SX(0)
-    abscissas, weights = np.polynomial.legendre.leggauss(points)
+    abscissas, weights = gauss_rule(points)
     for abscissa, weight in zip(abscissas, weights, strict=True):
         if abscissa < 0:
             continue  # computed with its mirror image

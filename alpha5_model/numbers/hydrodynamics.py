@@ -101,7 +101,32 @@ class BodyHydrodynamics:
         object.__setattr__(self, "strips", tuple(strips))
 
 
-_legendre = cache(np.polynomial.legendre.leggauss)
+#: Point and weight of the positive half of Gauss's quadrature, by its count of points.
+#: NumPy's last bits depend on its version, and generated files contain them.
+_POSITIVE_HALF = {
+    4: (
+        (0.33998104358485626, 0.6521451548625464),
+        (0.8611363115940526, 0.34785484513745357),
+    ),
+    6: (
+        (0.2386191860831969, 0.46791393457269104),
+        (0.6612093864662645, 0.3607615730481387),
+        (0.9324695142031519, 0.17132449237917027),
+    ),
+}
+
+
+@cache
+def gauss_rule(count: int) -> tuple[FloatArray, FloatArray]:
+    """Ascending points of Gauss's quadrature on -1 to 1, and weights, (count,) each."""
+    if count not in _POSITIVE_HALF:
+        nodes, weights = np.polynomial.legendre.leggauss(count)
+        return nodes, weights
+
+    positive, half_weights = np.transpose(_POSITIVE_HALF[count])
+    nodes = np.concatenate([-positive[::-1], positive])
+    weights = np.concatenate([half_weights[::-1], half_weights])
+    return nodes, weights
 
 
 def gauss_count(strip: DragStrip) -> int:
@@ -120,7 +145,7 @@ def gauss_points(strip: DragStrip, count: int = 0) -> list[tuple[FloatArray, flo
     """
     line = strip.end - strip.start
     twice_middle = strip.start + strip.end
-    nodes, weights = _legendre(count or gauss_count(strip))
+    nodes, weights = gauss_rule(count or gauss_count(strip))
     points: list[tuple[FloatArray, float]] = []
     for node, weight in zip(nodes, weights, strict=True):
         point = (twice_middle + node * line) / 2

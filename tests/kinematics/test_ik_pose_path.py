@@ -51,9 +51,7 @@ def test_rotation_error_is_the_least_that_the_wrist_can_do() -> None:
                 error, abs=1e-9
             )
             q[:, 3] = wrist
-            scan = angle_between(
-                fk(q)[:, :3, :3], np.broadcast_to(pose[i, :3, :3], (4001, 3, 3))
-            )
+            scan = angle_between(fk(q)[:, :3, :3], pose[i, :3, :3])
             assert error <= scan.min() + 1e-12
             assert error == pytest.approx(scan.min(), abs=1e-5)
     assert not s.exact.any()
@@ -350,6 +348,11 @@ def along_axis(
     return np.array([inwards, *([0.0, 0.0, z] for z in heights), outwards])
 
 
+#: SLSQP of older SciPy leaves the bounds by a rounding error, and warns that it does.
+SLSQP_CLIPS = pytest.mark.filterwarnings("ignore:Values in x were outside bounds")
+
+
+@SLSQP_CLIPS
 @pytest.mark.parametrize(
     ("turn", "heights"),
     [
@@ -376,6 +379,7 @@ def test_theta_0_on_the_axis_has_the_least_travel(
         assert least - 1e-3 < travel_of(path) <= least + 1e-9
 
 
+@SLSQP_CLIPS
 def test_random_paths_across_the_axis_have_the_least_travel() -> None:
     rng = np.random.default_rng(84)
     compared = refused = 0

@@ -10,7 +10,12 @@ import pytest
 from newton_euler import link_frames
 
 import alpha5_model as a5
-from alpha5_model.numbers.hydrodynamics import LEVELS, BodyHydrodynamics, hydrodynamics
+from alpha5_model.numbers.hydrodynamics import (
+    LEVELS,
+    BodyHydrodynamics,
+    gauss_rule,
+    hydrodynamics,
+)
 from alpha5_model.numbers.reading import hydrodynamics as read
 from alpha5_model.numbers.reading import parse_hydrodynamics
 from alpha5_model.water.arm import HydrodynamicArm, joint_water
@@ -34,6 +39,16 @@ def test_every_matrix_is_possible(numbers, gripper, level):
         smallest = np.linalg.eigvalsh(matrix).min()
         assert smallest > 0 if numbers == "estimated" else smallest > -1e-12
         assert body.strips
+
+
+@pytest.mark.parametrize("count", [4, 6, 8])
+def test_gauss_rule_is_numpys_and_integrates_polynomials(count):
+    nodes, weights = gauss_rule(count)
+    numpys = np.polynomial.legendre.leggauss(count)
+    np.testing.assert_allclose((nodes, weights), numpys, rtol=0, atol=1e-15)
+    for power in range(0, 2 * count, 2):
+        assert weights @ nodes**power == pytest.approx(2 / (power + 1), abs=4e-15)
+        assert weights @ nodes ** (power + 1) == pytest.approx(0, abs=4e-15)
 
 
 def test_every_value_says_that_it_is_not_published():

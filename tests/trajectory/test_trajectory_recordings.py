@@ -401,6 +401,16 @@ def test_each_joint_in_a_message_of_its_own_is_refused(tmp_path: Path) -> None:
         a5.trajectory.read_motion(path)
 
 
+def test_long_names_of_other_joints_are_cut(tmp_path: Path) -> None:
+    other = [State(s.stamp, ["x" * 500], [0.0]) for s in samples()]
+    path = write_bag(tmp_path, ".bag", other)
+    with pytest.raises(FileFormatError) as caught:
+        a5.trajectory.read_motion(path)
+    _, _, got = str(caught.value).partition(", but ")
+    topic = "/joint_states: "
+    assert got == topic + "x" * (400 - len(topic))
+
+
 def test_publishers_of_the_same_joints_are_said(tmp_path: Path) -> None:
     states = samples()
     for s in states[1::2]:

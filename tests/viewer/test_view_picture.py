@@ -6,6 +6,7 @@ import importlib.util
 import io
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from shared_recordings import JOINT_STATES
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
+from alpha5_model.viewer import annotations
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.canvas import Canvas, shade
 from alpha5_model.viewer.picture import picture, picture_png
@@ -236,6 +238,28 @@ def test_every_group_changes_the_picture(arm: a5.Arm) -> None:
     ):
         shown = picture(replace(scene, show=("bodies", group)), SIZE).astype(int)
         assert (np.abs(shown - plain).max(axis=2) > 8).sum() > 60, group
+
+
+def test_the_words_of_a_bar_are_beside_its_end(arm: a5.Arm) -> None:
+    """Half a line of text to the right of it, at its height."""
+    lines, texts = [], []
+    draw = SimpleNamespace(
+        line=lambda ends, **_: lines.append(ends),
+        text=lambda place, words, **_: texts.append((words, place)),
+    )
+    pen = SimpleNamespace(draw=draw, font=None, text_height=10, step=20.0)
+    scene = build_scene(arm, show=["weight", "current"], current=(0.5, 0.0, 0.0))
+    canvas = Canvas(scene.camera, 800, 600)
+    annotations._draw_scale_bars(pen, scene, canvas, finer=2)
+    bars = [(start, end, y) for start, y, end, other in lines if y == other]
+    assert [words for words, _ in texts] == ["100 mm", "force 5 N", "current 1 m/s"]
+    for (start, end, y), (_, place) in zip(bars, texts, strict=True):
+        assert start == 20.0
+        assert place == (end + 10.0, y)
+    assert [y for *_, y in bars] == [240.0, 260.0, 280.0]
+    away = np.linalg.norm(scene.camera.eye - scene.camera.target)
+    (_, end, _), *_ = bars
+    assert end - 20.0 == pytest.approx(0.1 * canvas.focal / away / 2)
 
 
 def test_bars_say_how_long_things_are_where_the_camera_looks(arm: a5.Arm) -> None:

@@ -129,7 +129,11 @@ def test_the_plot_of_a_motion() -> None:
         current_limit=0.8,
         current=(0.2, 0.0, -0.1),
     )
-    check_lines("motion", figure(motion_figure(analysis)))
+    page = motion_figure(analysis)
+    check_lines("motion", figure(page))
+    time_axes = page.axes[0].get_shared_x_axes()
+    shared = [time_axes.joined(page.axes[0], axes) for axes in page.axes]
+    assert shared == [True] * (len(page.axes) - 1) + [False]  # the last is the path
 
 
 def _write_with_another_link_2(path: Path) -> None:
