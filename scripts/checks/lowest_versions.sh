@@ -5,14 +5,11 @@
 #
 # Everything is in a temporary folder: an editable install compiles the kernels in place,
 # and those of the checkout stay as they are. The source archive is what the tests run from.
-#
-# Tests with the mark any_version are left out. They take most of the time and
-# call no function of a dependency that shorter tests do not call.
 set -euo pipefail
+uv=$(realpath "$1")
+shift
 cd "$(dirname "$0")/../.."
 repository=$PWD
-uv=$1
-shift
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -33,4 +30,4 @@ cd "$work/checkout"
 "$uv" venv --quiet --python 3.11 "$VIRTUAL_ENV"
 "${retry[@]}" "$uv" pip install --quiet --resolution lowest-direct --editable '.[test]'
 "$uv" pip list | grep -E '^(numpy|pin|scipy|typer|rich|mujoco|pytest) '
-python -m pytest --numprocesses 2 --dist loadfile -m 'not any_version' "$@"
+python -m pytest --numprocesses 2 --dist loadfile "$@"

@@ -667,7 +667,7 @@ def bounds_in_motion() -> Sequence[Figure]:
     "(noise 3 mN·m), and in {} % from the load on the mount (noise 10 mN and mN·m)",
 )
 def coverage() -> Sequence[Figure]:
-    """The page has 500 trials, here are 100 of each kind.
+    """The page has 500 trials, here are 50 of each kind.
 
     The hits within one trial depend on each other, so the error of the mean comes from
     the spread of the trials.
@@ -679,7 +679,7 @@ def coverage() -> Sequence[Figure]:
     motion = a5.trajectory.motion(time, swing)
     smooth = a5.trajectory.smooth(motion, "interpolate")
     state = smooth.position, smooth.velocity, smooth.acceleration
-    trials = 100
+    trials = 50
     drawn = u.sample(trials, 3)
     rng = np.random.default_rng(1)
     rows = a5.load().regressor(*state).matrix

@@ -18,6 +18,7 @@ from alpha5_model.kinematics.pose import approach_directions
 from alpha5_model.theory.dh import DHChain, DHLink
 from alpha5_model.theory.dh.arm_types import classify
 from alpha5_model.theory.dh.orientations import (
+    _damped_step,
     even_rotations,
     orientation_freedom,
     spatial_dexterity,
@@ -468,6 +469,19 @@ def test_dexterity_of_the_alpha5_is_nothing() -> None:
     assert (estimate.share == 0).all()
     assert not estimate.interior
     assert "4 joints" in estimate.reason
+
+
+def test_a_damped_step_is_newtons_unless_it_is_too_long() -> None:
+    rng = np.random.default_rng(8)
+    jacobian = rng.normal(size=(50, 6, 6)) + 3 * np.eye(6)
+    near = 1e-6 * rng.normal(size=(50, 6))
+    newton = np.linalg.solve(jacobian, near[:, :, None])[:, :, 0]
+    np.testing.assert_allclose(_damped_step(jacobian, near), newton, rtol=1e-3)
+
+    # The joint that moves farthest moves by 0.8.
+    far = 10 * rng.normal(size=(50, 6))
+    step = _damped_step(jacobian, far)
+    np.testing.assert_allclose(np.abs(step).max(axis=1), 0.8)
 
 
 def test_even_rotations_are_rotations_and_even() -> None:
