@@ -8,6 +8,7 @@ from typing import NamedTuple
 import casadi
 from casadi import SX, horzcat, vertcat, vertsplit
 
+from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
@@ -64,7 +65,13 @@ def turns(q: SX, parameters: Alpha5Parameters) -> list[Turn]:
     Args:
         q: (4, 1).
         parameters: The arm's parameters; only its dimensions are used.
+
+    Raises:
+        InputError: The arm has another tool than Table 1's.
     """
+    if parameters.tool is not None:
+        expected = "the tool point of Table 1, for which equations are generated"
+        raise InputError("tool", parameters.tool.position, expected)
     angles = [(casadi.cos(angle), casadi.sin(angle)) for angle in vertsplit(q)]
     angles.append((SX(1.0), SX(0.0)))  # the tcp does not turn
 

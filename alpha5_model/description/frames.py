@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from alpha5_model._support.spatial import Placement, Triple
+from alpha5_model._support.spatial import Placement, Triple, rpy_from_rotation
 from alpha5_model.errors import PublishedDataError
 from alpha5_model.numbers.parameters import Alpha5Parameters, DHParameters
 
@@ -30,7 +30,14 @@ def joint_placements(parameters: Alpha5Parameters) -> tuple[Placement, ...]:
 
 
 def tcp_placement(parameters: Alpha5Parameters) -> Placement:
-    """Pose of the TCP, DH frame {5}, in link_4."""
+    """Pose of the TCP in link_4: the record's tool, or Table 1's, DH frame {5}."""
+    tool = parameters.tool
+    if tool is not None:
+        x, y, z = tool.position.tolist()
+        return Placement(
+            parent="link_4", xyz=(x, y, z), rpy=rpy_from_rotation(tool.rotation)
+        )
+
     wrist = parameters.dh[3]
     last = parameters.dh[4]
     if last.variable is not None or any((last.d, last.a, last.alpha)):

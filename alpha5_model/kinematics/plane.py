@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.errors import PublishedDataError
+from alpha5_model.errors import InputError, PublishedDataError
 from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
@@ -62,6 +62,7 @@ class ArmPlane(NamedTuple):
         Raises:
             PublishedDataError: Table 1 is not of the shape that this closed form
                 solves.
+            InputError: A tool that is not on the wrist axis.
         """
         row_0, row_1, row_2, row_3, row_4 = parameters.dh[:5]
         twists = [row_0.alpha, row_1.alpha, row_2.alpha]
@@ -72,10 +73,18 @@ class ArmPlane(NamedTuple):
                 "Table 1", "not a vertical plane with two links in it"
             )
 
-        # The forearm goes a_2 along x_2 and -d_3 across it: l_2 is turned from x_2.
+        along_wrist = row_3.d
+        if parameters.tool is not None:
+            x, y, along_wrist = parameters.tool.position.tolist()
+            if x or y:
+                expected = "a tool point on the wrist axis, (0, 0, z)"
+                raise InputError("tool", parameters.tool.position, expected)
+
+        # The forearm goes a_2 along x_2 and the tool point's -z across it: l_2 is
+        # turned from x_2.
         l_1 = row_1.a
-        l_2 = math.hypot(row_2.a, row_3.d)
-        forearm_angle = math.atan2(-row_3.d, row_2.a)
+        l_2 = math.hypot(row_2.a, along_wrist)
+        forearm_angle = math.atan2(-along_wrist, row_2.a)
 
         joints = parameters.joints[:4]
         return cls(

@@ -27,6 +27,7 @@ from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_correcti
 from alpha5_model.numbers.inertia import check_possible, flip_products
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import Quantity
+from alpha5_model.numbers.tool import ToolPose
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,6 +302,7 @@ class Alpha5Parameters:
         base_yaw: Rotation about z from link_0 to base_link [rad]: 0, or pi without
             ``base_frame``.
         corrections: Names of the corrections applied.
+        tool: Pose of the tcp in link_4; None for Table 1's, DH frame {5}.
 
     Raises:
         InputError: Not the records of this arm: five rows, links, joints and actuators.
@@ -314,6 +316,7 @@ class Alpha5Parameters:
     jaws: JawParameters
     base_yaw: float
     corrections: tuple[str, ...]
+    tool: ToolPose | None = None
 
     def __post_init__(self) -> None:
         parts = {
@@ -330,6 +333,8 @@ class Alpha5Parameters:
                 instance(name, record, kind)
             object.__setattr__(self, name, records)
         instance("jaws", self.jaws, JawParameters)
+        if self.tool is not None:
+            instance("tool", self.tool, ToolPose)
         for name in ("theta_c", "base_yaw"):
             object.__setattr__(self, name, real(name, getattr(self, name)))
             plausibility.check(name, getattr(self, name), plausibility.ANGLE)

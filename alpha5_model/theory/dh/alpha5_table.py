@@ -7,7 +7,9 @@ from typing import TypedDict
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import transform
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.tool import ToolPose
 from alpha5_model.theory.dh.link import DHLink, dh_transform
 
 
@@ -21,7 +23,10 @@ class ChainFields(TypedDict):
 
 
 def alpha5_table(parameters: Alpha5Parameters) -> ChainFields:
-    """The moving rows of Table 1 as links; the fixed last row is the tool."""
+    """The moving rows of Table 1 as links.
+
+    The tool is the record's, or else the fixed last row.
+    """
     links = []
     names = []
     tool = np.eye(4)
@@ -43,9 +48,18 @@ def alpha5_table(parameters: Alpha5Parameters) -> ChainFields:
         )
         links.append(link)
         names.append(joint.name)
+    if parameters.tool is not None:
+        tool = _in_frame_4(parameters.tool, links[-1])
     return {
         "links": tuple(links),
         "tool": tool,
         "name": "alpha5",
         "joint_names": tuple(names),
     }
+
+
+def _in_frame_4(tool: ToolPose, wrist: DHLink) -> FloatArray:
+    """Pose of a tool in the frame {4}, which the wrist's row leads to from link_4."""
+    frame_4_in_link_4 = dh_transform(0.0, wrist.d, wrist.a, wrist.alpha)
+    tool_in_link_4 = transform(tool.rotation, tool.position)
+    return np.linalg.inv(frame_4_in_link_4) @ tool_in_link_4

@@ -1,0 +1,110 @@
+"""A tool of one's own: where the tcp is then, in every description of the arm."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from fk import fk, sample
+
+import alpha5_model as a5
+from alpha5_model._support.spatial import pose, rotation_from_rpy
+from alpha5_model.description import frames
+from alpha5_model.dynamics.load import arm_of
+from alpha5_model.errors import ImplausibleWarning, InputError
+from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.numbers.tool import ToolPose
+from alpha5_model.theory.dh import DHChain
+from alpha5_model.theory.dh.alpha5_table import alpha5_table
+
+TOOL = ToolPose(
+    position=np.array([0.004, -0.03, -0.245]),
+    rotation=rotation_from_rpy((0.3, -0.4, 1.1)),
+)
+RECORD = dataclasses.replace(a5.parameters(), tool=TOOL)
+#: Pose of link_4 in Table 1's tcp: d_4 is 180 mm, and the last two rows turn.
+TCP_IN_LINK_4 = pose((0.0, 0.0, -0.18), (0.0, 0.0, 0.0)) @ np.array(
+    [[0, 1, 0, 0], [0, 0, -1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], float
+)
+
+
+def with_tool(q: np.ndarray) -> np.ndarray:
+    """transform_tcp_to_base by Table 1 as retyped in the tests, (N, 4, 4)."""
+    link_4 = fk(q) @ np.linalg.inv(TCP_IN_LINK_4)
+    tool = np.eye(4)
+    tool[:3, :3] = TOOL.rotation
+    tool[:3, 3] = TOOL.position
+    return np.asarray(link_4 @ tool)
+
+
+def test_the_tool_of_table_1_is_where_the_test_puts_it() -> None:
+    placement = frames.tcp_placement(a5.parameters())
+    assert pose(placement.xyz, placement.rpy) == pytest.approx(TCP_IN_LINK_4, abs=1e-16)
+
+
+def test_a_chain_has_the_tool() -> None:
+    chain = DHChain(**alpha5_table(RECORD))
+    q = sample(200, seed=1)
+    assert chain.forward_kinematics(q) == pytest.approx(with_tool(q), abs=1e-15)
+
+
+def test_an_arm_has_the_tool() -> None:
+    arm = arm_of(RECORD)
+    q = sample(50, seed=2)
+    tcp = [arm.forward_kinematics(row).homogeneous for row in q]
+    assert np.array(tcp) == pytest.approx(with_tool(q), abs=1e-15)
+
+
+def test_a_tool_as_published_changes_nothing() -> None:
+    same = ToolPose(position=TCP_IN_LINK_4[:3, 3], rotation=TCP_IN_LINK_4[:3, :3])
+    record = dataclasses.replace(a5.parameters(), tool=same)
+    own = frames.tcp_placement(record)
+    published = frames.tcp_placement(a5.parameters())
+    assert own.xyz == published.xyz
+    own_turn = rotation_from_rpy(own.rpy)
+    assert own_turn == pytest.approx(rotation_from_rpy(published.rpy), abs=1e-15)
+
+
+def test_generated_equations_refuse_a_tool() -> None:
+    chain = pytest.importorskip("alpha5_model.codegen.chain")
+    with pytest.raises(InputError, match="the tool point of Table 1"):
+        chain.turns(chain.SX.zeros(4), RECORD)
+
+
+def test_the_plane_of_the_arm_has_a_tool_on_the_wrist_axis() -> None:
+    on_axis = dataclasses.replace(TOOL, position=[0.0, 0.0, -0.245])
+    plane = ArmPlane.from_parameters(dataclasses.replace(RECORD, tool=on_axis))
+    assert plane.l_2 == math.hypot(0.02, 0.245)
+    with pytest.raises(InputError, match="on the wrist axis"):
+        ArmPlane.from_parameters(RECORD)
+
+
+def test_a_tool_is_read_only() -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        TOOL.position[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"position": [0.0, math.nan, 0.0]}, "tool.position"),
+        ({"position": [0.0, 0.0]}, "tool.position"),
+        ({"rotation": np.diag([1.0, 1.0, -1.0])}, "a rotation matrix"),
+        ({"rotation": 1.01 * np.eye(3)}, "a rotation matrix"),
+    ],
+)
+def test_other_than_a_pose_is_refused(change: dict[str, object], expected: str) -> None:
+    with pytest.raises(InputError, match=expected):
+        dataclasses.replace(TOOL, **change)
+
+
+def test_a_record_takes_no_other_kind_of_tool() -> None:
+    with pytest.raises(InputError, match="a ToolPose"):
+        dataclasses.replace(RECORD, tool=(0.0, 0.0, -0.2))  # type: ignore[arg-type]
+
+
+def test_millimetres_warn() -> None:
+    with pytest.warns(ImplausibleWarning, match="mm"):
+        dataclasses.replace(TOOL, position=[4.0, 0.0, -245.0])
