@@ -40,6 +40,8 @@ NOT_RUN = (
     "test_view_browser",
     "test_view_hand",
 )
+#: Tests of all records: a class is defined by an import, which belongs to no test.
+OF_RECORDS = "tests/package/test_records.py"
 #: For the C code of the kernels, in this order.
 KERNEL_TESTS = (
     "tests/codegen/test_kernels_compiled.py",
@@ -142,6 +144,7 @@ class Seen:
         tiers = (
             _below(home, of_line),
             _below(home, beside),
+            _below(OF_RECORDS, everything),
             of_line,
             of_file,
             beside,

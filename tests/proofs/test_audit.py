@@ -1052,6 +1052,10 @@ def test_the_theorem_with_four_joints(rows: dict[str, AuditRow]) -> None:
     assert f"share of the {turning} sets" in row.finding
     assert f", {broken} promises are broken" in row.finding
     assert broken == 0
+    tips = [tip for tip in range(1, 11) if hand_turns((3, 3, 3), 1, tip)]
+    assert tips == [*range(1, 9)]
+    example = "l = (3, 3, 3, 1), which turns fully at every distance up to 8,"
+    assert example in row.finding
     assert (row.measured, row.verdict, row.category) == (100, "differs", "error")
 
 

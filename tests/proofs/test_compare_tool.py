@@ -370,6 +370,28 @@ def test_pairs_of_defects(pair):
     check(*pair)
 
 
+def test_a_short_pi_says_how_far_it_moves_the_tip():
+    root = damaged("short pi")
+    comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
+    distances, _ = truth(text_of(root), SAMPLES, "tcp", "base_link")
+    (found,) = [f for f in comparison.findings if "pi are cut short" in f.text]
+    assert f"the tip lies up to {1e3 * distances.max():.2f} mm beside" in found.text
+
+
+@pytest.mark.parametrize("reversed_too", [False, True])
+@pytest.mark.parametrize(("zero", "sure"), [(0.7, True), (0.02, False)])
+def test_a_small_zero_of_axis_e_may_be_the_base(zero, sure, reversed_too):
+    """A COM of link_0 that is 2 mm off tells a large turn of it, and no small one."""
+    root = damaged(*["axis_e reversed"][: int(reversed_too)])
+    turn("axis_e", 0, 0, zero)(root)
+    com = root.find("link[@name='link_0']/inertial/origin")
+    moved_com = vector(com.get("xyz")) + np.array([0.0, 0.0, 0.002])
+    com.set("xyz", written(moved_com))
+    comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
+    (found,) = [f for f in comparison.findings if "zero is shifted" in f.text]
+    assert ("or else the base" not in found.text) == sure
+
+
 # --- public models
 
 #: File -> joints, the frame of its tool, base; the tool frame's distance from Table 1's

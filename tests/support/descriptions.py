@@ -83,7 +83,8 @@ def figure(page: Any) -> Iterator[str]:
         for line in axes.lines:
             points = np.ma.filled(np.ma.asarray(line.get_xydata(), float), np.nan)
             style = line.get_color(), line.get_linewidth(), line.get_linestyle()
-            yield f"{name}: line {line.get_label()!r} {style} {array(points)}"
+            look = f"{style}{_marks(line)}"
+            yield f"{name}: line {line.get_label()!r} {look} {array(points)}"
         for patch in axes.patches:
             corners = patch.get_path().vertices
             color = array(np.array(patch.get_facecolor()))
@@ -96,6 +97,14 @@ def figure(page: Any) -> Iterator[str]:
         yield from _texts(name, axes.texts)
         if axes.get_legend():
             yield from _texts(f"{name}: legend", axes.get_legend().get_texts())
+
+
+def _marks(line: Any) -> str:
+    """The look of the marks at a line's points, if it has any."""
+    if line.get_marker() in ("None", ""):
+        return ""
+    colors = line.get_markerfacecolor(), line.get_markeredgecolor()
+    return f" {line.get_marker()!r} {number(line.get_markersize())} {colors}"
 
 
 def _texts(name: str, texts: Any) -> Iterator[str]:

@@ -20,6 +20,7 @@ from rosbags.rosbag2.storage_mcap import zstd
 
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.trajectory.bag_limits import Budget, _ExceededError
 
 NAMES = [f"axis_{letter}" for letter in "edcb"]
 #: Form of a bag, and its compression.
@@ -70,6 +71,16 @@ def test_compressed_bags_are_read_as_others(
         motion.position, np.tile([3.0, 1.5, 1.4, 1.2], (3000, 1))
     )
     assert motion.warnings == ()
+
+
+def test_a_bag_may_expand_to_a_hundred_times_its_size_and_a_megabyte() -> None:
+    budget = Budget(2_000)
+    budget.take(1_000_000)
+    budget.take(200_000)
+    assert not budget.exceeded
+    with pytest.raises(_ExceededError):
+        budget.take(1)
+    assert budget.exceeded
 
 
 def test_an_arm_at_rest_expands_far_less_than_is_allowed(tmp_path: Path) -> None:

@@ -170,6 +170,7 @@ def test_the_plot_of_planar_arms() -> None:
     for arm in (
         a5.planar.PlanarArm((5, 4, 1)),
         a5.planar.PlanarArm((3, 2), [(-1, 2), None]),
+        a5.planar.PlanarArm((0.1, 0.2, 0.1)),  # a circle, up to rounding
     ):
         axes = new_axes()
         plot_planar(arm, axes=axes)

@@ -20,10 +20,12 @@ from alpha5_model.proofs.comparison.chains import AXES
 from alpha5_model.proofs.comparison.correction import LEVER, JointCorrection
 from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import finding
+from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.own_arm import DIMENSIONS
 from alpha5_model.proofs.comparison.placement import bodies_in_our_frames
 from alpha5_model.proofs.comparison.poses import origin_of
 from alpha5_model.proofs.comparison.records import Finding
+from alpha5_model.proofs.comparison.tool import tool_in_wrist
 
 #: A COM of link_0 this close to ours settles the zero of axis_e.
 SAME_COM = 1e-3  # [m]
@@ -179,8 +181,8 @@ def _digits(evidence: Evidence, line: str) -> Iterator[Finding]:
     """
     alignment = evidence.alignment
     there = alignment.theirs(evidence.q)
-    meant = origin_of(evidence.theirs.poses(there)[:, 4])
-    written = origin_of(evidence.written.poses(there)[:, 4])
+    meant = _tips(evidence, evidence.theirs, there)
+    written = _tips(evidence, evidence.written, there)
     off = float(np.linalg.norm(meant - written, axis=1).max())
     pi_is_cut = off > LENGTH_TOLERANCE
     if pi_is_cut:
@@ -197,6 +199,12 @@ def _digits(evidence: Evidence, line: str) -> Iterator[Finding]:
             zeros=zeros,
             line="" if pi_is_cut else line,
         )
+
+
+def _tips(evidence: Evidence, reading: FourJointArm, q: FloatArray) -> FloatArray:
+    """Tool points of the other arm as it is meant or written, (N, 3) [m]."""
+    tool = tool_in_wrist(evidence.ours, evidence.theirs, reading, evidence.alignment)
+    return origin_of(reading.poses(q)[:, 4] @ tool)
 
 
 def _small_zeros(evidence: Evidence) -> str:

@@ -69,7 +69,7 @@ def measure_tool(
     """
     expected = ours.reduced.poses(q)[:, 4] @ ours.tool_pose
     base = _to_base_link(written, alignment)
-    tool = _tool_in_wrist(ours, written, theirs, alignment)
+    tool = tool_in_wrist(ours, theirs, written, alignment)
 
     same = base @ written.poses(q)[:, 4] @ tool
     matched = base @ written.poses(alignment.theirs(q))[:, 4] @ tool
@@ -90,12 +90,19 @@ def _to_base_link(written: FourJointArm, alignment: Alignment) -> FloatArray:
     return np.asarray(np.linalg.inv(written.link_poses[alignment.base_link]))
 
 
-def _tool_in_wrist(
-    ours: OwnArm, written: FourJointArm, theirs: FourJointArm, alignment: Alignment
+def tool_in_wrist(
+    ours: OwnArm, theirs: FourJointArm, reading: FourJointArm, alignment: Alignment
 ) -> FloatArray:
-    """Pose of the tool in the other model's last body, (4, 4)."""
+    """Pose of the other model's tool in its last body, (4, 4).
+
+    Args:
+        ours: Our arm.
+        theirs: The other arm as it is meant.
+        reading: The same, or the other arm as it is written: whose tool is returned.
+        alignment: The alignment of the arm as it is meant.
+    """
     if theirs.tool:
-        return written.link_poses[theirs.tool]
+        return reading.link_poses[theirs.tool]
     wrist = mended_transforms(ours, theirs, alignment)[4]
     return np.asarray(np.linalg.inv(wrist) @ ours.tool_pose)
 
