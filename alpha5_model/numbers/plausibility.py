@@ -27,7 +27,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import ImplausibleWarning
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Plausible:
     """The plausible values of one quantity.
 

@@ -208,8 +208,8 @@ def _mean_velocity(motion: Motion) -> FloatArray:
     """
     time = motion.time
     half = DIRECTION_WINDOW / 2
-    early = (time - half).clip(time[0], time[-1])
-    late = (time + half).clip(time[0], time[-1])
+    early = np.maximum(time - half, time[0])
+    late = np.minimum(time + half, time[-1])
     displacement = resampled(late, time, motion.position)
     displacement -= resampled(early, time, motion.position)
     return np.asarray(displacement / (late - early)[:, None])

@@ -10,7 +10,7 @@ import pytest
 
 from alpha5_model.codegen.arm_functions import functions, products
 from alpha5_model.codegen.instructions import OPERATIONS as KNOWN
-from alpha5_model.codegen.instructions import Program, program
+from alpha5_model.codegen.instructions import Program, Step, _selecting, program
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import parameters
 
@@ -131,6 +131,21 @@ def test_equal_expressions_are_computed_once_and_sine_stands_beside_cosine() -> 
         if (step.op, step.arguments) == ("cos", angle)
     ]
     assert abs(sine - cosines[0]) == 1
+
+
+@pytest.mark.parametrize("opposite", ["not", "neg", "sqrt"])
+def test_a_sum_is_a_selection_if_one_condition_is_the_others_opposite(
+    opposite: str,
+) -> None:
+    steps = [
+        Step(op="input", result=0, arguments=(0, 0)),
+        Step(op=opposite, result=1, arguments=(0,)),
+        Step(op="if_else_zero", result=2, arguments=(0, 0)),
+        Step(op="if_else_zero", result=3, arguments=(1, 0)),
+        Step(op="add", result=4, arguments=(2, 3)),
+    ]
+    last = _selecting(steps)[-1]
+    assert last.op == ("if_else" if opposite == "not" else "add")
 
 
 def test_what_no_emitter_knows_is_refused() -> None:

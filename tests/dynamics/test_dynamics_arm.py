@@ -759,3 +759,13 @@ def test_truth_values_are_no_numbers_in_the_fast_call_either(place: int) -> None
     states[place] = np.array([True, False, True, False])
     with pytest.raises(InputError, match="real numbers"):
         a5.load().inverse_dynamics(*states)
+
+
+def test_a_pool_has_a_thread_for_each_that_is_asked_for() -> None:
+    arm = a5.load()
+    of_one, of_three, of_two = (
+        arm._scratch.pool(arm.model, threads) for threads in (1, 3, 2)
+    )
+    assert of_one.size() >= 1
+    assert of_three.size() >= 3
+    assert of_two is of_three

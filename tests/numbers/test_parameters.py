@@ -180,3 +180,11 @@ def test_wrong_corrections_are_refused() -> None:
     for wrong in ("base_frame", None, 3):
         with pytest.raises(InputError, match="corrections: expected a tuple of names"):
             a5.parameters(wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["friction_tolerance", "efficiency"])
+def test_a_share_of_a_motor_may_be_one_and_no_more(name: str) -> None:
+    motor = a5.parameters().actuators[0]
+    assert getattr(dataclasses.replace(motor, **{name: 1.0}), name) == 1.0
+    with pytest.raises(InputError, match=f"{name}: expected at most 1"):
+        dataclasses.replace(motor, **{name: 1.0 + 1e-9})

@@ -1206,6 +1206,23 @@ def test_the_relative_pose_by_its_four_factors(rows: dict[str, AuditRow]) -> Non
     assert rows["relative_pose.corrected"].effect < 1e-9
 
 
+def test_the_relative_pose_is_no_pose_in_the_base(rows: dict[str, AuditRow]) -> None:
+    middle = (reference.LOWER + reference.UPPER) / 2
+    in_base = reference.dh_frames(middle)
+    apart = [
+        np.linalg.inv(one) @ other - other for one, other in itertools.pairwise(in_base)
+    ]
+    row = rows["relative_pose.superscript"]
+    assert row.measured == pytest.approx(np.abs(apart).max())
+    assert row.effect == pytest.approx(1000 * np.linalg.norm(apart[-1][:3, 3]))
+
+
+def test_no_effect_is_negative(rows: dict[str, AuditRow]) -> None:
+    effects = [row.effect for row in rows.values() if row.effect is not None]
+    assert len(effects) > 30
+    assert min(effects) >= 0.0
+
+
 # --- the seed texts themselves --------------------------------------------------------
 
 SEEDS = Path(

@@ -23,6 +23,7 @@ from urdf_edits import OWN
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.proofs.comparison.measure import compare_robots
 from alpha5_model.proofs.comparison.records import Comparison, Finding
+from alpha5_model.proofs.comparison.tool_findings import _axes_are_a_choice
 
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
 MODELS = recordings.RECORDINGS / "models"
@@ -390,6 +391,27 @@ def test_a_small_zero_of_axis_e_may_be_the_base(zero, sure, reversed_too):
     comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
     (found,) = [f for f in comparison.findings if "zero is shifted" in f.text]
     assert ("or else the base" not in found.text) == sure
+
+
+@pytest.mark.parametrize("roll", [-180, -30, 0, 60, 90])
+@pytest.mark.parametrize("axes", itertools.permutations(range(3)))
+def test_a_tool_along_the_wrist_may_have_any_axes(roll, axes):
+    chosen = np.eye(4)
+    chosen[:3, :3] = rotation([0, 0, math.radians(roll)]) @ np.eye(3)[:, axes]
+    assert _axes_are_a_choice(chosen, 0.01)
+    for rpy in ([0, 0, 0.2], [0.2, 0, 0], [0, -0.2, 0]):
+        turned = chosen.copy()
+        turned[:3, :3] = rotation(rpy) @ chosen[:3, :3]
+        assert not _axes_are_a_choice(turned, 0.01)
+
+
+def test_rounding_of_the_base_is_no_mount():
+    text = OWN.replace("base_link", "platform")
+    root = ET.fromstring(text)
+    turn("link_0_fixed", 0, 0, 1e-9)(root)
+    shift("link_0_fixed", 1e-9, 0, 0)(root)
+    comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
+    assert [f for f in comparison.findings if f.where == "base"] == []
 
 
 # --- public models

@@ -21,6 +21,7 @@ import pytest
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.cli import main
+from alpha5_model.studies.sweep.histograms import _bins_of_levels
 from alpha5_model.trajectory import analyse, read_motion
 
 distributed = pytest.importorskip("distributed")
@@ -712,3 +713,15 @@ def test_current_and_power_alone(tmp_path: Path) -> None:
         if name == "e":
             power = motor.power(torque, 0.2)
             assert power_e == pytest.approx(power.electrical, rel=1e-9)
+
+
+@pytest.mark.parametrize("counts", [[0, 0, 3, 0, 5, 0], [0, 1, 0], [7], [0, 0, 0]])
+def test_quantiles_of_counts_are_those_of_the_numbers(counts: list[int]) -> None:
+    numbers = np.repeat(np.arange(len(counts)), counts)
+    levels = np.array([0.0, 1e-9, 0.2, 0.375, 0.38, 0.9, 1.0])
+    bins = _bins_of_levels(levels, np.array(counts))
+    if numbers.size == 0:
+        assert (bins == len(counts)).all()
+    else:
+        expected = np.quantile(numbers, levels, method="inverted_cdf")
+        np.testing.assert_array_equal(bins, expected)

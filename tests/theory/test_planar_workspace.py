@@ -24,6 +24,7 @@ from alpha5_model.theory.planar import (
     annulus,
     workspace,
 )
+from alpha5_model.theory.planar.boundary import _distinct
 
 TURN = 2 * math.pi
 QUARTER = math.pi / 2
@@ -401,3 +402,15 @@ def test_a_link_too_short_to_matter_is_no_error(lengths: tuple[float, ...]) -> N
 def test_an_arm_whose_area_overflows_is_refused() -> None:
     with pytest.raises(InputError, match="finite"):
         PlanarArm((1e308, 1e308))
+
+
+def test_cuts_that_touch_are_one_and_ends_stay() -> None:
+    line = a5.planar.Segment((0.0, 0.0), 0.3, 2.0)
+    cuts = [0.0, 1e-9, 0.5, 0.5 + 2e-9, 1.0, 2.0 - 1e-9, 2.0]
+    found = _distinct(line, cuts, 1e-8)
+    assert (found[0], found[-1]) == (0.0, 2.0)
+    assert found == pytest.approx([0.0, 0.5 + 1e-9, 1.0, 2.0], abs=1e-15)
+    arc = a5.planar.Arc((0.0, 0.0), 10.0, (0.0, 1.0))
+    assert _distinct(arc, [0.0, 0.5, 0.5 + 2e-9, 1.0], 1e-8) == pytest.approx(
+        [0.0, 0.5, 0.5 + 2e-9, 1.0], abs=0
+    )
