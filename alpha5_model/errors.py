@@ -8,6 +8,7 @@ possible choices.
 
 from __future__ import annotations
 
+import math
 import pickle
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -127,8 +128,9 @@ class UnreachableError(Alpha5Error, ValueError):
 
     Attributes:
         position: The target, (3,) [m].
-        distance: Distance from the target to the nearest reachable point [m].
-        nearest: That point, (3,) [m].
+        distance: Distance from the target to the nearest reachable point [m]; NaN if
+            it is not known, for a tool beside the wrist axis.
+        nearest: That point, (3,) [m]; NaN if it is not known.
     """
 
     def __init__(
@@ -137,11 +139,13 @@ class UnreachableError(Alpha5Error, ValueError):
         self.position = position
         self.distance = distance
         self.nearest = nearest
-        super().__init__(
-            f"{_metres(position)} cannot be reached{reason}: "
-            f"the nearest reachable point {_metres(nearest)} "
-            f"is {distance * 1e3:.3g} mm away"
-        )
+        message = f"{_metres(position)} cannot be reached{reason}"
+        if not math.isnan(distance):
+            message += (
+                f": the nearest reachable point {_metres(nearest)} "
+                f"is {distance * 1e3:.3g} mm away"
+            )
+        super().__init__(message)
 
 
 class DiscontinuousPathError(Alpha5Error, ValueError):

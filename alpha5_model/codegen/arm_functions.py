@@ -23,6 +23,7 @@ from alpha5_model.codegen.casadi_functions import folded, named
 from alpha5_model.codegen.chain import turns
 from alpha5_model.codegen.closed_form_ik import inverse_kinematics
 from alpha5_model.codegen.moving_water import in_moving_water
+from alpha5_model.codegen.own_arm_ik import own_arm_inverse_kinematics
 from alpha5_model.codegen.still_water import dynamics
 from alpha5_model.codegen.words import WORDS
 
@@ -41,8 +42,14 @@ def functions(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
             constants of the functions.
     """
     plane = ArmPlane.from_parameters(parameters)
-    solve = folded(inverse_kinematics(plane), tolerances=DOUBLE)
-    every = (*dynamics(parameters), *in_moving_water(parameters), solve)
+    every = [
+        *dynamics(parameters),
+        *in_moving_water(parameters),
+        folded(inverse_kinematics(plane), tolerances=DOUBLE),
+    ]
+    for tool_on_axis in (True, False):
+        solve = own_arm_inverse_kinematics(tool_on_axis)
+        every.append(folded(solve, tolerances=DOUBLE))
     return {function.name(): function for function in every}
 
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from functools import reduce
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import casadi
 from casadi import (
@@ -43,7 +43,7 @@ from casadi import (
 
 from alpha5_model.codegen.casadi_functions import named
 from alpha5_model.kinematics.plane import ArmPlane
-from alpha5_model.kinematics.tolerances import Tolerances
+from alpha5_model.kinematics.tolerances import Tolerances, named_tolerances
 
 
 class _Target(NamedTuple):
@@ -130,7 +130,7 @@ def inverse_kinematics(plane: ArmPlane) -> casadi.Function:
     position = SX.sym("position", 3)
     wrist = SX.sym("wrist")
     allowed = SX.sym("tolerances", len(Tolerances._fields))
-    tolerances = _tolerances(allowed)
+    tolerances = named_tolerances(vertsplit(allowed))
 
     target = _target(position, plane, tolerances)
     theta_3 = _wrist_angle(wrist, plane, tolerances)
@@ -157,12 +157,6 @@ def inverse_kinematics(plane: ArmPlane) -> casadi.Function:
             "singular": singular,
         },
     )
-
-
-def _tolerances(allowed: SX) -> Tolerances:
-    """The elements of an input by name; symbols in place of numbers."""
-    symbols: Any = vertsplit(allowed)
-    return Tolerances(**dict(zip(Tolerances._fields, symbols, strict=True)))
 
 
 def _branch(

@@ -8,8 +8,10 @@ from alpha5_model.codegen.arm_functions import functions, products
 from alpha5_model.codegen.compiled_code import kernels
 from alpha5_model.codegen.instructions import program
 from alpha5_model.codegen.javascript_code import javascript
+from alpha5_model.codegen.own_arm_ik import own_arm_inverse_kinematics
 from alpha5_model.codegen.python_code import python_source
 from alpha5_model.codegen.still_water import upright
+from alpha5_model.kinematics.solver import OFF_AXIS, ON_AXIS
 from alpha5_model.numbers.parameters import parameters
 
 #: Kernels that have a second, shorter body for an arm that stands upright: those that
@@ -30,6 +32,8 @@ _ON_THE_PAGE = (
     "hydrostatic_torque",
     "inverse_kinematics",
 )
+#: Of the catalogue's arm, and of any arm with its tool on the wrist axis or beside it.
+_INVERSE_KINEMATICS = ("inverse_kinematics", ON_AXIS, OFF_AXIS)
 
 
 @cache
@@ -41,9 +45,11 @@ def generated_sources() -> dict[str, str]:
 
     every = [program(function) for function in known.values()]
     upright_bodies = [program(upright(known[name])) for name in UPRIGHT]
-    one_target = [program(known["inverse_kinematics"])]
+    one_target = [program(known[name]) for name in _INVERSE_KINEMATICS]
     on_the_page = [program(known[name]) for name in _ON_THE_PAGE]
     own = [program(for_users[name]) for name in ("inverse_kinematics", "with_payload")]
+    for tool_on_axis in (True, False):
+        own.append(program(own_arm_inverse_kinematics(tool_on_axis)))
     files = {
         "formulas.py": python_source(every),
         "products.py": python_source(own),

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.hand import Hand
-from alpha5_model.kinematics.plane import on_axis
+from alpha5_model.kinematics.plane import check_tool_on_axis, on_axis
 from alpha5_model.kinematics.solutions import SolutionArrays
 from alpha5_model.kinematics.solver import solve
 
@@ -56,18 +56,24 @@ class ApproachDirections:
 
 
 def approach_directions(hand: Hand, position: ArrayLike) -> ApproachDirections:
-    """The directions from which a hand reaches points (..., 3)."""
+    """The directions from which a hand reaches points (..., 3).
+
+    Raises:
+        InputError: A tool beside the wrist axis: theta_3 then changes the direction,
+            so that there are infinitely many.
+    """
+    check_tool_on_axis(hand.shape, "approach directions")
     chain = hand.chain
-    plane = hand.plane
-    solutions = solve(SolutionArrays, position, plane.middle[3])
+    shape = hand.shape
+    solutions = solve(SolutionArrays, position, shape.middle[3], shape)
     exists = solutions.exists[..., None]
     _, axes = chain.joint_axes(np.where(exists, solutions.q, chain.home))
-    # The hand leaves the elbow along -z of joint 3's axis: d_3 is negative in Table 1.
-    outwards = np.sign(chain.links[3].d) * axes[..., 3, :]
+    # The jaws are along -z of link_4, which is joint 3's axis.
+    outwards = -axes[..., 3, :]
     return ApproachDirections(
         directions=np.where(exists, outwards, np.nan),
         exists=solutions.exists,
         within_limits=solutions.within_limits,
         any_azimuth=on_axis(solutions.position),
-        roll=(plane.lower[3], plane.upper[3]),
+        roll=(shape.lower[3], shape.upper[3]),
     )

@@ -24,6 +24,7 @@ from alpha5_model.kinematics import (
 )
 from alpha5_model.kinematics.approach import ApproachDirections
 from alpha5_model.kinematics.arcs import Arc
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.hand import Hand
 from alpha5_model.kinematics.path_search import MAX_STEP
 from alpha5_model.kinematics.plane import ArmPlane
@@ -37,8 +38,10 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 class ArmKinematics:
     """Inverse kinematics, reach and workspace of one arm.
 
-    The arm must have the catalogue's lengths and joint limits, for which the inverse
-    kinematics are generated. Its masses, for example, may differ.
+    Lengths, zeros, limits and tool point are the record's. With a tool on the wrist
+    axis all methods are exact. With a tool beside it, the inverse kinematics, paths,
+    singularities and manipulability are. Poses are searched along theta_3. Reach,
+    workspace and approach directions, which are not bounded by arcs then, are refused.
 
     The functions of the same names in `alpha5_model.kinematics.ik`, ``pose``, ``path``,
     ``reach`` and ``workspace`` are these methods for the catalogue's arm. Their
@@ -46,17 +49,26 @@ class ArmKinematics:
 
     Attributes:
         parameters: The arm's.
-        plane: Its lengths, offsets and limits.
+        shape: Its lengths, zeros, limits and tool point.
 
     Raises:
-        InputError: Other lengths or limits than the catalogue's.
+        PublishedDataError: Not a vertical plane with two links in it.
     """
 
     def __init__(self, parameters: Alpha5Parameters) -> None:
         self.parameters = parameters
-        self.plane = ArmPlane.from_parameters(parameters)
-        solver.check_plane(self.plane)
+        self.shape = ArmShape.from_parameters(parameters)
         self._wrist = parameters.joints[3]
+
+    @cached_property
+    def plane(self) -> ArmPlane:
+        """The plane of the arm.
+
+        Raises:
+            InputError: A tool beside the wrist axis: there is another plane for each
+                theta_3, and the reach is not bounded by arcs.
+        """
+        return ArmPlane.from_shape(self.shape, "exact reach and workspace")
 
     @cached_property
     def hand(self) -> Hand:
@@ -67,11 +79,11 @@ class ArmKinematics:
         self, position: ArrayLike, wrist: ArrayLike = 0.0
     ) -> SolutionArrays:
         """Every joint position that puts the tcp at a point."""
-        return solver.solve(SolutionArrays, position, wrist)
+        return solver.solve(SolutionArrays, position, wrist, self.shape)
 
     def best(self, solutions: SolutionArrays, q_reference: ArrayLike) -> FloatArray:
         """The solution within the limits that is nearest to a joint position."""
-        return choosing.best(solutions, q_reference, self.plane, self._wrist)
+        return choosing.best(solutions, q_reference, self.shape, self._wrist)
 
     def inverse_kinematics_pose(self, transform: Any) -> PoseSolutionArrays:
         """Joint positions for a position exactly, and an orientation closely."""
@@ -81,7 +93,7 @@ class ArmKinematics:
         self, solutions: PoseSolutionArrays, q_reference: ArrayLike
     ) -> FloatArray:
         """The solution within the limits with the least rotation error."""
-        return choosing.best_pose(solutions, q_reference, self.plane, self._wrist)
+        return choosing.best_pose(solutions, q_reference, self.shape, self._wrist)
 
     def inverse_kinematics_path(
         self,
@@ -92,7 +104,7 @@ class ArmKinematics:
     ) -> FloatArray:
         """Joint positions along a path of points, continuous and within the limits."""
         return path_search.solve_path(
-            self.plane, self._wrist, positions, q_start, wrist, max_step
+            self.shape, self._wrist, positions, q_start, wrist, max_step
         )
 
     def approach_directions(self, position: ArrayLike) -> ApproachDirections:
@@ -151,7 +163,7 @@ class ArmKinematics:
 
     def singularities(self, q: ArrayLike) -> Singularities:
         """How far joint positions are from the three singular sets."""
-        return singular.singularities(self.plane, q)
+        return singular.singularities(self.shape, q)
 
     def singular_elbow_angles(self) -> dict[str, float]:
         """theta_2 of the stretched and of the folded arm."""
@@ -159,4 +171,4 @@ class ArmKinematics:
 
     def manipulability(self, q: ArrayLike) -> FloatArray:
         """Yoshikawa's measure of the tcp's linear motion."""
-        return singular.manipulability(self.plane, q)
+        return singular.manipulability(self.hand, q)

@@ -25,8 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.path_points import Front, PathPoints, Ways, step_sizes
-from alpha5_model.kinematics.plane import ArmPlane
 
 
 class _ElbowWays(NamedTuple):
@@ -87,7 +87,7 @@ class _Crossing(NamedTuple):
     yaw_steps: FloatArray
     start: int
 
-    def q(self, plane: ArmPlane) -> FloatArray:
+    def q(self, shape: ArmShape) -> FloatArray:
         """Joint positions at the points and at the end, (L, 4) [rad]."""
         start_yaw = self.motion.start_yaw
         end_yaw = self.motion.end_yaw
@@ -95,7 +95,7 @@ class _Crossing(NamedTuple):
         theta_0 = start_yaw + np.copysign(turned, end_yaw - start_yaw)
         theta_0[-1] = end_yaw
         # Rounding may have passed a limit.
-        theta_0 = np.clip(theta_0, plane.lower[0], plane.upper[0])
+        theta_0 = np.clip(theta_0, shape.lower[0], shape.upper[0])
         return np.column_stack([theta_0, self.motion.joints])[1:]
 
 
@@ -114,7 +114,7 @@ def along_axis(points: PathPoints, first: int, stop: int, front: Front) -> Ways:
     Raises:
         DiscontinuousPathError: No continuous motion leads there.
     """
-    first_yaw_step = _steps_into_limits(front.q[:, 0], points.plane)
+    first_yaw_step = _steps_into_limits(front.q[:, 0], points.shape)
     elbows = _elbow_ways(points, range(first, stop), front, first_yaw_step)
 
     path_goes_on = stop < points.number
@@ -123,7 +123,7 @@ def along_axis(points: PathPoints, first: int, stop: int, front: Front) -> Ways:
     if not crossings:
         raise points.jump(stop, _least_needed_step(points, elbows, ends, front))
 
-    q = np.array([crossing.q(points.plane) for crossing in crossings])
+    q = np.array([crossing.q(points.shape) for crossing in crossings])
     return Ways(
         first=first,
         q=q if path_goes_on else q[:, :-1],
@@ -132,12 +132,12 @@ def along_axis(points: PathPoints, first: int, stop: int, front: Front) -> Ways:
     )
 
 
-def _steps_into_limits(yaw: FloatArray, plane: ArmPlane) -> FloatArray:
+def _steps_into_limits(yaw: FloatArray, shape: ArmShape) -> FloatArray:
     """How far each theta_0 (S,) is beyond its limits, 0 if it is free (NaN) [rad].
 
     The first step must bring it back.
     """
-    within = np.clip(yaw, plane.lower[0], plane.upper[0])
+    within = np.clip(yaw, shape.lower[0], shape.upper[0])
     return np.nan_to_num(np.abs(within - yaw))
 
 
@@ -247,14 +247,14 @@ def _motion(
         yaw: theta_0 at the start [rad]; NaN if it is free.
         end: Joint position after the axis, (4,) [rad]; NaN if the path ends on it.
     """
-    plane = points.plane
+    shape = points.shape
     joints = np.array([*way, end[1:]])
     sizes, largest = step_sizes(np.diff(joints, axis=0))
 
     # theta_0 does not turn if it is known at one end of the stretch only.
     known = [angle for angle in (yaw, end[0]) if not np.isnan(angle)]
-    start_yaw = known[0] if known else plane.middle[0]
-    stays = np.clip(start_yaw, plane.lower[0], plane.upper[0])
+    start_yaw = known[0] if known else shape.middle[0]
+    stays = np.clip(start_yaw, shape.lower[0], shape.upper[0])
     end_yaw = stays if np.isnan(end[0]) else end[0]
 
     # The last step of joints 1 to 3 was not checked yet. theta_0 must turn in that step

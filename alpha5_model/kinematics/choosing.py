@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.nearest_points import nearest_reachable
 from alpha5_model.kinematics.plane import ArmPlane, on_axis
 from alpha5_model.kinematics.reachable_points import reachable
@@ -23,26 +24,26 @@ TIE = 1e-7
 def best(
     solutions: SolutionArrays,
     q_reference: ArrayLike,
-    plane: ArmPlane,
+    shape: ArmShape,
     wrist: JointParameters,
 ) -> FloatArray:
     """The solutions within the limits that are nearest to a reference, (..., 4)."""
-    require_solution(solutions, plane, wrist)
+    require_solution(solutions, shape, wrist)
     free = on_axis(solutions.position)
     q = solutions.q
     if free.any():
-        q = _yaw_of_reference(q, q_reference, free, plane)
+        q = _yaw_of_reference(q, q_reference, free, shape)
     return _nearest(q, q_reference, solutions.within_limits)
 
 
 def best_pose(
     solutions: PoseSolutionArrays,
     q_reference: ArrayLike,
-    plane: ArmPlane,
+    shape: ArmShape,
     wrist: JointParameters,
 ) -> FloatArray:
     """The solutions within the limits with the least rotation error, (..., 4)."""
-    require_solution(solutions, plane, wrist)
+    require_solution(solutions, shape, wrist)
     within_limits = solutions.within_limits
     error = np.where(within_limits, solutions.rotation_error, np.inf)
     least = error <= error.min(axis=-1, keepdims=True) + TIE
@@ -51,7 +52,7 @@ def best_pose(
 
 def require_solution(
     solutions: SolutionArrays | PoseSolutionArrays,
-    plane: ArmPlane,
+    shape: ArmShape,
     wrist: JointParameters,
 ) -> None:
     """Raise for the first target that has no solution within the limits.
@@ -59,7 +60,8 @@ def require_solution(
     Raises:
         JointLimitError: It is within reach, and only its wrist angle is beyond the
             limits.
-        UnreachableError: It is out of reach.
+        UnreachableError: It is out of reach; without the nearest point if the tool is
+            beside the wrist axis.
     """
     solved = solutions.within_limits.any(axis=-1)
     if solved.all():
@@ -67,14 +69,22 @@ def require_solution(
 
     index = tuple(int(i) for i in np.argwhere(~solved)[0])
     target = solutions.position[index]
+    row = f" (row {', '.join(map(str, index))})" if index else ""
+    reason = f" within the joint limits{row}"
+    if not shape.has_tool_on_axis:
+        exists = solutions.exists[index]
+        for angle in solutions.q[index][exists, 3]:
+            _check_wrist(float(angle), wrist)
+        raise UnreachableError(target, math.nan, np.full(3, math.nan), reason)
+
+    plane = ArmPlane.from_shape(shape, "the nearest point")
     if bool(reachable(plane, target, limits=True, accept=None)):
         angle = float(np.nanmin(solutions.q[index][:, 3]))  # the same for all branches
         _check_wrist(angle, wrist)
 
     closest = nearest_reachable(plane, target, limits=True)
     off = math.hypot(*(target - closest))
-    row = f" (row {', '.join(map(str, index))})" if index else ""
-    raise UnreachableError(target, off, closest, f" within the joint limits{row}")
+    raise UnreachableError(target, off, closest, reason)
 
 
 def _check_wrist(angle: float, wrist: JointParameters) -> None:
@@ -98,11 +108,11 @@ def _reference(q: FloatArray, q_reference: ArrayLike) -> FloatArray:
 
 
 def _yaw_of_reference(
-    q: FloatArray, q_reference: ArrayLike, free: BoolArray, plane: ArmPlane
+    q: FloatArray, q_reference: ArrayLike, free: BoolArray, shape: ArmShape
 ) -> FloatArray:
     """Solutions whose free theta_0 is the reference's, clipped to its range."""
     reference = _reference(q, q_reference)
-    yaw = np.clip(reference[..., 0], plane.lower[0], plane.upper[0])
+    yaw = np.clip(reference[..., 0], shape.lower[0], shape.upper[0])
     turned = q.copy()
     replaced = free[..., None] & ~np.isnan(q[..., 0])
     turned[..., 0] = np.where(replaced, yaw[..., None], q[..., 0])

@@ -63,5 +63,5 @@ def in_half_plane(
 def branches_reaching(plane: ArmPlane, target: FloatArray, limits: bool) -> BoolArray:
     """Which branches reach targets (..., 3), with theta_3 in mid-range, (..., 4)."""
     wrist = np.asarray(plane.middle[3])
-    solutions = solve_batch(target, wrist, angles=False)
+    solutions = solve_batch(target, wrist, plane.shape, angles=False)
     return solutions.within_limits if limits else solutions.exists

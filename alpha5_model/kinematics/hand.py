@@ -10,16 +10,18 @@ References:
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix, wrap
-from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.chain import DHChain
+from alpha5_model.theory.dh.link import dh_transform
 
 
 class Hand(NamedTuple):
@@ -27,13 +29,13 @@ class Hand(NamedTuple):
 
     Attributes:
         chain: The arm.
-        plane: Its lengths and limits.
+        shape: Its lengths, zeros and limits.
         wrist_axis: Direction of joint 3's axis in the axes of the tcp, (3,), the same
             for every joint position.
     """
 
     chain: DHChain
-    plane: ArmPlane
+    shape: ArmShape
     wrist_axis: FloatArray
 
     @classmethod
@@ -44,7 +46,7 @@ class Hand(NamedTuple):
         rotation = chain.forward_kinematics(chain.home)[:3, :3]
         return cls(
             chain=chain,
-            plane=ArmPlane.from_parameters(parameters),
+            shape=ArmShape.from_parameters(parameters),
             wrist_axis=rotation.T @ axes[3],
         )
 
@@ -64,9 +66,9 @@ class Hand(NamedTuple):
         Returns:
             q with theta_3 within its limits, and the rotation error (..., 4) [rad].
         """
-        middle = self.plane.middle[3]
-        lower = self.plane.lower[3]
-        upper = self.plane.upper[3]
+        middle = self.shape.middle[3]
+        lower = self.shape.lower[3]
+        upper = self.shape.upper[3]
         axis = self.wrist_axis
 
         turned = q.copy()
@@ -94,6 +96,52 @@ class Hand(NamedTuple):
         error = 2 * np.arctan2(np.sqrt(s + m - s * m), np.sqrt((1 - s) * (1 - m)))
         return turned, error
 
+    def rotation_error(self, q: FloatArray, rotation: FloatArray) -> FloatArray:
+        """Angles between the hand and targets (..., 3, 3), (...) [rad]."""
+        inverse = np.swapaxes(self.rotation(q), -1, -2)
+        to_target = inverse @ rotation
+        skew = to_target - np.swapaxes(to_target, -1, -2)
+        sine = np.linalg.norm(skew, axis=(-2, -1)) / math.sqrt(8.0)
+        cosine = (np.trace(to_target, axis1=-2, axis2=-1) - 1.0) / 2.0
+        return np.asarray(np.arctan2(sine, cosine))
+
+    def wrist_of_rotation(self, rotation: FloatArray) -> FloatArray:
+        """theta_3 with which joints 0 to 2 can make rotations (..., 3, 3), (...) [rad].
+
+        The other one is half a turn off. link_4 is turned by ``Rz(azimuth) Ry(pitch)
+        Rz(-psi) Rx(pi)``, whose psi is an Euler angle of the target.
+        """
+        tool = self.rotation_in_link_4
+        turned = rotation @ tool.T @ np.diag([1.0, -1.0, -1.0])
+        psi = np.arctan2(turned[..., 2, 1], turned[..., 2, 0])
+        return np.asarray(psi - self.shape.wrist_offset)
+
+    @property
+    def rotation_in_link_4(self) -> FloatArray:
+        """Axes of the tcp in link_4, (3, 3)."""
+        wrist = self.chain.links[-1]
+        to_last = dh_transform(0.0, wrist.d, wrist.a, wrist.alpha)
+        return np.asarray((to_last @ self.chain.tool)[:3, :3])
+
+    def yaws_with_wrist(self, q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
+        """Candidates for a free theta_0 at the theta_3 of q, one of them the best.
+
+        Args:
+            q: (..., 4) [rad].
+            rotation: Of the targets, broadcasts to (..., 3, 3).
+
+        Returns:
+            Values of theta_0, (...) each.
+        """
+        lower = self.shape.lower[0]
+        upper = self.shape.upper[0]
+        inverse = np.swapaxes(self.rotation(q), -1, -2)
+        wanted = wrap(
+            q[..., 0] + _turn_about_z(rotation @ inverse), self.shape.middle[0]
+        )
+        ends = [np.full(q.shape[:-1], end) for end in (lower, upper)]
+        return [np.clip(wanted, lower, upper), *ends]
+
     def yaw_candidates(self, q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
         """Candidates for a free theta_0, one of them the best.
 
@@ -108,16 +156,16 @@ class Hand(NamedTuple):
         Returns:
             Values of theta_0, (N, 4) each.
         """
-        lower = self.plane.lower[0]
-        upper = self.plane.upper[0]
+        lower = self.shape.lower[0]
+        upper = self.shape.upper[0]
 
         turns = [self._turn_to_azimuth(q, rotation)]
-        for wrist in (self.plane.lower[3], self.plane.upper[3]):
+        for wrist in (self.shape.lower[3], self.shape.upper[3]):
             turns.append(self._turn_with_wrist_at(wrist, q, rotation))
 
         candidates = []
         for turn in turns:
-            wanted = wrap(q[..., 0] + turn, self.plane.middle[0])
+            wanted = wrap(q[..., 0] + turn, self.shape.middle[0])
             candidates.append(np.clip(wanted, lower, upper))
         for end in (lower, upper):
             candidates.append(np.full(q.shape[:-1], end))
@@ -138,7 +186,11 @@ class Hand(NamedTuple):
         with_wrist = q.copy()
         with_wrist[..., 3] = wrist
         inverse = np.swapaxes(self.rotation(with_wrist), -1, -2)
-        to_target = rotation[:, None] @ inverse
-        sine = to_target[..., 1, 0] - to_target[..., 0, 1]
-        cosine = to_target[..., 0, 0] + to_target[..., 1, 1]
-        return np.arctan2(sine, cosine)
+        return _turn_about_z(rotation[:, None] @ inverse)
+
+
+def _turn_about_z(rotation: FloatArray) -> FloatArray:
+    """The turns about z that come closest to rotations (..., 3, 3), (...) [rad]."""
+    sine = rotation[..., 1, 0] - rotation[..., 0, 1]
+    cosine = rotation[..., 0, 0] + rotation[..., 1, 1]
+    return np.asarray(np.arctan2(sine, cosine))

@@ -15,7 +15,7 @@ plane faces the target and -1 if it faces away, e = +1 and -1 for the flipped el
 
 The kernels, made from `alpha5_model.codegen.closed_form_ik`, compute the same with
 fewer arctangents, and also at every edge: of the yaw axis, of reach, of a joint's
-range.
+range. `alpha5_model.codegen.own_arm_ik` does so for any lengths and any tool point.
 
 References:
     [ReachAlpha] Manufacturer's document, Sections 1.3 and 1.4.
@@ -29,11 +29,13 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.kernels.choice import module
 from alpha5_model.kinematics import published_formulas, solver
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.kinematics.solutions import BRANCHES, SolutionArrays
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 __all__ = [
     "BRANCHES",
+    "ArmSolutions",
     "Solutions",
     "inverse_kinematics",
     "published_inverse_kinematics",
@@ -76,7 +78,30 @@ class Solutions(SolutionArrays):
         return catalogue().best(self, q_reference)
 
 
-def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions:
+class ArmSolutions(Solutions):
+    """The same of an arm other than the catalogue's.
+
+    Attributes:
+        arm: Its record, to which `best` refers.
+    """
+
+    arm: Alpha5Parameters
+
+    def best(self, q_reference: ArrayLike) -> FloatArray:
+        """The solution within the limits that is nearest to a joint position.
+
+        As `Solutions.best`. With a tool beside the wrist axis, the error of a target
+        that is out of reach does not know the nearest point.
+        """
+        return kinematics_of(self.arm).best(self, q_reference)
+
+
+def inverse_kinematics(
+    position: ArrayLike,
+    wrist: ArrayLike = 0.0,
+    *,
+    arm: Alpha5Parameters | None = None,
+) -> Solutions:
     """Every joint position that puts the tcp at a point.
 
     On the yaw axis (within 1e-9 m of it) theta_0 is free: the middle of its range is
@@ -84,10 +109,15 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
     targets needs memory for its output, 137 bytes per target, and a scratch that does
     not grow with N.
 
+    An arm of your own has its lengths, zeros, limits and tool point. If the tool point
+    is beside the wrist axis, theta_3 moves it: a target may be out of reach at one
+    wrist angle, and within reach at another.
+
     Args:
         position: tcp in ``base_link``, (..., 3) [m].
-        wrist: theta_3, which moves no point; it broadcasts against ``position``'s
-            leading axes [rad].
+        wrist: theta_3, which moves no point of the wrist axis; it broadcasts against
+            ``position``'s leading axes [rad].
+        arm: Record of the arm; None is the catalogue's.
 
     Returns:
         Four branches per target, whether each exists and respects the limits.
@@ -96,11 +126,17 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
         InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names
             a bad row.
     """
+    if arm is not None:
+        of_arm = kinematics_of(arm)
+        answer = solver.solve(ArmSolutions, position, wrist, of_arm.shape)
+        answer.arm = arm
+        return answer
+
     # The kernel is made for the catalogue's arm: one target needs only this call.
     solved: Solutions | None = module().inverse_kinematics(Solutions, position, wrist)
     if solved is not None:
         return solved
-    return solver.solve(Solutions, position, wrist)
+    return solver.solve(Solutions, position, wrist, solver.shape_of_kernels())
 
 
 def published_inverse_kinematics(position: ArrayLike) -> FloatArray:

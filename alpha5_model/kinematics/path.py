@@ -12,8 +12,9 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.catalogue_arm import kinematics_of
 from alpha5_model.kinematics.path_search import MAX_STEP
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 __all__ = ["MAX_STEP", "inverse_kinematics_path"]
 
@@ -23,6 +24,8 @@ def inverse_kinematics_path(
     q_start: ArrayLike | None = None,
     wrist: ArrayLike | None = None,
     max_step: float = MAX_STEP,
+    *,
+    arm: Alpha5Parameters | None = None,
 ) -> FloatArray:
     """Joint positions along a path of points, continuous and within the limits.
 
@@ -41,6 +44,7 @@ def inverse_kinematics_path(
         max_step: No joint moves farther than this between two points (and from
             ``q_start`` to the first one) [rad]. A path that needs more is sampled too
             coarsely, or jumps.
+        arm: Record of the arm; None is the catalogue's.
 
     Returns:
         (N, 4) [rad].
@@ -51,4 +55,5 @@ def inverse_kinematics_path(
         JointLimitError: A wrist angle beyond its limits.
         InputError: Bad input.
     """
-    return catalogue().inverse_kinematics_path(positions, q_start, wrist, max_step)
+    of_arm = kinematics_of(arm)
+    return of_arm.inverse_kinematics_path(positions, q_start, wrist, max_step)

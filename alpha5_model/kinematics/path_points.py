@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import DiscontinuousPathError
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.choosing import require_solution
-from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.kinematics.solutions import SolutionArrays
 from alpha5_model.numbers.parameters import JointParameters
 
@@ -59,13 +59,13 @@ class PathPoints(NamedTuple):
     Attributes:
         solutions: All solutions of all N points.
         max_step: No joint moves farther than this from one point to the next [rad].
-        plane: The plane of the arm.
+        shape: Lengths, zeros and limits of the arm.
         wrist: The arm's joint 3.
     """
 
     solutions: SolutionArrays
     max_step: float
-    plane: ArmPlane
+    shape: ArmShape
     wrist: JointParameters
 
     @property
@@ -82,7 +82,7 @@ class PathPoints(NamedTuple):
         options: FloatArray = self.solutions.q[k][self.solutions.within_limits[k]]
         if not len(options):
             so_far = SolutionArrays._make(array[: k + 1] for array in self.solutions)
-            require_solution(so_far, self.plane, self.wrist)
+            require_solution(so_far, self.shape, self.wrist)
         return options
 
     def jump(self, k: int, needed: float) -> DiscontinuousPathError:

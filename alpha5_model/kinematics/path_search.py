@@ -16,9 +16,10 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, float_array, real, shaped
 from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.axis_crossing import along_axis
 from alpha5_model.kinematics.path_points import Front, PathPoints, Ways, step_sizes
-from alpha5_model.kinematics.plane import ArmPlane, on_axis
+from alpha5_model.kinematics.plane import on_axis
 from alpha5_model.kinematics.solutions import SolutionArrays
 from alpha5_model.kinematics.solver import solve
 from alpha5_model.numbers.parameters import JointParameters
@@ -28,7 +29,7 @@ MAX_STEP = 0.5
 
 
 def solve_path(
-    plane: ArmPlane,
+    shape: ArmShape,
     wrist_joint: JointParameters,
     positions: ArrayLike,
     q_start: ArrayLike | None,
@@ -47,9 +48,9 @@ def solve_path(
         raise InputError("wrist", angle.shape, f"shape () or ({len(target)},)")
 
     points = PathPoints(
-        solutions=solve(SolutionArrays, target, angle),
+        solutions=solve(SolutionArrays, target, angle, shape),
         max_step=max_step,
-        plane=plane,
+        shape=shape,
         wrist=wrist_joint,
     )
     return _least_travel(_stages(points, start), len(target))

@@ -23,7 +23,8 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.errors import InputError, PublishedDataError
+from alpha5_model.errors import InputError
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
@@ -39,7 +40,8 @@ class ArmPlane(NamedTuple):
         lower, upper: Limits of theta_0 ... theta_3, (4,) [rad].
         middle: Middle of each range, (4,) [rad].
         longest, shortest: Distance from shoulder to tcp of the stretched and of the
-            folded arm [m]; the folded one is beyond the limits of theta_2.
+            folded arm [m]; the folded one is beyond the published limits of theta_2.
+        shape: What they were computed from.
     """
 
     a_0: float
@@ -54,6 +56,7 @@ class ArmPlane(NamedTuple):
     middle: tuple[float, ...]
     longest: float
     shortest: float
+    shape: ArmShape
 
     @classmethod
     def from_parameters(cls, parameters: Alpha5Parameters) -> ArmPlane:
@@ -64,43 +67,49 @@ class ArmPlane(NamedTuple):
                 solves.
             InputError: A tool that is not on the wrist axis.
         """
-        row_0, row_1, row_2, row_3, row_4 = parameters.dh[:5]
-        twists = [row_0.alpha, row_1.alpha, row_2.alpha]
-        must_be_zero = [row_1.d, row_2.d, row_3.a, row_4.d, row_4.a]
-        twists_fit = twists == [math.pi / 2, math.pi, -math.pi / 2]
-        if not twists_fit or any(must_be_zero) or row_3.d >= 0.0:
-            raise PublishedDataError(
-                "Table 1", "not a vertical plane with two links in it"
-            )
+        return cls.from_shape(ArmShape.from_parameters(parameters), "the plane")
 
-        along_wrist = row_3.d
-        if parameters.tool is not None:
-            x, y, along_wrist = parameters.tool.position.tolist()
-            if x or y:
-                expected = "a tool point on the wrist axis, (0, 0, z)"
-                raise InputError("tool", parameters.tool.position, expected)
+    @classmethod
+    def from_shape(cls, shape: ArmShape, needed_for: str) -> ArmPlane:
+        """The plane of an arm.
 
-        # The forearm goes a_2 along x_2 and the tool point's -z across it: l_2 is
-        # turned from x_2.
-        l_1 = row_1.a
-        l_2 = math.hypot(row_2.a, along_wrist)
-        forearm_angle = math.atan2(-along_wrist, row_2.a)
+        Args:
+            shape: Lengths, zeros and limits.
+            needed_for: What needs it, for the message.
 
-        joints = parameters.joints[:4]
+        Raises:
+            InputError: A tool that is not on the wrist axis.
+        """
+        check_tool_on_axis(shape, needed_for)
+        l_1 = shape.a_1
+        l_2 = math.hypot(shape.a_2, shape.z)
         return cls(
-            a_0=row_0.a,
-            d_0=row_0.d,
+            a_0=shape.a_0,
+            d_0=shape.d_0,
             l_1=l_1,
             l_2=l_2,
-            azimuth_offset=row_0.theta_offset,
-            phi_offset=row_1.theta_offset,
-            gamma_offset=row_2.theta_offset + math.pi - forearm_angle,
-            lower=tuple(joint.lower for joint in joints),
-            upper=tuple(joint.upper for joint in joints),
-            middle=tuple((joint.lower + joint.upper) / 2 for joint in joints),
+            azimuth_offset=shape.azimuth_offset,
+            phi_offset=shape.phi_offset,
+            gamma_offset=shape.gamma_offset(shape.a_2),
+            lower=shape.lower,
+            upper=shape.upper,
+            middle=shape.middle,
             longest=l_1 + l_2,
             shortest=abs(l_1 - l_2),
+            shape=shape,
         )
+
+
+def check_tool_on_axis(shape: ArmShape, needed_for: str) -> None:
+    """Check that the tool point of an arm is on the wrist axis.
+
+    Raises:
+        InputError: It is not.
+    """
+    if not shape.has_tool_on_axis:
+        tool = f"x = {shape.x:g}, y = {shape.y:g}, z = {shape.z:g} m in link_4"
+        expected = f"a tool point on the wrist axis, x = y = 0, for {needed_for}"
+        raise InputError("tool", tool, expected)
 
 
 def on_axis(position: FloatArray) -> BoolArray:

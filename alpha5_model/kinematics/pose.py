@@ -13,11 +13,13 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.kinematics.approach import ApproachDirections
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.kinematics.solutions import PoseSolutionArrays
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 __all__ = [
     "ApproachDirections",
+    "ArmPoseSolutions",
     "PoseSolutions",
     "approach_directions",
     "inverse_kinematics_pose",
@@ -60,15 +62,41 @@ class PoseSolutions(PoseSolutionArrays):
         return catalogue().best_pose(self, q_reference)
 
 
-def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
+class ArmPoseSolutions(PoseSolutions):
+    """The same of an arm other than the catalogue's.
+
+    Attributes:
+        arm: Its record, to which `best` refers.
+    """
+
+    arm: Alpha5Parameters
+
+    def best(self, q_reference: ArrayLike) -> FloatArray:
+        """The solution within the limits with the least rotation error.
+
+        As `PoseSolutions.best`. With a tool beside the wrist axis, the error of a
+        target that is out of reach does not know the nearest point.
+        """
+        return kinematics_of(self.arm).best_pose(self, q_reference)
+
+
+def inverse_kinematics_pose(
+    transform: Any, *, arm: Alpha5Parameters | None = None
+) -> PoseSolutions:
     """Joint positions that reach a position exactly and an orientation closely.
 
     The orientation is as close as four joints allow. On the yaw axis theta_0 is free:
     it and theta_3 are chosen together, for the least rotation error within the limits
     of both.
 
+    If the tool point of your own arm is beside the wrist axis, theta_3 moves it. Then
+    the orientation is searched along theta_3
+    (`alpha5_model.kinematics.pose_search`): a pose that can be attained is found, the
+    least rotation error of another is the least that the search finds.
+
     Args:
         transform: transform_tcp_to_base, (..., 4, 4), or a ``pinocchio.SE3``.
+        arm: Record of the arm; None is the catalogue's.
 
     Returns:
         Four branches per pose, each with its rotation error.
@@ -76,16 +104,25 @@ def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
     Raises:
         InputError: Not real numbers of that shape, or not a rigid transform.
     """
-    return PoseSolutions._make(catalogue().inverse_kinematics_pose(transform))
+    solutions = kinematics_of(arm).inverse_kinematics_pose(transform)
+    if arm is None:
+        return PoseSolutions._make(solutions)
+    answer = ArmPoseSolutions._make(solutions)
+    answer.arm = arm
+    return answer
 
 
-def approach_directions(position: ArrayLike) -> ApproachDirections:
+def approach_directions(
+    position: ArrayLike, *, arm: Alpha5Parameters | None = None
+) -> ApproachDirections:
     """The directions from which the arm reaches points.
 
     Args:
         position: tcp in ``base_link``, (..., 3) [m].
+        arm: Record of the arm; None is the catalogue's.
 
     Raises:
-        InputError: Not finite real numbers of shape (..., 3).
+        InputError: Not finite real numbers of shape (..., 3), or an arm whose tool
+            point is beside the wrist axis: theta_3 changes the direction then.
     """
-    return catalogue().approach_directions(position)
+    return kinematics_of(arm).approach_directions(position)

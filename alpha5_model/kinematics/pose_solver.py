@@ -10,12 +10,13 @@ from alpha5_model._support.checks import FloatArray, float_array, is_rigid
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.hand import Hand
 from alpha5_model.kinematics.plane import on_axis
-from alpha5_model.kinematics.solutions import PoseSolutionArrays, SolutionArrays
+from alpha5_model.kinematics.pose_search import search_poses
+from alpha5_model.kinematics.solutions import (
+    PoseSolutionArrays,
+    SolutionArrays,
+    pose_answer,
+)
 from alpha5_model.kinematics.solver import solve
-
-#: A rotation error below this counts as none [rad]; on the edge of reach, rounding of
-#: the position turns the wrist axis by some 1e-8.
-EXACT_TOLERANCE = 1e-7
 
 
 def solve_poses(hand: Hand, transform: Any) -> PoseSolutionArrays:
@@ -27,9 +28,12 @@ def solve_poses(hand: Hand, transform: Any) -> PoseSolutionArrays:
     target = _rigid(transform)
     position = np.ascontiguousarray(target[..., :3, 3])
     rotation = target[..., :3, :3]
-    middle = hand.plane.middle
+    middle = hand.shape.middle
 
-    solutions = solve(SolutionArrays, position, middle[3])
+    if not hand.shape.has_tool_on_axis:
+        return search_poses(hand, position, rotation)
+
+    solutions = solve(SolutionArrays, position, middle[3], hand.shape)
     exists = solutions.exists
     q = np.where(exists[..., None], solutions.q, np.asarray(middle))
     q, error = hand.turn_wrist(q, rotation)
@@ -40,18 +44,13 @@ def solve_poses(hand: Hand, transform: Any) -> PoseSolutionArrays:
         )
     q[~exists] = np.nan
     error[~exists] = np.nan
-    exact = error <= EXACT_TOLERANCE
-    for array in (q, error, exact):
-        array.flags.writeable = False
-
-    return PoseSolutionArrays(
+    return pose_answer(
         q=q,
         exists=exists,
         within_limits=solutions.within_limits,
         singular=solutions.singular,
         position=solutions.position,
-        rotation_error=error,
-        exact=exact,
+        error=error,
     )
 
 

@@ -6,6 +6,11 @@ the overarm pose. The set is the union of the two poses, each turned through the
 azimuths that it can face. A point in the closed wedge of one pose may still be reached
 by the other, and the nearest point of a pose to a target in its wedge lies in the
 wedge's face.
+
+All this is exact for any arm whose tool point is on the wrist axis, with its own
+lengths, zeros and limits. For a tool point beside that axis the set is a union over
+theta_3, which arcs do not bound. The functions then raise an error;
+`alpha5_model.inverse_kinematics` is exact at each theta_3.
 """
 
 from __future__ import annotations
@@ -14,9 +19,10 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.arcs import Arc
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.catalogue_arm import kinematics_of
 from alpha5_model.kinematics.half_plane import SIDES
 from alpha5_model.kinematics.reachable_points import Accept
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 __all__ = [
     "SIDES",
@@ -30,7 +36,9 @@ __all__ = [
 ]
 
 
-def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
+def boundary(
+    side: str = "both", limits: bool = True, *, arm: Alpha5Parameters | None = None
+) -> tuple[Arc, ...]:
     """Boundary arcs of the reachable part of a half-plane.
 
     The yaw axis, which closes the region at R = 0, is not listed: it is no boundary of
@@ -40,29 +48,40 @@ def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
         side: ``"underarm"``, ``"overarm"``, or ``"both"`` for their union, which holds
             at all azimuths where the range of theta_0 allows both.
         limits: Respect the limits of theta_1 and theta_2.
+        arm: Record of the arm; None is the catalogue's.
 
     Raises:
         UnknownNameError: Another side.
-        InputError: Limits that are neither True nor False.
+        InputError: Limits that are neither True nor False, or a tool point beside the
+            wrist axis.
     """
-    return catalogue().boundary(side, limits)
+    return kinematics_of(arm).boundary(side, limits)
 
 
 def in_half_plane(
-    radius: FloatArray, z: FloatArray, side: str = "both", limits: bool = True
+    radius: FloatArray,
+    z: FloatArray,
+    side: str = "both",
+    limits: bool = True,
+    *,
+    arm: Alpha5Parameters | None = None,
 ) -> BoolArray:
     """Which points of a half-plane can be reached, theta_0 aside.
 
     Args:
         radius: Distance from the yaw axis, (...) [m].
         z: Height, (...) [m].
-        side, limits: As for `boundary`.
+        side, limits, arm: As for `boundary`.
     """
-    return catalogue().in_half_plane(radius, z, side, limits)
+    return kinematics_of(arm).in_half_plane(radius, z, side, limits)
 
 
 def reachable(
-    positions: ArrayLike, limits: bool = True, accept: Accept | None = None
+    positions: ArrayLike,
+    limits: bool = True,
+    accept: Accept | None = None,
+    *,
+    arm: Alpha5Parameters | None = None,
 ) -> BoolArray:
     """Whether the tcp reaches a point: any branch of the inverse kinematics does.
 
@@ -76,36 +95,42 @@ def reachable(
             function of (M, 4) [rad], (M,) bool, such as
             `alpha5_model.without_self_collision`. theta_3 is the middle of its range,
             and on the yaw axis theta_0 is tried every 10 degrees.
+        arm: Record of the arm; None is the catalogue's.
 
     Returns:
         (...) bool; the boundary belongs to the set.
 
     Raises:
         InputError: Not real numbers of that shape (`NonFiniteError` names a bad row),
-            or limits that are neither True nor False.
+            limits that are neither True nor False, or a tool point beside the wrist
+            axis.
     """
-    return catalogue().reachable(positions, limits, accept)
+    return kinematics_of(arm).reachable(positions, limits, accept)
 
 
-def distance_to_reach(positions: ArrayLike, limits: bool = True) -> FloatArray:
+def distance_to_reach(
+    positions: ArrayLike, limits: bool = True, *, arm: Alpha5Parameters | None = None
+) -> FloatArray:
     """Distance to the nearest reachable point, exactly 0 inside.
 
     Args:
-        positions, limits: As for `reachable`.
+        positions, limits, arm: As for `reachable`.
 
     Returns:
         (...) [m].
     """
-    return catalogue().distance_to_reach(positions, limits)
+    return kinematics_of(arm).distance_to_reach(positions, limits)
 
 
-def nearest_reachable(positions: ArrayLike, limits: bool = True) -> FloatArray:
+def nearest_reachable(
+    positions: ArrayLike, limits: bool = True, *, arm: Alpha5Parameters | None = None
+) -> FloatArray:
     """The nearest reachable point; a reachable one is returned as it is.
 
     Args:
-        positions, limits: As for `reachable`.
+        positions, limits, arm: As for `reachable`.
 
     Returns:
         (..., 3) [m].
     """
-    return catalogue().nearest_reachable(positions, limits)
+    return kinematics_of(arm).nearest_reachable(positions, limits)

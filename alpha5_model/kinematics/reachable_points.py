@@ -44,7 +44,7 @@ def _accepted(
     plane: ArmPlane, points: FloatArray, limits: bool, accept: Accept
 ) -> BoolArray:
     """Which points (N, 3) a branch reaches in an accepted joint position, (N,)."""
-    solutions = solve_batch(points, np.asarray(plane.middle[3]))
+    solutions = solve_batch(points, np.asarray(plane.middle[3]), plane.shape)
     reached = solutions.within_limits if limits else solutions.exists
     free = on_axis(points)
     yaws = np.linspace(plane.lower[0], plane.upper[0], _YAWS)

@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike
 from alpha5_model._support import checks
 from alpha5_model._support.checks import BoolArray, FloatArray, float_array
 from alpha5_model._support.spatial import wrap
+from alpha5_model.kinematics.arm_shape import ArmShape
+from alpha5_model.kinematics.hand import Hand
 from alpha5_model.kinematics.plane import ArmPlane
 
 
@@ -27,7 +29,8 @@ class Singularities(NamedTuple):
         folded: theta_2 minus the angle of the folded arm, wrapped to [-pi, pi),
             (...) [rad].
         yaw_axis: Distance of the tcp from the yaw axis in the plane of the arm,
-            (...) [m]; positive in front of it.
+            (...) [m]; positive in front of it. For a tool beside the wrist axis, 0 is
+            the cylinder on which underarm and overarm coincide.
     """
 
     stretched: FloatArray
@@ -42,11 +45,25 @@ class Singularities(NamedTuple):
         return np.asarray((elbow < angle) | (np.abs(self.yaw_axis) < distance))
 
 
-def singularities(plane: ArmPlane, q: ArrayLike) -> Singularities:
+class _InPlane(NamedTuple):
+    """Joint positions in the plane of the arm, (...) each.
+
+    Attributes:
+        gamma: Angle between the links [rad].
+        r: The tcp's distance from the yaw axis, positive in front of it [m].
+        l_2: Length of the second link [m].
+    """
+
+    gamma: FloatArray
+    r: FloatArray
+    l_2: FloatArray | float
+
+
+def singularities(shape: ArmShape, q: ArrayLike) -> Singularities:
     """How far joint positions (..., 4) are from the three singular sets."""
-    gamma, r = _plane_coordinates(plane, q)
+    at = _in_plane(shape, float_array("q", q, (4,)))
     return Singularities(
-        stretched=wrap(gamma - math.pi), folded=wrap(gamma), yaw_axis=r
+        stretched=wrap(at.gamma - math.pi), folded=wrap(at.gamma), yaw_axis=at.r
     )
 
 
@@ -58,17 +75,37 @@ def singular_elbow_angles(plane: ArmPlane) -> dict[str, float]:
     }
 
 
-def manipulability(plane: ArmPlane, q: ArrayLike) -> FloatArray:
+def manipulability(hand: Hand, q: ArrayLike) -> FloatArray:
     """Yoshikawa's measure of the tcp's linear motion at joint positions (..., 4)."""
-    gamma, r = _plane_coordinates(plane, q)
-    return np.asarray(np.abs(r * np.sin(gamma)) * (plane.l_1 * plane.l_2))
-
-
-def _plane_coordinates(plane: ArmPlane, q: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """gamma [rad] and the tcp's signed distance from the yaw axis [m], (...) each."""
+    shape = hand.shape
     position = float_array("q", q, (4,))
-    phi = position[..., 1] + plane.phi_offset
-    gamma = position[..., 2] + plane.gamma_offset
+    if shape.has_tool_on_axis:
+        at = _in_plane(shape, position)
+        return np.asarray(np.abs(at.r * np.sin(at.gamma)) * (shape.a_1 * at.l_2))
+
+    # theta_3 moves the tcp, too: there is no closed form.
+    jacobian = hand.chain.jacobian(position)[..., :3, :]
+    square = np.linalg.det(jacobian @ np.swapaxes(jacobian, -1, -2))
+    return np.asarray(np.sqrt(np.maximum(square, 0.0)))
+
+
+def _in_plane(shape: ArmShape, q: FloatArray) -> _InPlane:
+    """Joint positions (..., 4) in the plane of the arm at their theta_3."""
+    l_2: FloatArray | float
+    gamma_offset: FloatArray | float
+    if shape.has_tool_on_axis:
+        l_2 = math.hypot(shape.a_2, shape.z)
+        gamma_offset = shape.gamma_offset(shape.a_2)
+    else:
+        c, _ = shape.tool_in_forearm(q[..., 3])
+        l_2 = np.hypot(c, shape.z)
+        gamma_offset = shape.elbow_offset + math.pi - np.arctan2(-shape.z, c)
+
+    phi = q[..., 1] + shape.phi_offset
+    gamma = q[..., 2] + gamma_offset
     forearm = phi + math.pi - gamma
-    r = plane.a_0 + plane.l_1 * np.cos(phi) + plane.l_2 * np.cos(forearm)
-    return gamma, r
+    return _InPlane(
+        gamma=gamma,
+        r=shape.a_0 + shape.a_1 * np.cos(phi) + l_2 * np.cos(forearm),
+        l_2=l_2,
+    )

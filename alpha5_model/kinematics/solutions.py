@@ -11,6 +11,9 @@ from typing import NamedTuple
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 
+#: A rotation error below this counts as none [rad]; on the edge of reach, rounding of
+#: the position turns the wrist axis by some 1e-8.
+EXACT_TOLERANCE = 1e-7
 #: The plane faces the target (underarm) or faces away (overarm); flipped is the other
 #: elbow.
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
@@ -46,3 +49,26 @@ class PoseSolutionArrays(NamedTuple):
     position: FloatArray
     rotation_error: FloatArray
     exact: BoolArray
+
+
+def pose_answer(
+    q: FloatArray,
+    exists: BoolArray,
+    within_limits: BoolArray,
+    singular: BoolArray,
+    position: FloatArray,
+    error: FloatArray,
+) -> PoseSolutionArrays:
+    """Solutions of poses, made read-only; error is the rotation error."""
+    solutions = PoseSolutionArrays(
+        q=q,
+        exists=exists,
+        within_limits=within_limits,
+        singular=singular,
+        position=position,
+        rotation_error=error,
+        exact=error <= EXACT_TOLERANCE,
+    )
+    for array in solutions:
+        array.flags.writeable = False
+    return solutions

@@ -1,14 +1,15 @@
 """The kernels of the inverse kinematics: one target, or blocks of many.
 
-The kernels are generated from `alpha5_model.codegen.closed_form_ik`. They hold the
-lengths and limits of the catalogue's arm, so they solve no other.
+Three kernels are generated. That of `alpha5_model.codegen.closed_form_ik` holds the
+lengths and limits of the catalogue's arm. Those of `alpha5_model.codegen.own_arm_ik`
+receive an arm's, for a tool on the wrist axis or beside it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
-from typing import TypeVar
+from functools import cache, lru_cache
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,57 +19,82 @@ from alpha5_model._support.checks import (
     BoolArray,
     FloatArray,
     float_array,
+    frozen,
 )
 from alpha5_model.codegen.kernels.choice import compute, module
 from alpha5_model.errors import InputError, KernelError
-from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.solutions import SolutionArrays
 from alpha5_model.numbers.parameters import parameters
 
 #: Targets in a block: the results of so many stay in the cache.
 BLOCK = 8192
-#: The kernel has no parameters: its numbers are constants.
+#: Kernels of any arm, with its tool on the wrist axis, or beside it.
+ON_AXIS = "inverse_kinematics_of_lengths"
+OFF_AXIS = "inverse_kinematics_of_tool"
+#: The kernel of the catalogue's arm: its numbers are constants.
 _NO_PARAMETERS = np.empty(0)
+#: Arms whose kernels are kept ready.
+_ARMS = 64
 
 Kind = TypeVar("Kind", bound=SolutionArrays)
 
 
-@cache
-def plane_of_kernels() -> ArmPlane:
-    """The plane from which the kernels are generated: the catalogue's."""
-    return ArmPlane.from_parameters(parameters())
+class _Kernel(NamedTuple):
+    """What solves an arm.
 
-
-def check_plane(plane: ArmPlane) -> None:
-    """Check that the kernels solve a plane.
-
-    Raises:
-        InputError: It has other lengths, offsets or limits than the catalogue's.
+    Attributes:
+        name: Of a generated kernel.
+        numbers: Its parameters.
     """
-    solved = plane_of_kernels()
-    for name, value in plane._asdict().items():
-        if value != getattr(solved, name):
-            raise InputError(
-                "parameters",
-                f"{name} = {value}",
-                f"{name} = {getattr(solved, name)}, with which the inverse kinematics "
-                "were generated",
-            )
+
+    name: str
+    numbers: FloatArray
 
 
-def solve(kind: type[Kind], position: ArrayLike, wrist: ArrayLike) -> Kind:
+@cache
+def shape_of_kernels() -> ArmShape:
+    """The shape whose numbers a kernel contains: the catalogue's."""
+    return ArmShape.from_parameters(parameters())
+
+
+@lru_cache(maxsize=_ARMS)
+def _kernel(shape: ArmShape) -> _Kernel:
+    """The kernel that solves an arm."""
+    if shape == shape_of_kernels():
+        return _Kernel(name="inverse_kinematics", numbers=_NO_PARAMETERS)
+    name = ON_AXIS if shape.has_tool_on_axis else OFF_AXIS
+    return _Kernel(name=name, numbers=frozen(shape.numbers))
+
+
+@lru_cache(maxsize=_ARMS)
+def _bound(kernels: Any, shape: ArmShape) -> tuple[Any, ...]:
+    """The kernel of an arm with its numbers; nothing for the catalogue's."""
+    kernel = _kernel(shape)
+    if not kernel.numbers.size:
+        return ()
+    return (kernels.bind(kernel.name, kernel.numbers),)
+
+
+def solve(
+    kind: type[Kind], position: ArrayLike, wrist: ArrayLike, shape: ArmShape
+) -> Kind:
     """All solutions of targets of any shape, read-only.
 
     Args:
         kind: The class of the answer.
         position: tcp in ``base_link``, (..., 3) [m].
         wrist: theta_3; it broadcasts against ``position``'s leading axes [rad].
+        shape: Of the arm.
 
     Raises:
         InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names
             a bad row.
     """
-    solved: Kind | None = module().inverse_kinematics(kind, position, wrist)
+    kernels = module()
+    solved: Kind | None = kernels.inverse_kinematics(
+        kind, position, wrist, *_bound(kernels, shape)
+    )
     if solved is not None:
         return solved
 
@@ -82,20 +108,21 @@ def solve(kind: type[Kind], position: ArrayLike, wrist: ArrayLike) -> Kind:
         raise InputError("wrist", angle.shape, expected) from None
     target = np.broadcast_to(target, (*lead, 3)) if lead else target.copy()
 
-    solutions = solve_batch(target, angle)
+    solutions = solve_batch(target, angle, shape)
     for array in solutions:
         array.flags.writeable = False
     return kind._make(solutions)
 
 
 def solve_batch(
-    position: FloatArray, wrist: FloatArray, angles: bool = True
+    position: FloatArray, wrist: FloatArray, shape: ArmShape, angles: bool = True
 ) -> SolutionArrays:
     """Solve finite targets of any shape.
 
     Args:
         position: (..., 3) [m].
         wrist: Broadcasts to (...) [rad].
+        shape: Of the arm.
         angles: False if q is not needed: it then holds arbitrary numbers.
     """
     lead = position.shape[:-1]
@@ -105,6 +132,7 @@ def solve_batch(
     if wrist.ndim:
         theta_3 = np.ascontiguousarray(theta_3).reshape(-1)
 
+    kernel = _kernel(shape)
     block = min(count, BLOCK) or 1
     q = np.empty((count if angles else block, 4, 4))
     exists = np.empty((count, 4), np.bool_)
@@ -113,6 +141,7 @@ def solve_batch(
     for start in range(0, count, block):
         rows = slice(start, min(start + block, count))
         _solve_block(
+            kernel,
             target[rows],
             np.ascontiguousarray(theta_3[rows]),
             q[rows] if angles else q[: rows.stop - rows.start],
@@ -129,15 +158,19 @@ def solve_batch(
 
 
 def _solve_block(
-    target: FloatArray, theta_3: FloatArray, q: FloatArray, flags: Sequence[BoolArray]
+    kernel: _Kernel,
+    target: FloatArray,
+    theta_3: FloatArray,
+    q: FloatArray,
+    flags: Sequence[BoolArray],
 ) -> None:
     """Write the angles and flags of a block of targets."""
     numbers = [np.empty(flag.shape) for flag in flags]
     try:
-        compute("inverse_kinematics", _NO_PARAMETERS, target, theta_3, q, *numbers)
+        compute(*kernel, target, theta_3, q, *numbers)
     except KernelError:
         # Numbers too large to compute with are clipped: still out of reach.
         near = [x.clip(-LARGEST, LARGEST) for x in (target, theta_3)]
-        compute("inverse_kinematics", _NO_PARAMETERS, *near, q, *numbers)
+        compute(*kernel, *near, q, *numbers)
     for flag, number in zip(flags, numbers, strict=True):
         np.not_equal(number, 0.0, out=flag)

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.kinematics import published_region
 from alpha5_model.kinematics.arcs import Arc
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.kinematics.published_region import PublishedErrors, Torus
 from alpha5_model.kinematics.reach import (
     SIDES,
@@ -41,6 +41,7 @@ from alpha5_model.kinematics.reach import (
 )
 from alpha5_model.kinematics.sampled_shares import SampledShare
 from alpha5_model.kinematics.singular import Singularities
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 __all__ = [
     "SIDES",
@@ -117,25 +118,30 @@ def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
     return published_region.reachable_but_unpublished(catalogue().parameters, side)
 
 
-def cross_section_area(side: str = "both", limits: bool = True) -> float:
+def cross_section_area(
+    side: str = "both", limits: bool = True, *, arm: Alpha5Parameters | None = None
+) -> float:
     """Area of the reachable part of a half-plane through the yaw axis, exact [m^2].
 
     Args:
         side: ``"underarm"``, ``"overarm"``, or ``"both"`` for their union.
         limits: Respect the limits of theta_1 and theta_2.
+        arm: Record of the arm; None is the catalogue's. Its tool point must be on the
+            wrist axis.
     """
-    return catalogue().cross_section_area(side, limits)
+    return kinematics_of(arm).cross_section_area(side, limits)
 
 
-def volume(limits: bool = True) -> float:
+def volume(limits: bool = True, *, arm: Alpha5Parameters | None = None) -> float:
     """Volume of the reachable set, exact [m^3].
 
     Args:
         limits: Respect the limits of theta_0, theta_1 and theta_2. With them, a wedge
             of azimuths belongs to the overarm pose alone, and the opposite one to the
             underarm pose alone.
+        arm: As for `cross_section_area`.
     """
-    return catalogue().volume(limits)
+    return kinematics_of(arm).volume(limits)
 
 
 def sampled_share(
@@ -143,6 +149,8 @@ def sampled_share(
     samples: int = 20_000,
     seed: int = 0,
     azimuth: float | None = None,
+    *,
+    arm: Alpha5Parameters | None = None,
 ) -> SampledShare:
     """Share of the reachable volume that is reached in accepted joint positions.
 
@@ -155,40 +163,50 @@ def sampled_share(
         seed: Of the points.
         azimuth: Of a half-plane through the yaw axis [rad]; the share is of its area
             then.
+        arm: As for `cross_section_area`.
 
     Raises:
         InputError: Bad input, or an answer of ``accept`` that is not one True or False
             a row.
     """
-    return catalogue().sampled_share(accept, samples, seed, azimuth)
+    return kinematics_of(arm).sampled_share(accept, samples, seed, azimuth)
 
 
-def singularities(q: ArrayLike) -> Singularities:
-    """How far joint positions are from the three singular sets.
+def singularities(
+    q: ArrayLike, *, arm: Alpha5Parameters | None = None
+) -> Singularities:
+    """How far joint positions are from the three singular sets, at their theta_3.
 
     Args:
         q: (..., 4) [rad].
+        arm: Record of the arm; None is the catalogue's.
     """
-    return catalogue().singularities(q)
+    return kinematics_of(arm).singularities(q)
 
 
-def singular_elbow_angles() -> dict[str, float]:
+def singular_elbow_angles(*, arm: Alpha5Parameters | None = None) -> dict[str, float]:
     """theta_2 of the stretched and of the folded arm [rad].
 
-    The folded one is beyond its limits.
+    The folded one is beyond the published limits.
+
+    Args:
+        arm: As for `cross_section_area`.
     """
-    return catalogue().singular_elbow_angles()
+    return kinematics_of(arm).singular_elbow_angles()
 
 
-def manipulability(q: ArrayLike) -> FloatArray:
+def manipulability(q: ArrayLike, *, arm: Alpha5Parameters | None = None) -> FloatArray:
     """Yoshikawa's measure of the tcp's linear motion [Yoshikawa1985].
 
-    It is ``sqrt(det(J_v J_v^T))``.
+    It is ``sqrt(det(J_v J_v^T))``. If the tool point of your own arm is beside the
+    wrist axis, J_v has a fourth column, of theta_3, and the measure vanishes only if
+    that does not help.
 
     Args:
         q: (..., 4) [rad].
+        arm: Record of the arm; None is the catalogue's.
 
     Returns:
         (...) [m^3]: volume of the velocity parallelepiped for unit joint speeds.
     """
-    return catalogue().manipulability(q)
+    return kinematics_of(arm).manipulability(q)

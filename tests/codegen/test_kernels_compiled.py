@@ -326,12 +326,12 @@ def test_one_row_for_all_is_that_row_again_and_again(name, any_width):
                 by_batch(name, parameters, given, outputs),
                 strict=True,
             ):
-                assert np.array_equal(got, want)
+                assert np.array_equal(got, want, equal_nan=True)
         by_numpy = [np.full_like(x, np.nan) for x in outputs]
         assert numpy_kernels.batch(name, parameters, *repeated, *by_numpy)
         compiled_results = by_batch(name, parameters, given, outputs)
         pairs = zip(by_numpy, compiled_results, strict=True)
-        assert all(np.allclose(x, y, 1e-9, 1e-9) for x, y in pairs)
+        assert all(np.allclose(x, y, 1e-9, 1e-9, equal_nan=True) for x, y in pairs)
         for wrong in (np.nan, 2 * LARGEST):
             row = inputs[place][3].copy()
             row[-1] = wrong

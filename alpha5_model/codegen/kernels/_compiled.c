@@ -27,7 +27,8 @@ static int repeated(PyObject *object)
 {
     PyArrayObject *array = (PyArrayObject *)object;
     return plain(object, NPY_ARRAY_ALIGNED) && PyArray_NDIM(array) == 2 && PyArray_DIM(array, 0) > 1
-           && PyArray_STRIDE(array, 0) == 0 && PyArray_STRIDE(array, 1) == sizeof(double);
+           && PyArray_STRIDE(array, 0) == 0
+           && (PyArray_DIM(array, 1) == 1 || PyArray_STRIDE(array, 1) == sizeof(double));
 }
 
 /* The kernel of a name and the constants that its parameters make, in k. */
@@ -315,7 +316,8 @@ static PyMethodDef methods[] = {
     {"is_state", (PyCFunction)(void (*)(void))is_state, METH_FASTCALL,
      "is_state(nq, nv, q, *rates) -> bool: see `alpha5_model.codegen.kernels.choice.module`."},
     {"inverse_kinematics", (PyCFunction)(void (*)(void))inverse_kinematics, METH_FASTCALL,
-     "inverse_kinematics(kind, position, wrist) -> kind, a named tuple of the five arrays of Solutions.\n\n"
+     "inverse_kinematics(kind, position, wrist[, arm]) -> kind, a named tuple of the five arrays of Solutions.\n\n"
+     "arm is what bind makes of the kernel and the numbers of an arm other than the catalogue's.\n"
      "None where position is not a float64 array (3,) or a list or tuple of three floats, wrist not a\n"
      "float, or a number too large or not finite."},
     {"width", width, METH_O,

@@ -70,15 +70,33 @@ static int three(PyObject *given, double *x)
     return good;
 }
 
+/* Whether an object is a bound kernel with the inputs and outputs of the solver. */
+static int solves(PyObject *object)
+{
+    if (Py_TYPE(object) != bound_type)
+        return 0;
+    const Kernel *kernel = ((Bound *)object)->kernel;
+    const int slots = solver->inputs + solver->outputs;
+    return kernel->inputs == solver->inputs && kernel->outputs == solver->outputs
+           && memcmp(kernel->slots, solver->slots, slots * sizeof(Slot)) == 0;
+}
+
 static PyObject *inverse_kinematics(PyObject *module, PyObject *const *given, Py_ssize_t count)
 {
     (void)module;
     double x[4], y[RESULTS];
-    const double *const in[] = {x, x + 3};
-    if (count != 3 || !PyType_Check(given[0])
+    const double *const in[] = {x, x + 3}, *k = NULL;
+    const Kernel *kernel = solver;
+    const int own = count == 4 && solves(given[3]);
+    if ((count != 3 && !own) || !PyType_Check(given[0])
         || !PyType_IsSubtype((PyTypeObject *)given[0], &PyTuple_Type))
-        return PyErr_Format(PyExc_TypeError, "inverse_kinematics takes a kind of tuple, position and wrist");
-    if (!three(given[1], x) || !real(given[2], x + 3) || !row(solver, NULL, in, y))
+        return PyErr_Format(PyExc_TypeError, "inverse_kinematics takes a kind of tuple, position and wrist, "
+                                             "and the bound kernel of an arm other than the catalogue's");
+    if (own) {
+        kernel = ((Bound *)given[3])->kernel;
+        k = ((Bound *)given[3])->k;
+    }
+    if (!three(given[1], x) || !real(given[2], x + 3) || !row(kernel, k, in, y))
         Py_RETURN_NONE;
     PyObject *arguments = Py_BuildValue("((NOOON))", read_only(2, 4, 4, y), flag(y + EXISTS), flag(y + WITHIN),
                                         singular[y[SINGULAR] != 0.0], read_only(1, 3, 0, x));

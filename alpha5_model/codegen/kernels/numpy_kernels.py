@@ -231,13 +231,17 @@ def _write_columns(rows: FloatArray, columns: Sequence[Any]) -> None:
         rows[:, k] = column
 
 
-def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -> Any:
+def inverse_kinematics(
+    kind: type[tuple[Any, ...]], position: Any, wrist: Any, arm: Any = None
+) -> Any:
     """One target of the inverse kinematics.
 
     Args:
         kind: A named tuple of five arrays, `alpha5_model.kinematics.ik.Solutions`.
         position: (3,) [m].
         wrist: [rad].
+        arm: What `bind` makes of the kernel and the numbers of an arm other than the
+            catalogue's.
 
     Returns:
         The solutions. None if position is not a float64 array, a list or a tuple of
@@ -253,7 +257,12 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
     if not sum(map(abs, xyz)) + abs(wrist) <= LARGEST:
         return None
 
-    q, exists, within, (singular,) = _SOLVE(xyz, (wrist,), math)
+    if arm is None:
+        results = _SOLVE(xyz, (wrist,), math)
+    else:
+        formula, _, _, numbers_of_arm, _ = arm.args
+        results = formula(xyz, (wrist,), *numbers_of_arm, math)
+    q, exists, within, (singular,) = results
     angles = np.ndarray((4, 4), float, pack("16d", *q))
     target = np.frombuffer(pack("3d", *xyz))
     answer = angles, _FLAGS[exists], _FLAGS[within], _FLAGS[singular], target

@@ -6,8 +6,8 @@
 #define MOST_PARAMETERS 107
 #define MOST_CONSTANTS 160
 #define MOST_SLOTS 6
-#define KERNELS 21
-#define EACH_KERNEL(X) X(0, forward_kinematics) X(1, link_poses) X(2, jacobian) X(3, gravity_torque) X(4, buoyancy_torque) X(5, hydrostatic_torque) X(6, hydrostatic_torque_derivative) X(7, mass_matrix) X(8, coriolis_torque) X(9, coriolis_matrix) X(10, nonlinear_effects) X(11, inverse_dynamics) X(12, inverse_dynamics_derivatives) X(13, base_wrench) X(14, inverse_dynamics_with_base_wrench) X(15, base_wrench_derivatives) X(16, forward_dynamics) X(17, forward_dynamics_derivatives) X(18, inverse_dynamics_in_current) X(19, forward_dynamics_in_current) X(20, inverse_kinematics)
+#define KERNELS 23
+#define EACH_KERNEL(X) X(0, forward_kinematics) X(1, link_poses) X(2, jacobian) X(3, gravity_torque) X(4, buoyancy_torque) X(5, hydrostatic_torque) X(6, hydrostatic_torque_derivative) X(7, mass_matrix) X(8, coriolis_torque) X(9, coriolis_matrix) X(10, nonlinear_effects) X(11, inverse_dynamics) X(12, inverse_dynamics_derivatives) X(13, base_wrench) X(14, inverse_dynamics_with_base_wrench) X(15, base_wrench_derivatives) X(16, forward_dynamics) X(17, forward_dynamics_derivatives) X(18, inverse_dynamics_in_current) X(19, forward_dynamics_in_current) X(20, inverse_kinematics) X(21, inverse_kinematics_of_lengths) X(22, inverse_kinematics_of_tool)
 #define GRAVITY 38
 #else
 PREPARE(forward_kinematics)
@@ -1699,6 +1699,154 @@ PREPARE(inverse_kinematics)
 {
     (void)p, (void)k;
 }
+PREPARE(inverse_kinematics_of_lengths)
+{
+    (void)p, (void)k;
+    const double r1 = p[2];
+    const double r2 = p[3];
+    const double r4 = p[6];
+    const double r20 = p[0];
+    const double r24 = p[1];
+    const double r41 = p[11];
+    const double r42 = p[15];
+    const double r47 = p[7];
+    const double r115 = p[12];
+    const double r116 = p[16];
+    const double r123 = p[8];
+    const double r181 = p[9];
+    const double r185 = p[13];
+    const double r186 = p[17];
+    const double r417 = p[14];
+    const double r418 = p[18];
+    const double r3 = r2 * r2;
+    const double r5 = r4 * r4;
+    const double r6 = r3 + r5;
+    const double r7 = sqrt(r6);
+    const double r8 = r1 + r7;
+    const double r9 = r8 * r8;
+    const double r30 = 0.5 / r8;
+    const double r32 = r1 - r7;
+    const double r33 = r32 * r32;
+    const double r35 = fabs(r32);
+    const double r36 = fmax(r35, 1e-09);
+    const double r37 = 0.5 / r36;
+    const double r43 = r41 + r42;
+    const double r44 = 0.5 * r43;
+    const double r117 = r115 + r116;
+    const double r118 = 0.5 * r117;
+    const double r124 = r123 + r118;
+    const double r125 = cos(r124);
+    const double r127 = sin(r124);
+    const double r130 = r1 * r1;
+    const double r131 = r130 - r6;
+    const double r162 = r1 * r7;
+    const double r163 = fmax(r162, 1e-09);
+    const double r176 = r130 + r6;
+    const double r179 = -r4;
+    const double r180 = atan2(r179, r2);
+    const double r182 = r181 + 3.141592653589793;
+    const double r183 = r180 - r182;
+    const double r187 = r185 + r186;
+    const double r188 = 0.5 * r187;
+    const double r195 = fmax(r7, 1e-09);
+    const double r196 = r1 / r195;
+    const double r199 = -r196;
+    const double r214 = r7 / r8;
+    const double r419 = r417 + r418;
+    const double r420 = 0.5 * r419;
+    k[0] = r20;
+    k[1] = r24;
+    k[2] = r9;
+    k[3] = r30;
+    k[4] = r33;
+    k[5] = r37;
+    k[6] = r47;
+    k[7] = r44;
+    k[8] = r41;
+    k[9] = r42;
+    k[10] = r125;
+    k[11] = r127;
+    k[12] = r131;
+    k[13] = r118;
+    k[14] = r115;
+    k[15] = r116;
+    k[16] = r163;
+    k[17] = r176;
+    k[18] = r183;
+    k[19] = r188;
+    k[20] = r196;
+    k[21] = r199;
+    k[22] = r185;
+    k[23] = r186;
+    k[24] = r214;
+    k[25] = r420;
+    k[26] = r417;
+    k[27] = r418;
+}
+PREPARE(inverse_kinematics_of_tool)
+{
+    (void)p, (void)k;
+    const double r6 = p[4];
+    const double r11 = p[14];
+    const double r12 = p[18];
+    const double r31 = p[10];
+    const double r35 = p[5];
+    const double r47 = p[2];
+    const double r48 = p[3];
+    const double r54 = p[6];
+    const double r73 = p[0];
+    const double r77 = p[1];
+    const double r94 = p[11];
+    const double r95 = p[15];
+    const double r109 = p[7];
+    const double r177 = p[12];
+    const double r178 = p[16];
+    const double r185 = p[8];
+    const double r243 = p[9];
+    const double r248 = p[13];
+    const double r249 = p[17];
+    const double r13 = r11 + r12;
+    const double r14 = 0.5 * r13;
+    const double r55 = r54 * r54;
+    const double r96 = r94 + r95;
+    const double r97 = 0.5 * r96;
+    const double r179 = r177 + r178;
+    const double r180 = 0.5 * r179;
+    const double r186 = r185 + r180;
+    const double r187 = cos(r186);
+    const double r189 = sin(r186);
+    const double r192 = r47 * r47;
+    const double r241 = -r54;
+    const double r245 = r243 + 3.141592653589793;
+    const double r250 = r248 + r249;
+    const double r251 = 0.5 * r250;
+    k[0] = r14;
+    k[1] = r11;
+    k[2] = r12;
+    k[3] = r31;
+    k[4] = r6;
+    k[5] = r35;
+    k[6] = r48;
+    k[7] = r55;
+    k[8] = r47;
+    k[9] = r73;
+    k[10] = r77;
+    k[11] = r109;
+    k[12] = r97;
+    k[13] = r94;
+    k[14] = r95;
+    k[15] = r187;
+    k[16] = r189;
+    k[17] = r192;
+    k[18] = r180;
+    k[19] = r177;
+    k[20] = r178;
+    k[21] = r241;
+    k[22] = r245;
+    k[23] = r251;
+    k[24] = r248;
+    k[25] = r249;
+}
 PREPARE(hydrostatic_torque_upright)
 {
     (void)p, (void)k;
@@ -2702,22 +2850,24 @@ static const Kernel kernels[] = {
     ENTRY(jacobian, 0, 0, 1, 1, {4, 1, {4}}, {24, 2, {6, 4}}),
     ENTRY(gravity_torque, 0, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
     ENTRY(buoyancy_torque, 0, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(hydrostatic_torque, 21, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(hydrostatic_torque, 23, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
     ENTRY(hydrostatic_torque_derivative, 0, 41, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
     ENTRY(mass_matrix, 0, 41, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
     ENTRY(coriolis_torque, 0, 41, 2, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
     ENTRY(coriolis_matrix, 0, 41, 2, 1, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}),
     ENTRY(nonlinear_effects, 0, 41, 2, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(inverse_dynamics, 22, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(inverse_dynamics_derivatives, 23, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
+    ENTRY(inverse_dynamics, 24, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(inverse_dynamics_derivatives, 25, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
     ENTRY(base_wrench, 0, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {6, 1, {6}}),
     ENTRY(inverse_dynamics_with_base_wrench, 0, 41, 3, 2, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {6, 1, {6}}),
     ENTRY(base_wrench_derivatives, 0, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {24, 2, {6, 4}}, {24, 2, {6, 4}}, {24, 2, {6, 4}}),
-    ENTRY(forward_dynamics, 24, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(forward_dynamics_derivatives, 25, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
-    ENTRY(inverse_dynamics_in_current, 26, 107, 4, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {3, 1, {3}}, {4, 1, {4}}),
-    ENTRY(forward_dynamics_in_current, 27, 107, 4, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {3, 1, {3}}, {4, 1, {4}}),
+    ENTRY(forward_dynamics, 26, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(forward_dynamics_derivatives, 27, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
+    ENTRY(inverse_dynamics_in_current, 28, 107, 4, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {3, 1, {3}}, {4, 1, {4}}),
+    ENTRY(forward_dynamics_in_current, 29, 107, 4, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {3, 1, {3}}, {4, 1, {4}}),
     ENTRY(inverse_kinematics, 0, 0, 2, 4, {3, 1, {3}}, {1, 1, {1}}, {16, 2, {4, 4}}, {4, 1, {4}}, {4, 1, {4}}, {1, 1, {1}}),
+    ENTRY(inverse_kinematics_of_lengths, 0, 19, 2, 4, {3, 1, {3}}, {1, 1, {1}}, {16, 2, {4, 4}}, {4, 1, {4}}, {4, 1, {4}}, {1, 1, {1}}),
+    ENTRY(inverse_kinematics_of_tool, 0, 19, 2, 4, {3, 1, {3}}, {1, 1, {1}}, {16, 2, {4, 4}}, {4, 1, {4}}, {4, 1, {4}}, {1, 1, {1}}),
     ENTRY(hydrostatic_torque_upright, 0, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
     ENTRY(inverse_dynamics_upright, 0, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
     ENTRY(inverse_dynamics_derivatives_upright, 0, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),

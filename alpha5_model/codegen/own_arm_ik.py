@@ -1,0 +1,460 @@
+"""Inverse kinematics of any arm and any tool point: its numbers are an input.
+
+`alpha5_model.kinematics.arm_shape` has the letters. At a given theta_3 the arm is a
+vertical plane with two links in it, which passes the yaw axis at the distance w. A
+target at the distance R from that axis is in the plane at
+
+    r = +-sqrt((R - |w|) (R + |w|)),       azimuth = atan2(Y r - X w, X r + Y w),
+
+so that again there are four branches: two signs of r, two elbows. From r on, the
+formulas are those of `alpha5_model.codegen.closed_form_ik`, for links of any length.
+
+The edges, each within rounding of its set:
+
+- The cylinder R = |w|: underarm and overarm coincide. A target inside of it is out of
+  reach at this theta_3.
+- The yaw axis, if w = 0: theta_0 is free, and its middle is returned.
+- The arm stretched or folded: the two elbows coincide.
+- The shoulder, if the links are equally long: theta_1 is free.
+- A tool point on the elbow axis: theta_2 is free.
+
+All branches of the code are selections, which work on vectors and have derivatives.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import reduce
+from typing import NamedTuple
+
+import casadi
+from casadi import (
+    SX,
+    atan2,
+    cos,
+    fabs,
+    floor,
+    fmax,
+    fmin,
+    horzcat,
+    if_else,
+    logic_and,
+    logic_or,
+    sin,
+    sqrt,
+    vertcat,
+    vertsplit,
+)
+
+from alpha5_model.codegen.casadi_functions import named
+from alpha5_model.kinematics.arm_shape import SHAPE_NUMBERS, ArmShape
+from alpha5_model.kinematics.solver import OFF_AXIS, ON_AXIS
+from alpha5_model.kinematics.tolerances import Tolerances, named_tolerances
+
+
+class _Forearm(NamedTuple):
+    """The second link of the plane, at a given theta_3.
+
+    Attributes:
+        length: From the elbow to the tool point [m].
+        direction: Angle of the link from x_2 [rad].
+        beside: w, the tool point's distance from the plane through the yaw axis [m].
+        free: Whether the tool point is on the elbow axis, so that theta_2 is free.
+    """
+
+    length: SX
+    direction: SX
+    beside: SX
+    free: SX
+
+
+class _Target(NamedTuple):
+    """Where the tool point is to go.
+
+    Attributes:
+        x, y: In the base [m].
+        height: Above the shoulder [m].
+        radius: r > 0 in the plane of the arm, 0 on the cylinder or inside of it [m].
+        outside: Whether it is not inside of the cylinder.
+        free: Whether theta_0 is free.
+        at_edge: Whether it is on the cylinder, or theta_0 is free.
+        azimuth_slack: How much theta_0 may be beyond a limit.
+    """
+
+    x: SX
+    y: SX
+    height: SX
+    radius: SX
+    outside: SX
+    free: SX
+    at_edge: SX
+    azimuth_slack: SX
+
+
+class _Angle(NamedTuple):
+    """A joint angle and what its limits say.
+
+    Attributes:
+        value: The angle, on a limit that it passes by less than the slack.
+        beyond: By how much it passed that limit, else 0.
+        fits: Whether it is within the limits.
+    """
+
+    value: SX
+    beyond: SX
+    fits: SX
+
+
+class _Triangle(NamedTuple):
+    """Shoulder, elbow and tool point in the plane of the arm.
+
+    Attributes:
+        ahead_r, ahead_h: Tool point from the shoulder, in axes that are turned by the
+            first link's angle in the middle of theta_1's range.
+        reached: Whether the links reach it.
+        at_edge: Whether the links are stretched or folded.
+        at_shoulder: Whether it is the shoulder, so that theta_1 is free.
+        nearly_stretched: Whether the links are closer to stretched than to folded.
+        opposite, adjacent: The tangent of the first link's angle from the direction of
+            the tool point is ``opposite / adjacent``.
+        gamma: Angle between the links.
+        slack: How much theta_1 may be beyond a limit.
+    """
+
+    ahead_r: SX
+    ahead_h: SX
+    reached: SX
+    at_edge: SX
+    at_shoulder: SX
+    nearly_stretched: SX
+    opposite: SX
+    adjacent: SX
+    gamma: SX
+    slack: SX
+
+
+class _Branch(NamedTuple):
+    """One solution.
+
+    Attributes:
+        q: (1, 4), NaN if the branch does not reach the target.
+        exists: Whether it reaches the target.
+        within_limits: Whether it does so within the limits.
+    """
+
+    q: SX
+    exists: SX
+    within_limits: SX
+
+
+def own_arm_inverse_kinematics(tool_on_axis: bool) -> casadi.Function:
+    """The branches of a target, in the order of `alpha5_model.kinematics.ik.BRANCHES`.
+
+    Inputs: ``position`` (3,) [m], ``wrist`` [rad], ``tolerances``, a `Tolerances`, and
+    ``parameters``, the numbers of an `ArmShape`.
+
+    Outputs: ``q`` (4, 4) [rad], NaN if a branch does not reach the target; ``exists``
+    and ``within_limits`` (4,) and ``singular``, 0 or 1.
+
+    Args:
+        tool_on_axis: For tool points on the wrist axis. This saves two arctangents, a
+            sine and a cosine.
+    """
+    position = SX.sym("position", 3)
+    wrist = SX.sym("wrist")
+    allowed = SX.sym("tolerances", len(Tolerances._fields))
+    tolerances = named_tolerances(vertsplit(allowed))
+    numbers = SX.sym("parameters", SHAPE_NUMBERS)
+    shape = ArmShape.from_numbers(vertsplit(numbers))
+
+    theta_3 = _wrist_angle(wrist, shape, tolerances)
+    if tool_on_axis:
+        forearm = _forearm_on_axis(shape)
+        target = _target_of_tool_on_axis(position, shape, tolerances)
+    else:
+        forearm = _forearm(theta_3, shape, tolerances)
+        target = _target(position, shape, forearm, tolerances)
+    singular = target.at_edge
+    elbow_to_one_side = []
+    elbow_to_the_other = []
+    for faces_it in (True, False):
+        if tool_on_axis:
+            half_turn = 0.0 if faces_it else math.pi
+            azimuth = atan2(target.y, target.x) + half_turn
+        else:
+            azimuth = _azimuth(target, faces_it, forearm)
+        theta_0 = _yaw_angle(target, azimuth, shape)
+        triangle = _triangle(target, faces_it, shape, forearm, tolerances)
+        singular = logic_or(singular, logic_and(triangle.reached, triangle.at_edge))
+
+        of_facing = (triangle, forearm, theta_0, theta_3, shape, tolerances)
+        elbow_to_one_side.append(_branch(1.0, *of_facing))
+        elbow_to_the_other.append(_branch(-1.0, *of_facing))
+
+    branches = elbow_to_one_side + elbow_to_the_other
+    return named(
+        ON_AXIS if tool_on_axis else OFF_AXIS,
+        {
+            "position": position,
+            "wrist": wrist,
+            "tolerances": allowed,
+            "parameters": numbers,
+        },
+        {
+            "q": vertcat(*(branch.q for branch in branches)),
+            "exists": vertcat(*(branch.exists for branch in branches)),
+            "within_limits": vertcat(*(branch.within_limits for branch in branches)),
+            "singular": singular,
+        },
+    )
+
+
+def _wrist_angle(wrist: SX, shape: ArmShape, tolerances: Tolerances) -> _Angle:
+    """theta_3: the wrist, shifted by full turns to the middle of its range."""
+    return _in_range(_shifted(wrist, 3, shape), 3, tolerances.limit, shape)
+
+
+def _forearm_on_axis(shape: ArmShape) -> _Forearm:
+    """The second link, if the tool point is on the wrist axis."""
+    along = SX(shape.a_2)
+    return _Forearm(
+        length=sqrt(along * along + shape.z * shape.z),
+        direction=atan2(-shape.z, along),
+        beside=SX(0),
+        free=SX(0),
+    )
+
+
+def _forearm(theta_3: _Angle, shape: ArmShape, tolerances: Tolerances) -> _Forearm:
+    """The second link at a wrist angle."""
+    psi = theta_3.value + shape.wrist_offset
+    cosine = cos(psi)
+    sine = sin(psi)
+    along = shape.a_2 + (shape.x * cosine - shape.y * sine)
+    length = sqrt(along * along + shape.z * shape.z)
+    return _Forearm(
+        length=length,
+        direction=atan2(-shape.z, along),
+        beside=-(shape.x * sine + shape.y * cosine),
+        free=length <= tolerances.axis,
+    )
+
+
+def _target_of_tool_on_axis(
+    position: SX, shape: ArmShape, tolerances: Tolerances
+) -> _Target:
+    """A position in the plane of the arm that faces it, if w is 0."""
+    x, y, z = vertsplit(position)
+    distance = sqrt(x * x + y * y)
+    free = distance <= tolerances.axis
+    return _Target(
+        x=x,
+        y=y,
+        height=z - shape.d_0,
+        radius=if_else(free, 0.0, distance),
+        outside=SX(1),
+        free=free,
+        at_edge=free,
+        azimuth_slack=_azimuth_slack(distance, tolerances),
+    )
+
+
+def _target(
+    position: SX, shape: ArmShape, forearm: _Forearm, tolerances: Tolerances
+) -> _Target:
+    """A position in the plane of the arm that faces it."""
+    x, y, z = vertsplit(position)
+    distance = sqrt(x * x + y * y)
+    off = fabs(forearm.beside)
+    gap = distance - off
+    free = fmax(distance, off) <= tolerances.axis
+    outside = logic_or(free, -tolerances.edge < gap)
+    # 1 if no root is taken, so that derivatives elsewhere stay finite.
+    rooted = logic_and(gap > 0.0, tolerances.axis < distance)
+    root = sqrt(if_else(rooted, gap * (distance + off), 1.0))
+    return _Target(
+        x=x,
+        y=y,
+        height=z - shape.d_0,
+        radius=if_else(rooted, root, 0.0),
+        outside=outside,
+        free=free,
+        at_edge=logic_and(outside, gap <= tolerances.axis),
+        azimuth_slack=_azimuth_slack(distance, tolerances),
+    )
+
+
+def _azimuth_slack(distance: SX, tolerances: Tolerances) -> SX:
+    """The azimuth of a point at distance R is known to rounding / R."""
+    return tolerances.limit + tolerances.azimuth / fmax(distance, tolerances.axis)
+
+
+def _azimuth(target: _Target, faces_it: bool, forearm: _Forearm) -> SX:
+    """Azimuth of the plane's r axis that puts the tool point at the target."""
+    r = target.radius if faces_it else -target.radius
+    w = forearm.beside
+    return atan2(target.y * r - target.x * w, target.x * r + target.y * w)
+
+
+def _yaw_angle(target: _Target, azimuth: SX, shape: ArmShape) -> _Angle:
+    """theta_0; the middle of its range if it is free."""
+    angle = _shifted(azimuth - shape.azimuth_offset, 0, shape)
+    ranged = _in_range(angle, 0, target.azimuth_slack, shape)
+    return _Angle(
+        value=if_else(target.free, _middle(0, shape), ranged.value),
+        beyond=ranged.beyond,
+        fits=logic_or(target.free, ranged.fits),
+    )
+
+
+def _triangle(
+    target: _Target,
+    faces_it: bool,
+    shape: ArmShape,
+    forearm: _Forearm,
+    tolerances: Tolerances,
+) -> _Triangle:
+    """The triangle of the two links if the plane faces the target, or faces away."""
+    l_1 = shape.a_1
+    l_2 = forearm.length
+    longest = l_1 + l_2
+    shortest = fabs(l_1 - l_2)
+    r = (target.radius if faces_it else -target.radius) - shape.a_0
+    h = target.height
+    rho_2 = r * r + h * h
+    above = longest * longest - rho_2
+    below = rho_2 - shortest * shortest
+    # From the edge of reach, distances are those of rho^2 over 2 rho.
+    hole = fmax(shortest, tolerances.singular)
+    margin = fmin(above * (0.5 / longest), below * (0.5 / hole))
+    reached = -tolerances.edge < margin
+    if not target.outside.is_one():
+        reached = logic_and(target.outside, reached)
+
+    # 1 if no root is taken, so that derivatives of the other branches stay finite.
+    square = if_else(reached, fmax(above, 0.0) * fmax(below, 0.0), 1.0)
+    s = sqrt(square)
+
+    # Close to the stretched and to the folded arm, rounding of rho^2 moves the two
+    # angles against each other by rounding / sin(gamma).
+    product = fmax(l_1 * l_2, tolerances.axis)
+    sine = sqrt(fmin(fabs(above), fabs(below)) * (1 / product))
+    slack = tolerances.limit + tolerances.elbow / fmax(sine, tolerances.least_sine)
+
+    back = shape.phi_offset + _middle(1, shape)
+    cosine = cos(back)
+    turned_sine = sin(back)
+    return _Triangle(
+        ahead_r=cosine * r + turned_sine * h,
+        ahead_h=cosine * h - turned_sine * r,
+        reached=reached,
+        at_edge=margin <= tolerances.singular,
+        at_shoulder=rho_2 + shortest * shortest <= tolerances.axis * tolerances.axis,
+        nearly_stretched=above < below,
+        opposite=s,
+        adjacent=rho_2 + (l_1 * l_1 - l_2 * l_2),
+        gamma=atan2(s, (l_1 * l_1 + l_2 * l_2) - rho_2),
+        slack=slack,
+    )
+
+
+def _branch(
+    side: float,
+    triangle: _Triangle,
+    forearm: _Forearm,
+    theta_0: _Angle,
+    theta_3: _Angle,
+    shape: ArmShape,
+    tolerances: Tolerances,
+) -> _Branch:
+    """The solution with the elbow to a side of the line to the tool point: 1 or -1."""
+    theta_1 = _shoulder_angle(side, triangle, shape)
+    theta_2 = _elbow_angle(side, triangle, forearm, theta_1, shape, tolerances)
+    theta_1 = _after_elbow(triangle, forearm, theta_1, theta_2, shape)
+    angles = (theta_0, theta_1, theta_2, theta_3)
+    q = [if_else(triangle.reached, angle.value, math.nan) for angle in angles]
+    fits = [angle.fits for angle in angles]
+    return _Branch(
+        q=horzcat(*q),
+        exists=triangle.reached,
+        within_limits=reduce(logic_and, fits, triangle.reached),
+    )
+
+
+def _shoulder_angle(side: float, triangle: _Triangle, shape: ArmShape) -> _Angle:
+    """theta_1; the middle of its range if it is free."""
+    r = triangle.ahead_r
+    h = triangle.ahead_h
+    adjacent = triangle.adjacent
+    opposite = side * triangle.opposite
+    from_middle = atan2(h * adjacent - r * opposite, r * adjacent + h * opposite)
+    turned = if_else(triangle.at_shoulder, 0.0, from_middle)
+    return _in_range(_middle(1, shape) + turned, 1, triangle.slack, shape)
+
+
+def _elbow_angle(
+    side: float,
+    triangle: _Triangle,
+    forearm: _Forearm,
+    theta_1: _Angle,
+    shape: ArmShape,
+    tolerances: Tolerances,
+) -> _Angle:
+    """theta_2; the middle of its range if it is free."""
+    l_1 = shape.a_1
+    l_2 = forearm.length
+    zero = shape.elbow_offset + math.pi
+    angle = _shifted(side * triangle.gamma + (forearm.direction - zero), 2, shape)
+    # If theta_1 was put on its limit, the tool point stays where it is:
+    # l_2 d(gamma) = (l_2 + l_1) d(phi) for a stretched arm, (l_2 - l_1) for a folded.
+    ratio = l_1 / fmax(l_2, tolerances.axis)
+    along = 1.0 + if_else(triangle.nearly_stretched, ratio, -ratio)
+    moved = angle - along * theta_1.beyond
+    slack = if_else(triangle.nearly_stretched, triangle.slack, tolerances.limit)
+    ranged = _in_range(moved, 2, slack, shape)
+    if forearm.free.is_zero():
+        return ranged
+    return _Angle(
+        value=if_else(forearm.free, _middle(2, shape), ranged.value),
+        beyond=if_else(forearm.free, 0.0, ranged.beyond),
+        fits=logic_or(forearm.free, ranged.fits),
+    )
+
+
+def _after_elbow(
+    triangle: _Triangle,
+    forearm: _Forearm,
+    theta_1: _Angle,
+    theta_2: _Angle,
+    shape: ArmShape,
+) -> _Angle:
+    """theta_1 that keeps the tool point in place if theta_2 was put on its limit."""
+    share = forearm.length / (shape.a_1 + forearm.length)
+    moved = theta_1.value - share * if_else(
+        triangle.nearly_stretched, theta_2.beyond, 0.0
+    )
+    within = fmin(fmax(moved, shape.lower[1]), shape.upper[1])
+    return theta_1._replace(value=if_else(theta_1.fits, within, moved))
+
+
+def _middle(joint: int, shape: ArmShape) -> SX:
+    """Middle of the range of a joint."""
+    return SX(0.5) * (shape.lower[joint] + shape.upper[joint])
+
+
+def _shifted(angle: SX, joint: int, shape: ArmShape) -> SX:
+    """An angle, shifted by full turns to the middle of the range of a joint."""
+    turns = floor((angle - _middle(joint, shape)) * (1 / math.tau) + 0.5)
+    return angle - turns * math.tau
+
+
+def _in_range(angle: SX, joint: int, slack: SX | float, shape: ArmShape) -> _Angle:
+    """An angle within the limits of a joint, which it may pass by less than a slack."""
+    limit = fmin(fmax(angle, shape.lower[joint]), shape.upper[joint])
+    beyond = angle - limit
+    fits = fabs(beyond) < slack
+    return _Angle(
+        value=if_else(fits, limit, angle),
+        beyond=if_else(fits, beyond, 0.0),
+        fits=fits,
+    )

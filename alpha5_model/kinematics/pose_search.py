@@ -1,0 +1,259 @@
+"""Poses of a tool beside the wrist axis: a search along theta_3.
+
+theta_3 moves such a tool point, and so each theta_3 has branches of its own. For each
+branch, the least rotation error is searched over the range of theta_3:
+
+- Starts are `_STARTS` even steps, the wrist angles of the target's Euler angles, at
+  which a pose that can be attained is attained, and, for a target on the yaw axis, the
+  wrist angles at which the tool point reaches that axis.
+- Around the best local minima among the starts, the step shrinks until it is rounding.
+- Where a branch ends, or meets a limit, between two starts, that place is bisected: the
+  rotation error may drop steeply towards it.
+
+A joint position within the limits is preferred to any that is not.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model._support.spatial import wrap
+from alpha5_model.kinematics.hand import Hand
+from alpha5_model.kinematics.plane import on_axis
+from alpha5_model.kinematics.solutions import PoseSolutionArrays, pose_answer
+from alpha5_model.kinematics.solver import solve_batch
+
+#: Even steps of theta_3. Grids of 6001 find no better pose.
+_STARTS = 32
+#: Local minima of a branch that are followed.
+_FOLLOWED = 3
+#: Wrist angles around a minimum in each round, in steps.
+_AROUND = np.linspace(-1.0, 1.0, 9)
+#: How much the step shrinks in a round: to less than the distance of these angles.
+_SHRINK = 3.5
+#: Rounds, after which the step is below 1e-13 rad.
+_ROUNDS = 24
+#: Ends of a branch that are bisected, and halvings.
+_ENDS = 6
+_HALVINGS = 45
+#: Added to the error of a branch that is beyond a limit, and of one that is not there:
+#: more than any rotation.
+_BEYOND = 10.0
+_MISSING = 100.0
+#: Poses in a block: bounds the memory.
+_BLOCK = 256
+_BRANCHES = np.arange(4)
+
+
+class _Found(NamedTuple):
+    """Solutions of each branch of N poses, (N, 4), or at W wrist angles, (N, 4, W).
+
+    Attributes:
+        q: (..., 4) [rad], not NaN.
+        exists, within_limits, singular: (...).
+        error: Rotation error, (...) [rad].
+    """
+
+    q: FloatArray
+    exists: BoolArray
+    within_limits: BoolArray
+    singular: BoolArray
+    error: FloatArray
+
+    @property
+    def fits(self) -> BoolArray:
+        """Whether the branch is there and within the limits, (...)."""
+        return self.exists & self.within_limits
+
+    @property
+    def cost(self) -> FloatArray:
+        """What is least for the best solution, (...)."""
+        beyond = np.where(self.within_limits, 0.0, _BEYOND)
+        return self.error + np.where(self.exists, beyond, _MISSING)
+
+
+def search_poses(
+    hand: Hand, position: FloatArray, rotation: FloatArray
+) -> PoseSolutionArrays:
+    """All solutions of poses, by positions (..., 3) and rotations (..., 3, 3)."""
+    lead = position.shape[:-1]
+    points = position.reshape(-1, 3)
+    turns = rotation.reshape(-1, 3, 3)
+    blocks = []
+    for start in range(0, max(len(points), 1), _BLOCK):
+        rows = slice(start, start + _BLOCK)
+        blocks.append(_searched(hand, points[rows], turns[rows]))
+
+    found = _Found._make(np.concatenate(part) for part in zip(*blocks, strict=True))
+    missing = ~found.exists
+    q = np.where(missing[..., None], np.nan, found.q)
+    error = np.where(missing, np.nan, found.error)
+    singular = np.asarray((found.singular & found.exists).any(axis=-1))
+    return pose_answer(
+        q=q.reshape(*lead, 4, 4),
+        exists=found.exists.reshape(*lead, 4),
+        within_limits=found.within_limits.reshape(*lead, 4),
+        singular=singular.reshape(lead),
+        position=position,
+        error=error.reshape(*lead, 4),
+    )
+
+
+def _searched(hand: Hand, position: FloatArray, rotation: FloatArray) -> _Found:
+    """The best solution of each branch of N poses."""
+    lower = hand.shape.lower[3]
+    upper = hand.shape.upper[3]
+    grid = np.linspace(lower, upper, _STARTS)
+    step = float(grid[1] - grid[0])
+
+    starts = np.broadcast_to(grid, (len(position), 4, _STARTS))
+    even = _tried(hand, position, rotation, starts)
+    known = _tried(hand, position, rotation, _known_wrists(hand, rotation))
+    best = _better(_best(even), _best(known))
+    best = _better(best, _best_at_ends(hand, position, rotation, even.fits, grid))
+
+    wrists = grid[_local_minima(even.cost)]
+    for _ in range(_ROUNDS):
+        around = np.clip(wrists[..., None] + step * _AROUND, lower, upper)
+        tried = _tried(hand, position, rotation, around.reshape(len(around), 4, -1))
+        best = _better(best, _best(tried))
+        least = tried.cost.reshape(around.shape).argmin(axis=-1)
+        wrists = np.take_along_axis(around, least[..., None], axis=-1)[..., 0]
+        step /= _SHRINK
+    return best
+
+
+def _best_at_ends(
+    hand: Hand,
+    position: FloatArray,
+    rotation: FloatArray,
+    fits: BoolArray,
+    grid: FloatArray,
+) -> _Found:
+    """The best solution where a branch ends, or meets a limit.
+
+    Args:
+        hand: Of the arm.
+        position, rotation: Of N poses.
+        fits: Whether each branch fits at the starts, (N, 4, `_STARTS`).
+        grid: The starts, (`_STARTS`,) [rad].
+    """
+    differs = fits[..., 1:] != fits[..., :-1]
+    first = np.argsort(~differs, axis=-1, kind="stable")[..., :_ENDS]
+    first_fits = np.take_along_axis(fits, first, axis=-1)
+    inside = np.where(first_fits, grid[first], grid[first + 1])
+    outside = np.where(first_fits, grid[first + 1], grid[first])
+
+    best = _best(_tried(hand, position, rotation, inside))
+    for _ in range(_HALVINGS):
+        middle = (inside + outside) / 2
+        tried = _tried(hand, position, rotation, middle)
+        best = _better(best, _best(tried))
+        inside = np.where(tried.fits, middle, inside)
+        outside = np.where(tried.fits, outside, middle)
+    return best
+
+
+def _tried(
+    hand: Hand, position: FloatArray, rotation: FloatArray, wrists: FloatArray
+) -> _Found:
+    """Solutions of each branch of N poses at its wrist angles (N, 4, W)."""
+    targets = np.broadcast_to(position[:, None, None], (*wrists.shape, 3))
+    solutions = solve_batch(targets, wrists, hand.shape)
+    exists = _of_own_branch(solutions.exists)
+    own_q = _of_own_branch(solutions.q)
+    q = np.where(exists[..., None], own_q, np.asarray(hand.shape.middle))
+    turns = rotation[:, None, None]
+    found = _Found(
+        q=q,
+        exists=exists,
+        within_limits=_of_own_branch(solutions.within_limits),
+        singular=solutions.singular,
+        error=hand.rotation_error(q, turns),
+    )
+    free = on_axis(position)
+    if free.any():
+        _choose_yaw(hand, found, turns, free)
+    return found
+
+
+def _of_own_branch(array: NDArray[Any]) -> NDArray[Any]:
+    """The entries (N, 4, W, ...) of branch i at the wrist angles of branch i."""
+    return array[:, _BRANCHES, :, _BRANCHES].swapaxes(0, 1)
+
+
+def _choose_yaw(
+    hand: Hand, found: _Found, rotation: FloatArray, free: BoolArray
+) -> None:
+    """Give poses whose theta_0 is free, (N,), the theta_0 of the least error."""
+    q = found.q[free]
+    error = found.error[free]
+    target = rotation[free]
+    for theta_0 in hand.yaws_with_wrist(q, target):
+        trial = q.copy()
+        trial[..., 0] = theta_0
+        missed = hand.rotation_error(trial, target)
+        better = missed < error
+        q = np.where(better[..., None], trial, q)
+        error = np.where(better, missed, error)
+    found.q[free] = q
+    found.error[free] = error
+
+
+def _known_wrists(hand: Hand, rotation: FloatArray) -> FloatArray:
+    """Wrist angles that the target itself names, within the limits, (N, 4, 4)."""
+    shape = hand.shape
+    by_rotation = hand.wrist_of_rotation(rotation)
+    # w is 0 there: the tool point reaches the yaw axis.
+    on_yaw_axis = math.atan2(-shape.y, shape.x) - shape.wrist_offset
+    by_position = np.full_like(by_rotation, on_yaw_axis)
+    angles = np.stack([by_rotation, by_position], axis=-1)
+    both = np.concatenate([angles, angles + math.pi], axis=-1)
+    within = np.clip(wrap(both, shape.middle[3]), shape.lower[3], shape.upper[3])
+    return np.repeat(within[:, None], 4, axis=1)
+
+
+def _local_minima(cost: FloatArray) -> NDArray[np.intp]:
+    """Indices of the least local minima of each branch, (N, 4, `_FOLLOWED`).
+
+    Args:
+        cost: At even steps, (N, 4, `_STARTS`).
+    """
+    beside = np.pad(cost, [(0, 0), (0, 0), (1, 1)], constant_values=np.inf)
+    is_minimum = (cost <= beside[..., :-2]) & (cost <= beside[..., 2:])
+    ranked = np.where(is_minimum, cost, cost + 2 * _MISSING)
+    order: NDArray[np.intp] = ranked.argsort(axis=-1, kind="stable")
+    return order[..., :_FOLLOWED]
+
+
+def _best(tried: _Found) -> _Found:
+    """The best solution of each branch: without the axis W."""
+    index = tried.cost.argmin(axis=-1)[..., None]
+
+    def chosen(array: NDArray[Any]) -> NDArray[Any]:
+        return np.take_along_axis(array, index, axis=-1)[..., 0]
+
+    return _Found(
+        q=np.take_along_axis(tried.q, index[..., None], axis=-2)[..., 0, :],
+        exists=chosen(tried.exists),
+        within_limits=chosen(tried.within_limits),
+        singular=chosen(tried.singular),
+        error=chosen(tried.error),
+    )
+
+
+def _better(one: _Found, other: _Found) -> _Found:
+    """Of each branch the better one of two solutions, (N, 4)."""
+    first = one.cost <= other.cost
+    return _Found(
+        q=np.where(first[..., None], one.q, other.q),
+        exists=np.where(first, one.exists, other.exists),
+        within_limits=np.where(first, one.within_limits, other.within_limits),
+        singular=np.where(first, one.singular, other.singular),
+        error=np.where(first, one.error, other.error),
+    )
