@@ -16,12 +16,20 @@ import reference
 from urdf_edits import OWN
 
 import alpha5_model as a5
+from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
+from alpha5_model.proofs.comparison.alignment import Alignment
+from alpha5_model.proofs.comparison.axis_fit import AxisFit, _changed
 from alpha5_model.proofs.comparison.chains import find_chains
+from alpha5_model.proofs.comparison.line_screws import UNKNOWNS
 from alpha5_model.proofs.comparison.measure import compare, compare_robots
+from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, own_arm_of
+from alpha5_model.proofs.comparison.own_base import _first_link
 from alpha5_model.proofs.comparison.printed_digits import last_digits, meant_angle
+from alpha5_model.proofs.comparison.reduction import reduce_robot
+from alpha5_model.proofs.comparison.tool_words import tool_link
 from alpha5_model.viewer.comparison_plot import plot_comparison
 
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
@@ -643,3 +651,59 @@ def test_another_arm_has_no_picture(tmp_path, capsys):
     assert not picture.exists()
     with pytest.raises(InputError, match="one of a Reach Alpha 5"):
         plot_comparison(compare(path), picture)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_derivatives_of_the_axes_by_finite_differences(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    record = a5.parameters()
+    robot = parse_urdf(OWN)
+    chain = find_chains(robot, record, None)[0]
+    arm = reduce_robot(robot, chain.joints, record, None)
+    fit = AxisFit(our_arm=own_arm_of(record), their_arm=arm)
+
+    base = np.eye(4)
+    base[:3, :3] = rotation_from_rpy(rng.uniform(-1, 1, 3))
+    base[:3, 3] = rng.uniform(-0.3, 0.3, 3)
+    alignment = Alignment(
+        base=base,
+        sign=rng.choice([-1.0, 1.0], 4),
+        zero=rng.uniform(-1, 1, 4),
+        dimensions=rng.uniform(-0.05, 0.05, len(DIMENSIONS)),
+    )
+    jacobian = fit.linearized(alignment).jacobian
+    step = 1e-6
+    for k, name in enumerate(UNKNOWNS):
+        ahead, back = (
+            fit.linearized(_changed(alignment, way * step * np.eye(len(UNKNOWNS))[k]))
+            for way in (1, -1)
+        )
+        slope = (ahead.error - back.error) / (2 * step)
+        np.testing.assert_allclose(jacobian[:, k], slope, atol=1e-8, err_msg=name)
+
+
+def test_the_arm_begins_at_the_link_whose_weight_is_nearest_to_the_bases() -> None:
+    path = ["vehicle", "plate", "foot", "shell"]
+    weights = {"vehicle": 12.0, "plate": 0.9, "foot": 0.36, "shell": 0.30}
+    assert _first_link(path, weights, 0.34) == "foot"
+    assert _first_link(path, weights, 0.29) == "shell"
+    # What is before a link must weigh something, or it is the arm's own.
+    assert _first_link(path, weights | {"shell": 0.345}, 0.34) == "foot"
+    assert _first_link(path, weights, 0.89) == "plate"
+    assert _first_link(path, weights, 11.0) == "vehicle"
+
+
+def test_a_tool_is_fixed_to_the_wrist() -> None:
+    gripper = (
+        '<link name="palm"/><link name="tool"/>'
+        '<joint name="p" type="fixed">'
+        '<parent link="link_4"/><child link="palm"/></joint>'
+        '<joint name="t" type="{kind}"><parent link="palm"/><child link="tool"/>'
+        '<axis xyz="0 0 1"/>'
+        '<limit lower="0" upper="1" effort="1" velocity="1"/></joint>'
+    )
+    without = OWN.replace("tcp", "point")
+    for kind in ("fixed", "revolute", "prismatic", "floating", "continuous"):
+        text = without.replace("</robot>", gripper.format(kind=kind) + "</robot>")
+        expected = "tool" if kind == "fixed" else ""
+        assert tool_link(parse_urdf(text), "link_4") == expected
