@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 import pytest
 
 from alpha5_model._support.checks import LARGEST
-from alpha5_model.codegen.kernels import numpy_kernels
+from alpha5_model.codegen.kernels import choice, numpy_kernels
 from alpha5_model.codegen.kernels.generated.formulas import KERNELS
 from alpha5_model.codegen.regrouping import base_parameters
+from alpha5_model.errors import MissingDependencyError
 from alpha5_model.numbers.parameters import parameters
 
 PARAMETERS = base_parameters(parameters().links, parameters=parameters())
@@ -82,3 +84,14 @@ def test_parameters_are_copied() -> None:
     before = one(np.ones(4))
     own[:] = 0.0
     assert np.array_equal(one(np.ones(4)), before)
+
+
+def test_they_run_if_none_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "alpha5_model.codegen.kernels._compiled", None)
+    choose_anew = choice.module.__wrapped__
+    for wanted in ("", "numpy"):
+        monkeypatch.setenv("ALPHA5_KERNELS", wanted)
+        assert choose_anew() is numpy_kernels
+    monkeypatch.setenv("ALPHA5_KERNELS", "compiled")
+    with pytest.raises(MissingDependencyError, match="where a C compiler is"):
+        choose_anew()
