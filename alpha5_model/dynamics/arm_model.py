@@ -59,7 +59,7 @@ class ArmModel:
 
     def __init__(
         self,
-        model: Any,
+        model: pin.Model,
         displacements: Iterable[Displacement],
         fluid_density: float = SEA_WATER,
         *,
@@ -145,7 +145,7 @@ class ArmModel:
         """The positional arguments that make the same arm."""
         return self._model, self.displacements, self.fluid_density
 
-    def _rebuilt(self, model: Any, displacements: Iterable[Displacement]) -> Self:
+    def _rebuilt(self, model: pin.Model, displacements: Iterable[Displacement]) -> Self:
         """An arm like this one, from another model and its volumes.
 
         Args:
@@ -156,7 +156,7 @@ class ArmModel:
         return type(self)(model, displacements, *others, parameters=self.parameters)
 
     def _rebuilt_afloat(
-        self, model: Any, displacements: Iterable[Displacement]
+        self, model: pin.Model, displacements: Iterable[Displacement]
     ) -> ArmModel:
         """The same from a model on a free-flyer; see `_rebuilt`."""
         return self._rebuilt(model, displacements)

@@ -141,7 +141,7 @@ def available_threads() -> int:
 
 
 def rnea(
-    model: Any,
+    model: pin.Model,
     scratch: Scratch,
     threads: int,
     q: FloatArray,

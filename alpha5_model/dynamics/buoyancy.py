@@ -49,7 +49,7 @@ class Displacement:
 
 
 def displacements(
-    model: Any, parameters: Alpha5Parameters, gripper: str
+    model: pin.Model, parameters: Alpha5Parameters, gripper: str
 ) -> tuple[Displacement, ...]:
     """The volumes of Table 3 on the joints of a model.
 
@@ -70,7 +70,7 @@ def displacements(
 
 
 def displacement(
-    model: Any, body: str, frame: str, volume: float, cob: FloatArray
+    model: pin.Model, body: str, frame: str, volume: float, cob: FloatArray
 ) -> Displacement:
     """A volume on the joint that carries a frame; ``cob`` is given in that frame."""
     carrier = model.frames[model.getFrameId(frame)]
@@ -83,7 +83,7 @@ def displacement(
 
 
 def displaced_fluid_model(
-    model: Any, displaced: Iterable[Displacement], density: float
+    model: pin.Model, displaced: Iterable[Displacement], density: float
 ) -> Any:
     """The displaced-fluid model: point masses ``rho V`` at the centres of buoyancy.
 
@@ -118,7 +118,7 @@ def displaced_fluid_model(
     return fluid
 
 
-def check_inertias(model: Any) -> None:
+def check_inertias(model: pin.Model) -> None:
     """Check that the bodies on the joints of a pin.Model are possible, or points.
 
     Raises:
@@ -142,7 +142,7 @@ def check_inertias(model: Any) -> None:
             raise InputError(f"inertia on {joint}", tensors[k].tolist(), expected)
 
 
-def net_weight_model(model: Any, fluid: Any) -> Any:
+def net_weight_model(model: pin.Model, fluid: pin.Model) -> pin.Model:
     """The net-weight model: weight less buoyancy, as point masses on the joints.
 
     A mass ``m - rho V`` at ``(m c - rho V b) / (m - rho V)`` has the force and the

@@ -67,7 +67,7 @@ class CollisionModel:
         data: pin.GeometryData.
     """
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, model: pin.Model) -> None:
         """Collect the primitives of a model's links.
 
         Args:
@@ -128,7 +128,7 @@ class CollisionModel:
         return str(self._model.frames[frame].name)
 
 
-def collision_geometry(model: Any) -> Any:
+def collision_geometry(model: pin.Model) -> pin.GeometryModel:
     """Primitives of the links of a pin.Model, with the pairs to be checked.
 
     Pinocchio reads both from the URDF and the SRDF with the model's gripper.
@@ -198,7 +198,7 @@ class _WristPairs(NamedTuple):
         with_wrist: The same with the pairs that it moves.
     """
 
-    model: Any
+    model: pin.Model
     before_wrist: Any
     with_wrist: Any
 
@@ -218,7 +218,7 @@ def _wrist_pairs(joint: JointParameters) -> _WristPairs:
     return _WristPairs(model=model, before_wrist=before_wrist, with_wrist=with_wrist)
 
 
-def _pairs(geometry: Any) -> list[Any]:
+def _pairs(geometry: pin.GeometryModel) -> list[Any]:
     """Copies of the collision pairs.
 
     The elements of ``geometry.collisionPairs`` are references into Pinocchio's vector:
@@ -229,14 +229,16 @@ def _pairs(geometry: Any) -> list[Any]:
     ]
 
 
-def _moved_by(joint: int, pair: Any, geometry: Any) -> bool:
+def _moved_by(joint: int, pair: Any, geometry: pin.GeometryModel) -> bool:
     """Whether one body of a pair is on a joint, which moves it against the other."""
     first = geometry.geometryObjects[pair.first]
     second = geometry.geometryObjects[pair.second]
     return joint in (first.parentJoint, second.parentJoint)
 
 
-def _collides(model: Any, geometry: Any, q: FloatArray) -> BoolArray:
+def _collides(
+    model: pin.Model, geometry: pin.GeometryModel, q: FloatArray
+) -> BoolArray:
     """Whether any pair touches at q, (N, 4)."""
     data = model.createData()
     objects = geometry.createData()

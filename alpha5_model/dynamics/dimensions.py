@@ -5,7 +5,7 @@ Computations that were made for the catalogue's arm refuse other arms with them.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from alpha5_model.description.frames import (
 )
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+
+if TYPE_CHECKING:
+    import pinocchio as pin
 
 #: How far a joint may be from its place [m], and turned from it [rad], if an answer
 #: needs the catalogue's dimensions exactly: a file may print few digits.
@@ -36,13 +39,15 @@ def made_for() -> Alpha5Parameters:
     return parameters()
 
 
-def has_dimensions(model: Any, tolerance: float = EXACT) -> bool:
+def has_dimensions(model: pin.Model, tolerance: float = EXACT) -> bool:
     """Whether `check_dimensions` passes."""
     _, distance = _farthest(model, made_for())
     return distance <= tolerance
 
 
-def check_dimensions(model: Any, needed_for: str, tolerance: float = EXACT) -> None:
+def check_dimensions(
+    model: pin.Model, needed_for: str, tolerance: float = EXACT
+) -> None:
     """Check that the joints and the tcp of a model are where the catalogue's are.
 
     Args:
@@ -66,7 +71,7 @@ def check_dimensions(model: Any, needed_for: str, tolerance: float = EXACT) -> N
     )
 
 
-def check_limits(model: Any, needed_for: str) -> None:
+def check_limits(model: pin.Model, needed_for: str) -> None:
     """Check that axis_e to axis_b have the catalogue's limits.
 
     Raises:
@@ -84,7 +89,7 @@ def check_limits(model: Any, needed_for: str) -> None:
             )
 
 
-def _farthest(model: Any, parameters: Alpha5Parameters) -> tuple[str, float]:
+def _farthest(model: pin.Model, parameters: Alpha5Parameters) -> tuple[str, float]:
     """The joint of a model that is farthest from its place in a record.
 
     Returns:

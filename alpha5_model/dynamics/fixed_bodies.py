@@ -5,11 +5,14 @@ Pinocchio leaves them out of its sums. `FixedBodies` has what to add.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+
+if TYPE_CHECKING:
+    import pinocchio as pin
 
 
 class FixedBodies(NamedTuple):
@@ -28,7 +31,7 @@ class FixedBodies(NamedTuple):
     potential_energy: float
 
 
-def fixed_bodies(model: Any, net: Any) -> FixedBodies:
+def fixed_bodies(model: pin.Model, net: pin.Model) -> FixedBodies:
     """The share of the bodies fixed to the universe.
 
     Args:
@@ -49,6 +52,6 @@ def fixed_bodies(model: Any, net: Any) -> FixedBodies:
     )
 
 
-def moving_mass(model: Any) -> float:
+def moving_mass(model: pin.Model) -> float:
     """Mass of all that is not fixed to the universe [kg]."""
     return float(sum(inertia.mass for inertia in list(model.inertias)[1:]))

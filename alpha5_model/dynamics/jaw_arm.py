@@ -32,7 +32,7 @@ class JawArm(Arm):
 
     def __init__(
         self,
-        tree: Any,
+        tree: pin.Model,
         displacements: Iterable[Displacement],
         fluid_density: float,
         mimics: Iterable[UrdfJoint],
@@ -108,7 +108,7 @@ class JawArm(Arm):
         return self._tree._model, self.displacements, self.fluid_density, self._mimics
 
 
-def mimicking(tree: Any, mimics: Iterable[UrdfJoint]) -> Any:
+def mimicking(tree: pin.Model, mimics: Iterable[UrdfJoint]) -> pin.Model:
     """A copy of a model in which some joints follow others, as mimic joints.
 
     Args:
@@ -125,7 +125,9 @@ def mimicking(tree: Any, mimics: Iterable[UrdfJoint]) -> Any:
     return model
 
 
-def _embedding(model: Any, tree: Any, mimics: Iterable[UrdfJoint]) -> Embedding:
+def _embedding(
+    model: pin.Model, tree: pin.Model, mimics: Iterable[UrdfJoint]
+) -> Embedding:
     """The map from the coordinates of an arm with jaws to those of its tree."""
     g = np.zeros((tree.nv, model.nv))
     g_q = np.zeros((tree.nq, model.nq))

@@ -8,12 +8,15 @@ are the load on the mount.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.dynamics.model_changes import on_free_flyer
+
+if TYPE_CHECKING:
+    import pinocchio as pin
 
 #: Position of a free-flyer at the world's origin: xyz and quaternion (x, y, z, w).
 AT_ORIGIN = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
@@ -54,12 +57,12 @@ class JointTree(NamedTuple):
         embedding: From the arm's coordinates to the tree's.
     """
 
-    model: Any
-    fluid: Any
+    model: pin.Model
+    fluid: pin.Model
     embedding: Embedding
 
 
-def tree_of_model(model: Any, fluid: Any) -> JointTree:
+def tree_of_model(model: pin.Model, fluid: pin.Model) -> JointTree:
     """The tree of an arm whose joints all have coordinates of their own."""
     identity = Embedding(
         g=np.eye(model.nv), g_q=np.eye(model.nq), g_0=np.zeros(model.nq)

@@ -47,7 +47,7 @@ class KernelArm(Arm):
 
     def __init__(
         self,
-        model: Any,
+        model: pin.Model,
         displacements: Iterable[Displacement],
         fluid_density: float,
         *,
@@ -91,7 +91,9 @@ class KernelArm(Arm):
         """
         return map(np.ascontiguousarray, state_vectors(self._model, **state))
 
-    def _rebuilt_afloat(self, model: Any, displacements: Iterable[Displacement]) -> Arm:
+    def _rebuilt_afloat(
+        self, model: pin.Model, displacements: Iterable[Displacement]
+    ) -> Arm:
         # The kernels do not know a floating base.
         density = self.fluid_density
         return Arm(model, displacements, density, parameters=self.parameters)

@@ -6,7 +6,7 @@ jaws. Bodies, payloads included, fluid and gravity are parameters.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from alpha5_model.description.frames import joint_placements, tcp_placement
 from alpha5_model.dynamics.dimensions import check_dimensions, made_for
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
+
+if TYPE_CHECKING:
+    import pinocchio as pin
 
 #: How far a frame may be from where the kernels have it [m and rad]. Kernels replace
 #: Pinocchio unnoticed, so only the rounding of a URDF's numbers is allowed; what
@@ -67,7 +70,7 @@ def kernel_parameters(arm: Any) -> FloatArray | None:
     return regrouped(moments_of_links, model.gravity.linear, arm.parameters)
 
 
-def _has_the_joints_of(parameters: Alpha5Parameters, model: Any) -> bool:
+def _has_the_joints_of(parameters: Alpha5Parameters, model: pin.Model) -> bool:
     """Whether a pin.Model has the joints and the tcp of a record, and no others."""
     kinds = [joint.shortname() for joint in list(model.joints)[1:]]
     if kinds != ["JointModelRZ"] * 4 or list(model.parents) != [0, 0, 1, 2, 3]:

@@ -120,7 +120,7 @@ def arm_of(
     return Arm(model, volumes, fluid_density, parameters=parameters)
 
 
-def _set_placements(model: Any, parameters: Alpha5Parameters) -> None:
+def _set_placements(model: pin.Model, parameters: Alpha5Parameters) -> None:
     """Move the joints, link_0 and the tcp of a pin.Model to their places."""
     placements = [
         base_placement(parameters),
@@ -183,7 +183,7 @@ class _Parsed(NamedTuple):
         displacements: The volumes on the joints.
     """
 
-    tree: Any
+    tree: pin.Model
     mimics: tuple[UrdfJoint, ...]
     displacements: tuple[Displacement, ...]
 

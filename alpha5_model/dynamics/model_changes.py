@@ -61,7 +61,9 @@ def added_body(
     )
 
 
-def with_payload(model: Any, frame: str, body: AddedBody) -> tuple[Any, Displacement]:
+def with_payload(
+    model: pin.Model, frame: str, body: AddedBody
+) -> tuple[pin.Model, Displacement]:
     """A copy of a pin.Model that holds a body, and the body's volume.
 
     The new frame is ``payload``, ``payload_2`` and so on.
@@ -74,7 +76,7 @@ def with_payload(model: Any, frame: str, body: AddedBody) -> tuple[Any, Displace
 
 
 def with_body(
-    model: Any, frame: str, body: AddedBody, name: str
+    model: pin.Model, frame: str, body: AddedBody, name: str
 ) -> tuple[Any, Displacement]:
     """A copy of a pin.Model with a body fixed to a frame, and the body's volume.
 
@@ -109,7 +111,7 @@ def with_body(
     return loaded, volume
 
 
-def on_free_flyer(model: Any) -> Any:
+def on_free_flyer(model: pin.Model) -> pin.Model:
     """A copy of a pin.Model with its base on a free-flyer joint, ``root_joint``.
 
     The six torques of this joint are those of the mount.

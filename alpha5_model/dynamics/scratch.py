@@ -21,7 +21,9 @@ class Scratch(threading.local):
             computation changes.
     """
 
-    def __init__(self, model: Any, fluid: Any, net: Any, callers: Any) -> None:
+    def __init__(
+        self, model: pin.Model, fluid: pin.Model, net: pin.Model, callers: pin.Model
+    ) -> None:
         """Make the memory of a thread.
 
         Args:
@@ -48,7 +50,7 @@ class Scratch(threading.local):
         """The collision bodies, made on first use."""
         return CollisionModel(self._model)
 
-    def pool(self, model: Any, threads: int = 1) -> Any:
+    def pool(self, model: pin.Model, threads: int = 1) -> pin.ModelPool:
         """pin.ModelPool of a model for at least this number of threads.
 
         The model must outlive this object, because its identity is the key.

@@ -30,7 +30,7 @@ from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 Partials = tuple[FloatArray, FloatArray, FloatArray]
 
 
-def state_check(model: Any, *rates: str) -> Callable[..., Any]:
+def state_check(model: pin.Model, *rates: str) -> Callable[..., Any]:
     """A function that checks and converts q, and rates with these names.
 
     It returns q alone if there are no rates, else q and the rates.
@@ -52,7 +52,7 @@ def state_check(model: Any, *rates: str) -> Callable[..., Any]:
     return check
 
 
-def state_vectors(model: Any, q: Any, **rates: Any) -> list[FloatArray]:
+def state_vectors(model: pin.Model, q: Any, **rates: Any) -> list[FloatArray]:
     """Check and convert one state: q, then rates of the length of v by their names."""
     position = array("q", q, model.nq)
     if model.nq > model.nv:
@@ -61,7 +61,7 @@ def state_vectors(model: Any, q: Any, **rates: Any) -> list[FloatArray]:
     return [position, *checked_rates]
 
 
-def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
+def rows(model: pin.Model, **states: ArrayLike) -> list[FloatArray]:
     """Check and convert states in rows.
 
     The first one has nq columns, the others nv; ``current`` has 3. A single row is used

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from alpha5_model.errors import InputError
 from alpha5_model.viewer.figures import Color, new_figure, number, style, write_figure
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from alpha5_model.proofs.comparison.records import Comparison
 
 #: Smaller errors are rounding, in any of the panels' units.
@@ -76,7 +78,7 @@ def _panels(comparison: Comparison) -> list[_Panel]:
     ]
 
 
-def _draw(axes: Any, panel: _Panel) -> None:
+def _draw(axes: Axes, panel: _Panel) -> None:
     # Rounding errors alone would fill the panel.
     errors = np.where(np.abs(panel.errors) > _ROUNDING, panel.errors, 0.0)
     bars = axes.barh(panel.names, errors, color=Color.VERMILION)

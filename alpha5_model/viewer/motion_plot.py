@@ -11,6 +11,8 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.viewer.figures import CAUSES, Color, new_figure, number, style
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from alpha5_model.trajectory.analysis import Analysis
 
 #: Most points of a curve; longer ones are thinned and keep the extremes of each
@@ -99,7 +101,7 @@ def _equal_scales(column: Any, unit: str) -> None:
         axes.set_ylim(lowest, highest)
 
 
-def _title_page(page: Any, torque_axes: Any, analysis: Analysis) -> None:
+def _title_page(page: Any, torque_axes: Axes, analysis: Analysis) -> None:
     """The legend of the torques beside the title of the page."""
     handles, names = torque_axes.get_legend_handles_labels()
     # There is room for five names in a row.
@@ -125,7 +127,7 @@ def _title(analysis: Analysis) -> str:
 # ---- one joint
 
 
-def _draw_position(axes: Any, analysis: Analysis, k: int) -> None:
+def _draw_position(axes: Axes, analysis: Analysis, k: int) -> None:
     name = analysis.arm.joint_names[k]
     lower = analysis.arm.limits.lower[k]
     upper = analysis.arm.limits.upper[k]
@@ -143,7 +145,7 @@ def _draw_position(axes: Any, analysis: Analysis, k: int) -> None:
     axes.set_ylabel(f"{name} [{unit}]")
 
 
-def _draw_torque(axes: Any, analysis: Analysis, k: int) -> None:
+def _draw_torque(axes: Axes, analysis: Analysis, k: int) -> None:
     smooth = analysis.smooth
     torque = analysis.torque[:, k]
     _draw_causes(axes, analysis, k)
@@ -163,7 +165,7 @@ def _draw_torque(axes: Any, analysis: Analysis, k: int) -> None:
     axes.set_ylabel(f"{smooth.joints[k]} [{unit}]")
 
 
-def _draw_causes(axes: Any, analysis: Analysis, k: int) -> None:
+def _draw_causes(axes: Axes, analysis: Analysis, k: int) -> None:
     causes = analysis.causes()
     for width, (cause, color) in zip(_CAUSE_WIDTHS, CAUSES.items(), strict=True):
         if cause in causes:
@@ -172,7 +174,7 @@ def _draw_causes(axes: Any, analysis: Analysis, k: int) -> None:
             _curve(axes, analysis, causes[cause][:, k], **look, label=label)
 
 
-def _draw_digits(axes: Any, analysis: Analysis, k: int) -> None:
+def _draw_digits(axes: Axes, analysis: Analysis, k: int) -> None:
     """The band of torques that the printed digits allow."""
     from alpha5_model.dynamics.dimensions import has_dimensions
     from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
@@ -192,7 +194,7 @@ def _draw_digits(axes: Any, analysis: Analysis, k: int) -> None:
     axes.fill_between(smooth.time[::step], low, high, **look, label="printed digits")
 
 
-def _draw_current(axes: Any, analysis: Analysis, k: int) -> None:
+def _draw_current(axes: Axes, analysis: Analysis, k: int) -> None:
     axes.set_ylabel(f"{analysis.smooth.joints[k]} [A]")
     current = analysis.current[:, k]
     if not np.isfinite(current).all():
@@ -218,7 +220,7 @@ def _draw_current(axes: Any, analysis: Analysis, k: int) -> None:
 # ---- the whole arm
 
 
-def _draw_power(axes: Any, analysis: Analysis) -> None:
+def _draw_power(axes: Axes, analysis: Analysis) -> None:
     electrical = np.nansum(analysis.electrical_power, axis=1)
     mechanical = analysis.mechanical_power.sum(axis=1)
     for values, color, label in (
@@ -232,7 +234,7 @@ def _draw_power(axes: Any, analysis: Analysis) -> None:
     axes.set(title=f"power of all motors, {sizes}", ylabel="power [W]")
 
 
-def _draw_mount(axes: Any, analysis: Analysis) -> None:
+def _draw_mount(axes: Axes, analysis: Analysis) -> None:
     force = analysis.base_wrench[:, :3]
     moment = analysis.base_wrench[:, 3:]
     for component, color, width, name in (
@@ -248,14 +250,14 @@ def _draw_mount(axes: Any, analysis: Analysis) -> None:
     axes.set(title=f"moment on the mount, at most {most}", ylabel="moment [N·m]")
 
 
-def _draw_path(axes: Any, analysis: Analysis) -> None:
+def _draw_path(axes: Axes, analysis: Analysis) -> None:
     step = max(1, len(analysis.tcp) // _POINTS)
     x, y, z = 1e3 * analysis.tcp[::step].T
     axes.plot(x, z, color=Color.BLUE, linewidth=1.2, label="side (x, z)")
     axes.plot(x, y, color=Color.ORANGE, linewidth=1.2, label="top (x, y)")
-    open_circle = {"color": "white", "markeredgecolor": Color.BLACK, "markersize": 6}
     for other in (z, y):
-        axes.plot(x[0], other[0], "o", **open_circle)
+        (start,) = axes.plot(x[0], other[0], "o", color="white", markersize=6)
+        start.set_markeredgecolor(Color.BLACK)
         axes.plot(x[-1], other[-1], "o", color=Color.BLACK, markersize=5)
     axes.plot(0, 0, "+", color=Color.VERMILION, markersize=10, label="base_link")
     axes.set_aspect("equal", adjustable="datalim")
@@ -267,19 +269,19 @@ def _draw_path(axes: Any, analysis: Analysis) -> None:
 # ---- curves, bands and marks
 
 
-def _curve(axes: Any, analysis: Analysis, values: FloatArray, **options: Any) -> None:
+def _curve(axes: Axes, analysis: Analysis, values: FloatArray, **options: Any) -> None:
     """A quantity (N,) over time."""
     axes.plot(*thin(analysis.smooth.time, values), **options)
 
 
-def _band(axes: Any, analysis: Analysis, one: FloatArray, other: FloatArray) -> None:
+def _band(axes: Axes, analysis: Analysis, one: FloatArray, other: FloatArray) -> None:
     """What lies between two quantities (N,) over time."""
     time, end = thin(analysis.smooth.time, one)
     other_end = np.interp(time, analysis.smooth.time, other)
     axes.fill_between(time, end, other_end, color="#9ECAE9", linewidth=0)
 
 
-def _mark(axes: Any, time: FloatArray, values: FloatArray) -> None:
+def _mark(axes: Axes, time: FloatArray, values: FloatArray) -> None:
     """A dot at the value with the largest magnitude, with its number."""
     at = int(np.abs(values).argmax())
     value = values[at]
@@ -296,7 +298,7 @@ def _mark(axes: Any, time: FloatArray, values: FloatArray) -> None:
     )
 
 
-def _bounds(axes: Any, *bounds: float) -> None:
+def _bounds(axes: Axes, *bounds: float) -> None:
     """Dashed lines, which leave the limits of the axis as they are."""
     axes.set_ylim(axes.get_ylim())
     for bound in bounds:

@@ -18,6 +18,8 @@ from alpha5_model.viewer.figures import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from alpha5_model.dynamics.arm import Arm
 
 #: Directions of the current; the last is the first again.
@@ -79,7 +81,7 @@ def _loads(
 
 
 def _draw(
-    axes: Any, angle: FloatArray, load: _Load, name: str, unit: str, color: Color
+    axes: Axes, angle: FloatArray, load: _Load, name: str, unit: str, color: Color
 ) -> None:
     axes.fill_between(
         angle,

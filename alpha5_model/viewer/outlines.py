@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.kinematics.arcs import Arc, planar_arc
 from alpha5_model.theory import planar
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 #: Longest chord of an arc of the arm's workspace in a plot [rad].
 CHORD = 0.01
@@ -44,7 +47,7 @@ def loops(arcs: Iterable[Arc], step: float = CHORD) -> list[FloatArray]:
     return polygons
 
 
-def fill(axes: Any, lines: Iterable[FloatArray], color: str, **options: Any) -> None:
+def fill(axes: Axes, lines: Iterable[FloatArray], color: str, **options: Any) -> None:
     """Fill what lies to the left of closed boundaries, lines (N, 2) in any order."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
@@ -58,7 +61,7 @@ def fill(axes: Any, lines: Iterable[FloatArray], color: str, **options: Any) -> 
         axes.add_patch(PathPatch(region, facecolor=color, linewidth=0, **options))
 
 
-def legend_below(axes: Any, drop: float, **options: Any) -> None:
+def legend_below(axes: Axes, drop: float, **options: Any) -> None:
     """A legend under the axes, ``drop`` of their height below them, each label once."""
     handles, labels = axes.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))

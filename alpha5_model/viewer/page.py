@@ -55,6 +55,8 @@ def live_page(scene: Scene) -> str:
 
 def page_data(scene: Scene) -> dict[str, Any]:
     """The data of the page's script, for `json.dumps` with `_plain`."""
+    plane = scene.plane._asdict()
+    del plane["shape"]  # the page computes with the plane's own numbers
     return {
         "notes": scene.notes,
         "sliders": scene.sliders,
@@ -76,7 +78,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "branches": BRANCHES,
         "poses": scene.named_poses,
         "views": VIEWS,
-        "plane": scene.plane._asdict(),
+        "plane": plane,
         "arrows": ARROWS,
         "motion": None if scene.motion is None else _track(scene.motion),
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,9 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.theory import planar
 from alpha5_model.viewer.figures import new_figure, write_figure
 from alpha5_model.viewer.outlines import fill, legend_below, polyline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 REACHED = "#dbe7f3"
 DEXTEROUS = "#5b9bd5"
@@ -29,10 +32,10 @@ _BENT = (0.5, 0.9, -0.7)
 def plot_planar(
     arm: planar.PlanarArm,
     q: ArrayLike | None = None,
-    axes: Any = None,
+    axes: Axes | None = None,
     dexterous: bool = True,
     resolution: int = 81,
-) -> Any:
+) -> Axes:
     """Draw a planar arm, its workspace and its dexterous workspace, within limits.
 
     The dexterous workspace is exact where `dexterous_radii` applies. For other arms of
@@ -108,7 +111,7 @@ def save(axes: Any, path: str | os.PathLike[str]) -> None:
     write_figure(np.ravel(axes)[0].figure, path, dpi=120)
 
 
-def _fill_workspace(axes: Any, space: planar.Workspace) -> None:
+def _fill_workspace(axes: Axes, space: planar.Workspace) -> None:
     edges = []
     for edge in space.edges:
         line = polyline(edge.curve, _CHORD)
@@ -116,7 +119,7 @@ def _fill_workspace(axes: Any, space: planar.Workspace) -> None:
     fill(axes, edges, REACHED, label="workspace", zorder=0)
 
 
-def _draw_boundary(axes: Any, space: planar.Workspace) -> list[FloatArray]:
+def _draw_boundary(axes: Axes, space: planar.Workspace) -> list[FloatArray]:
     """Draw the boundary, with thicker lines for parts without area.
 
     Returns:
@@ -142,7 +145,7 @@ def _middle(arm: planar.PlanarArm) -> list[float]:
     return position
 
 
-def _draw_arm(axes: Any, arm: planar.PlanarArm, path: FloatArray) -> None:
+def _draw_arm(axes: Axes, arm: planar.PlanarArm, path: FloatArray) -> None:
     """The arm along the places of its joints and its tip, (n + 1, 2)."""
     axes.plot(*path.T, color=ARM, lw=3, solid_capstyle="round", label="arm")
     for kind, place in zip(arm.joints, path[:-1], strict=True):
@@ -151,7 +154,7 @@ def _draw_arm(axes: Any, arm: planar.PlanarArm, path: FloatArray) -> None:
     axes.plot(*path[-1], ".", ms=9, color=ARM)
 
 
-def _set_limits(axes: Any, points: FloatArray) -> None:
+def _set_limits(axes: Axes, points: FloatArray) -> None:
     """Show all points, in a square and with the same scale on both axes."""
     low = points.min(axis=0)
     high = points.max(axis=0)
@@ -161,22 +164,22 @@ def _set_limits(axes: Any, points: FloatArray) -> None:
     axes.set(xlabel="x [m]", ylabel="y [m]")
 
 
-def _draw_dexterous_rings(axes: Any, arm: planar.PlanarArm) -> None:
+def _draw_dexterous_rings(axes: Axes, arm: planar.PlanarArm) -> None:
     """The exact dexterous workspace: rings, circles or the origin."""
     point = 1e-12 * arm.reach
     for low, high in planar.dexterous_radii(arm):
         inner = polyline(planar.Arc((0.0, 0.0), low), _CHORD)
         outer = polyline(planar.Arc((0.0, 0.0), high), _CHORD)
         if high <= point:
-            look = {"ms": 11, "mfc": "none", "mec": DEXTEROUS, "mew": 2.5}
-            axes.plot(0, 0, "o", **look, label="dexterous")
+            (circle,) = axes.plot(0, 0, "o", ms=11, label="dexterous")
+            circle.set(mfc="none", mec=DEXTEROUS, mew=2.5)
         elif high - low <= point:
             axes.plot(*outer.T, color=DEXTEROUS, lw=2.5, ls="--", label="dexterous")
         else:
             fill(axes, [outer, inner[::-1]], DEXTEROUS, label="dexterous")
 
 
-def _draw_dexterity_map(axes: Any, arm: planar.PlanarArm, resolution: int) -> None:
+def _draw_dexterity_map(axes: Axes, arm: planar.PlanarArm, resolution: int) -> None:
     """The share of orientations in which each point of a grid is reached."""
     found = planar.dexterity_map(arm, resolution)
     mesh = axes.pcolormesh(

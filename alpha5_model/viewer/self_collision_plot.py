@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from alpha5_model.kinematics.catalogue_arm import catalogue
 from alpha5_model.viewer.figures import Color, new_figure, style
 from alpha5_model.viewer.shapes import Mesh, read_obj
 from alpha5_model.viewer.workspace_plot import FILL
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 #: Edge of the cells in which self-collision is counted [m].
 CELL = 0.015
@@ -104,7 +107,7 @@ def _base() -> Mesh:
     return read_obj(str(path)).moved(placement)
 
 
-def _draw_view(axes: Any, cells: _Cells, up: str) -> Any:
+def _draw_view(axes: Axes, cells: _Cells, up: str) -> Any:
     """The share of points behind one another that are reached in self-collision only.
 
     Args:
@@ -137,7 +140,7 @@ def _draw_view(axes: Any, cells: _Cells, up: str) -> Any:
     return image
 
 
-def _draw_base(axes: Any, base: Mesh, up: int) -> None:
+def _draw_base(axes: Axes, base: Mesh, up: int) -> None:
     """The body of link_0, with x to the right and another axis upwards."""
     from matplotlib.collections import PolyCollection
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.theory import planar
 from alpha5_model.viewer.figures import Color, new_figure, style
 from alpha5_model.viewer.outlines import CHORD, fill, legend_below, loops, polyline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 #: Colour of a reachable region.
 FILL = "#E8EEF3"
@@ -54,7 +57,7 @@ def workspace_figure(kinematics: ArmKinematics) -> Any:
     return page
 
 
-def _draw_exact(axes: Any, kinematics: ArmKinematics) -> None:
+def _draw_exact(axes: Axes, kinematics: ArmKinematics) -> None:
     _fill_arcs(axes, kinematics.boundary("both"), FILL)
     for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):
         for arc in kinematics.boundary(side):
@@ -76,22 +79,22 @@ def _line_style(arc: Arc) -> str:
     return "--" if "theta_1" in arc.cause else ":"
 
 
-def _mark_shoulder(axes: Any, plane: ArmPlane) -> None:
+def _mark_shoulder(axes: Axes, plane: ArmPlane) -> None:
     shoulder = (plane.a_0 * 1e3, plane.d_0 * 1e3)
     axes.plot(*shoulder, "+", color=Color.BLACK)
     leader = {"arrowstyle": "-", "lw": 0.6}
     axes.annotate("shoulder", shoulder, (12, -70), fontsize=8, arrowprops=leader)
 
 
-def _draw_published(axes: Any, kinematics: ArmKinematics) -> None:
+def _draw_published(axes: Axes, kinematics: ArmKinematics) -> None:
     parameters = kinematics.parameters
     for torus in published_region.published_tori(parameters):
         circle = planar.Arc(center=torus.center, radius=torus.radius, start=-math.pi)
         points = polyline(circle, CHORD) * 1e3
         # The half-plane ends at the yaw axis.
         points[points[:, 0] < 0] = np.nan
-        look = {"color": Color.BLACK, "linewidth": 1.0}
-        axes.plot(*points.T, **look, label="the three published tori")
+        words = "the three published tori"
+        axes.plot(*points.T, color=Color.BLACK, linewidth=1.0, label=words)
 
     errors = published_region.published_errors(parameters)
     unreachable = errors.unreachable_area / errors.published_area
@@ -122,6 +125,6 @@ def _draw_published(axes: Any, kinematics: ArmKinematics) -> None:
     )
 
 
-def _fill_arcs(axes: Any, arcs: Iterable[Arc], color: str, **options: Any) -> None:
+def _fill_arcs(axes: Axes, arcs: Iterable[Arc], color: str, **options: Any) -> None:
     """Fill what arcs bound, in mm."""
     fill(axes, [loop * 1e3 for loop in loops(arcs)], color, zorder=0.8, **options)

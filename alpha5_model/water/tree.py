@@ -259,7 +259,7 @@ class _Scratch(threading.local):
         forces: External forces on the joints, pin.StdVec_Force.
     """
 
-    def __init__(self, tree: Any, fluid: Any) -> None:
+    def __init__(self, tree: pin.Model, fluid: pin.Model) -> None:
         self.data = tree.createData()
         self.fluid_data = fluid.createData()
         joints = range(1, tree.njoints)

@@ -48,7 +48,7 @@ class TreePass:
         InputError: A joint that neither turns about one axis nor slides along one.
     """
 
-    def __init__(self, tree: Any, water: MovingWater) -> None:
+    def __init__(self, tree: pin.Model, water: MovingWater) -> None:
         self._water = water
         data = tree.createData()
         pin.computeJointJacobians(tree, data, pin.neutral(tree))
@@ -141,7 +141,7 @@ def _weights(step: _Step, q: FloatArray) -> FloatArray:
     return np.stack([np.ones_like(angle), first, second])[:, None]
 
 
-def _step(tree: Any, data: Any, number: int) -> _Step:
+def _step(tree: pin.Model, data: Any, number: int) -> _Step:
     """The step to a joint of a pin.Model, whose data hold the Jacobians."""
     joint = tree.joints[number]
     axis = pin.getJointJacobian(tree, data, number, pin.LOCAL)[:, joint.idx_v]

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,6 +33,9 @@ from alpha5_model.theory.dh.frame_assignment import (
 )
 from alpha5_model.theory.dh.link import DHLink
 from alpha5_model.theory.dh.urdf import pinocchio_axes, urdf_model, urdf_text
+
+if TYPE_CHECKING:
+    import pinocchio as pin
 
 #: A frame of a chain: the number j of {j}, or the tool.
 Frame = int | Literal["tool"]
@@ -90,7 +93,7 @@ class DHChain:
         return cls(**alpha5_table(parameters(corrections)))
 
     @classmethod
-    def from_pinocchio(cls, model: Any, frame: str | None = None) -> DHChain:
+    def from_pinocchio(cls, model: pin.Model, frame: str | None = None) -> DHChain:
         """The chain from a pin.Model's root to one of its frames.
 
         Joint variables, their zero and their sign are the model's. Joints off the chain

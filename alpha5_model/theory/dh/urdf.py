@@ -6,7 +6,7 @@ import math
 import os
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from alpha5_model.errors import (
 )
 from alpha5_model.theory.dh.link import DHLink
 
+if TYPE_CHECKING:
+    import pinocchio as pin
+
 #: With 400 moving joints Pinocchio takes 4 GB; with 5000 links in a row it crashes.
 MOST_JOINTS = 100
 MOST_LINKS = 1000
@@ -31,7 +34,7 @@ _MOVING = ("origin", "parent", "child", "axis", "limit", "mimic")
 _NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
 
 
-def pinocchio_axes(model: Any, frame: str | None) -> dict[str, Any]:
+def pinocchio_axes(model: pin.Model, frame: str | None) -> dict[str, Any]:
     """The arguments of `DHChain.from_axes` for a pin.Model; see
     `DHChain.from_pinocchio`.
     """
@@ -66,7 +69,7 @@ def pinocchio_axes(model: Any, frame: str | None) -> dict[str, Any]:
     }
 
 
-def _tip(model: Any, frame: str | None) -> int:
+def _tip(model: pin.Model, frame: str | None) -> int:
     """Index of a frame; by default of the last body frame of the last joint."""
     if frame is None:
         last = [f for f in model.frames if f.parentJoint == model.njoints - 1]
@@ -77,7 +80,7 @@ def _tip(model: Any, frame: str | None) -> int:
     return int(model.getFrameId(frame))
 
 
-def _axis(model: Any, j: int, jacobians: FloatArray) -> tuple[FloatArray, bool]:
+def _axis(model: pin.Model, j: int, jacobians: FloatArray) -> tuple[FloatArray, bool]:
     """Direction of joint j's axis in the world, (3,), and whether the joint slides.
 
     Args:
@@ -97,7 +100,7 @@ def _axis(model: Any, j: int, jacobians: FloatArray) -> tuple[FloatArray, bool]:
     return (linear if slides else angular), slides
 
 
-def _limits(model: Any, j: int) -> tuple[float, float]:
+def _limits(model: pin.Model, j: int) -> tuple[float, float]:
     """Limits of joint j; infinite for a continuous one (cosine and sine)."""
     joint = model.joints[j]
     lower = float(model.lowerPositionLimit[joint.idx_q])
