@@ -27,7 +27,8 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
-from alpha5_model.numbers.parameters import Alpha5Parameters, RigidBody
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.rigid_body import RigidBody
 
 MOVING_LINKS = (1, 2, 3, 4)
 #: Entries of a symmetric matrix without zz, by name.

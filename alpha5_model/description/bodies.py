@@ -16,7 +16,8 @@ from alpha5_model.description.frames import base_placement, joint_placements
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.jaws import GRIPPERS, Jaws, split_link_4
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, RigidBody
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
+from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.numbers.tables import BODY_NAMES
 
 #: Bodies that are drawn; the rod is not.

@@ -65,11 +65,10 @@ from alpha5_model._support.checks import (
 )
 from alpha5_model.errors import MissingParameterError
 from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.motors import CONSTANTS
 from alpha5_model.numbers.parameters import ActuatorParameters, parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 
-#: Which of the contradicting motor constants are believed.
-CONSTANTS = ("printed", "torque", "voltage")
 #: Whose efficiency Table 4's eta_max is taken for.
 EFFICIENCIES = ("gearbox", "motor")
 

@@ -18,7 +18,8 @@ import pinocchio as pin
 from alpha5_model._support.checks import FloatArray, array, choice, frozen, real
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.parameters import Alpha5Parameters, RigidBody
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.rigid_body import RigidBody
 
 #: Rounding of a second moment of mass that is 0, relative to the largest one.
 POINT_TOLERANCE = 1e-9

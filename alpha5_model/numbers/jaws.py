@@ -18,14 +18,17 @@ Frames, by their pose in link_4 (wrist axis along -z, tip at negative z):
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, frozen
 from alpha5_model._support.spatial import moved, pose
+from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.inertia import combine, rotate_tensor
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, RigidBody
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
+from alpha5_model.numbers.rigid_body import RigidBody, joined
 
 GRIPPERS = ("locked", "jaws")
 
@@ -81,6 +84,11 @@ class Jaws:
         """Wrist, rod and fingers."""
         return self.wrist, self.rod, self.finger_1, self.finger_2
 
+    @property
+    def closed(self) -> tuple[RigidBody, ...]:
+        """Wrist, rod and fingers in link_4, jaws closed."""
+        return tuple(_in_link_4(body) for body in self.bodies)
+
 
 def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     """Take the rod and the fingers out of link 4.
@@ -90,12 +98,15 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     cylinder. Its centre is at the base of the jaws' collar with axis_a at 0; with
     closed jaws it is beyond that by axis_a's lower limit.
 
+    A spacer between wrist and jaws moves rod and fingers along -z. Bodies that are
+    attached to link_4 belong to the wrist.
+
     Args:
         parameters: The arm's parameters.
 
     Returns:
-        The bodies. Their sum with closed jaws is ``parameters.links[4]`` up to
-        rounding.
+        The bodies. Without attached bodies, their sum with closed jaws is
+        ``parameters.links[4]`` up to rounding.
     """
     rod = _rod(parameters)
     # Finger 1 sits at -x and turns about +y of link_4, finger 2 mirrors it: both open
@@ -105,13 +116,20 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     finger_1 = _finger("finger_1", side=-1.0, volume=volume_1, parameters=parameters)
     finger_2 = _finger("finger_2", side=1.0, volume=volume_2, parameters=parameters)
     wrist = _remainder(parameters.links[4], [rod, finger_1, finger_2])
+    attached = [body for body in parameters.attached if body.link == "link_4"]
+    if attached:
+        wrist = _loaded(wrist, attached)
     joints = (
         parameters.joints[4],
         _finger_joint("finger_1_joint", parameters),
         _finger_joint("finger_2_joint", parameters),
     )
     return Jaws(
-        wrist=wrist, rod=rod, finger_1=finger_1, finger_2=finger_2, joints=joints
+        wrist=wrist,
+        rod=_beyond(parameters.spacer, rod),
+        finger_1=_beyond(parameters.spacer, finger_1),
+        finger_2=_beyond(parameters.spacer, finger_2),
+        joints=joints,
     )
 
 
@@ -208,6 +226,39 @@ def _remainder(link: RigidBody, moving: list[JawBody]) -> JawBody:
         cob=frozen(cob),
         roll=0.0,
         origin=frozen([0.0, 0.0, 0.0]),
+    )
+
+
+def _loaded(wrist: JawBody, attached: Sequence[AttachedBody]) -> JawBody:
+    """The wrist with the bodies that are attached to link_4."""
+    whole = joined(wrist.name, [wrist, *(body.in_link() for body in attached)])
+    return replace(
+        wrist,
+        mass=whole.mass,
+        com=whole.com,
+        inertia=whole.inertia,
+        volume=whole.volume,
+        cob=whole.cob,
+    )
+
+
+def _beyond(spacer: float, body: JawBody) -> JawBody:
+    """A body, moved by a spacer along -z of link_4."""
+    if not spacer:
+        return body
+    return replace(body, origin=frozen(body.origin - [0.0, 0.0, spacer]))
+
+
+def _in_link_4(body: JawBody) -> RigidBody:
+    """A body in the frame of link_4, jaws closed."""
+    pose = _closed_pose(body)
+    return RigidBody(
+        name=body.name,
+        mass=body.mass,
+        com=moved(pose, body.com),
+        inertia=rotate_tensor(pose[:3, :3], body.inertia),
+        volume=body.volume,
+        cob=moved(pose, body.cob),
     )
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import Any
 
@@ -22,12 +22,18 @@ from alpha5_model._support.checks import (
     real,
 )
 from alpha5_model.errors import InputError, PublishedDataError
-from alpha5_model.numbers import plausibility, tables
+from alpha5_model.numbers import arm_checks, plausibility, tables
+from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.numbers.inertia import check_possible, flip_products
+from alpha5_model.numbers.inertia import check_inside, flip_products
+from alpha5_model.numbers.measurement import Measurement
+from alpha5_model.numbers.motors import Motors
+from alpha5_model.numbers.mount import Mount
+from alpha5_model.numbers.names import plain_name
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import Quantity
-from alpha5_model.numbers.tool import ToolPose
+from alpha5_model.numbers.rigid_body import RigidBody
+from alpha5_model.numbers.tool import ToolPose, printed_tool
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,47 +72,6 @@ class DHParameters:
 
 
 @dataclass(frozen=True, eq=False)
-class RigidBody:
-    """Mass and displaced water of one body, in its own frame.
-
-    Attributes:
-        name: As the link of the URDF.
-        mass: [kg].
-        com: Centre of mass, (3,) [m].
-        inertia: At the COM, URDF sign, (3, 3) [kg m^2].
-        volume: Displaced volume [m^3].
-        cob: Centre of buoyancy, (3,) [m].
-
-    Raises:
-        InputError: A negative mass or volume, or an inertia that no body can have.
-
-    Warns:
-        ImplausibleWarning: Numbers that seem to be in another unit.
-    """
-
-    name: str
-    mass: float
-    com: FloatArray
-    inertia: FloatArray
-    volume: float
-    cob: FloatArray
-
-    def __post_init__(self) -> None:
-        mass = real(f"{self.name}.mass", self.mass, minimum=0.0)
-        com = frozen(array(f"{self.name}.com", self.com, 3))
-        inertia = frozen(array(f"{self.name}.inertia", self.inertia, 3, 3))
-        volume = real(f"{self.name}.volume", self.volume, minimum=0.0)
-        cob = frozen(array(f"{self.name}.cob", self.cob, 3))
-        check_possible(f"{self.name}.inertia", mass, com, inertia)
-        plausibility.check_body(mass, com, inertia, volume, cob, f"{self.name}.")
-        object.__setattr__(self, "mass", mass)
-        object.__setattr__(self, "com", com)
-        object.__setattr__(self, "inertia", inertia)
-        object.__setattr__(self, "volume", volume)
-        object.__setattr__(self, "cob", cob)
-
-
-@dataclass(frozen=True, eq=False)
 class LinkParameters(RigidBody):
     """One link, ``link_0`` to ``link_4``, in its inertial frame.
 
@@ -114,17 +79,19 @@ class LinkParameters(RigidBody):
         bounds: Outer bounds of the body, (3, 2) [m].
 
     Raises:
-        InputError: Also bounds whose ends are in the wrong order.
+        InputError: Also bounds whose ends are in the wrong order, or a COM outside of
+            them.
     """
 
     bounds: FloatArray
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         bounds = frozen(array(f"{self.name}.bounds", self.bounds, 3, 2))
         if (bounds[:, 0] > bounds[:, 1]).any():
             expected = "the lower end of each axis before the upper one"
             raise InputError(f"{self.name}.bounds", bounds.tolist(), expected)
+        check_inside(f"{self.name}.com", array(f"{self.name}.com", self.com, 3), bounds)
+        super().__post_init__()
         farthest = bounds.ravel()[np.abs(bounds).argmax()]
         plausibility.check(f"{self.name}.bounds", farthest, plausibility.POSITION)
         object.__setattr__(self, "bounds", bounds)
@@ -302,10 +269,19 @@ class Alpha5Parameters:
         base_yaw: Rotation about z from link_0 to base_link [rad]: 0, or pi without
             ``base_frame``.
         corrections: Names of the corrections applied.
-        tool: Pose of the tcp in link_4; None for Table 1's, DH frame {5}.
+        tool: Pose of the tcp in link_4; None for Table 1's, DH frame {5}. With a
+            spacer, None becomes Table 1's tool, moved by it.
+        mount: Where base_link is fixed; None if nothing is known of it.
+        attached: Bodies that are fixed to links.
+        motors: What Table 4 does not print of the motors.
+        name: Of the arm, for example in its URDF.
+        measurements: Sources and half widths of the values of an arm file.
 
     Raises:
-        InputError: Not the records of this arm: five rows, links, joints and actuators.
+        InputError: Not the records of this arm: five rows, links, joints and
+            actuators. Also a length whose sign differs from Table 1's, twisted axes, a
+            range of a full turn, a tool point more than 0.3 m from Table 1's or beside
+            the one that a spacer leads to, and names of attached bodies that are taken.
     """
 
     dh: tuple[DHParameters, ...]
@@ -317,8 +293,27 @@ class Alpha5Parameters:
     base_yaw: float
     corrections: tuple[str, ...]
     tool: ToolPose | None = None
+    mount: Mount | None = None
+    attached: tuple[AttachedBody, ...] = ()
+    motors: Motors = field(default_factory=Motors)
+    name: str = "alpha5"
+    measurements: tuple[Measurement, ...] = ()
 
     def __post_init__(self) -> None:
+        self._check_parts()
+        table_1 = _table_1()
+        arm_checks.check_dh(self.dh, table_1)
+        arm_checks.check_ranges(self.joints)
+        arm_checks.check_attached(self.attached)
+        self._check_tool()
+
+    @property
+    def spacer(self) -> float:
+        """How far spacers move jaws and tool along -z of link_4 [m]."""
+        return sum((body.spacer for body in self.attached), 0.0)
+
+    def _check_parts(self) -> None:
+        """Check the type of each field."""
         parts = {
             "dh": DHParameters,
             "links": LinkParameters,
@@ -332,12 +327,37 @@ class Alpha5Parameters:
             for record in records:
                 instance(name, record, kind)
             object.__setattr__(self, name, records)
+
+        lists = {"attached": AttachedBody, "measurements": Measurement}
+        for name, kind in lists.items():
+            expected = f"a tuple of {kind.__name__}"
+            records = tuple(listed(name, getattr(self, name), expected))
+            for record in records:
+                instance(name, record, kind)
+            object.__setattr__(self, name, records)
+
         instance("jaws", self.jaws, JawParameters)
+        instance("motors", self.motors, Motors)
         if self.tool is not None:
             instance("tool", self.tool, ToolPose)
+        if self.mount is not None:
+            instance("mount", self.mount, Mount)
+        plain_name("name", self.name)
         for name in ("theta_c", "base_yaw"):
             object.__setattr__(self, name, real(name, getattr(self, name)))
             plausibility.check(name, getattr(self, name), plausibility.ANGLE)
+
+    def _check_tool(self) -> None:
+        """Check the tool; move Table 1's if there is a spacer."""
+        if self.tool is None and not self.spacer:
+            return
+        printed = printed_tool(self.dh[3], self.dh[4])
+        if self.tool is None:
+            position = printed.position - [0.0, 0.0, self.spacer]
+            tool = ToolPose(position=position, rotation=printed.rotation)
+            object.__setattr__(self, "tool", tool)
+        assert self.tool is not None
+        arm_checks.check_tool(self.tool, printed, self.spacer)
 
 
 def parameters(corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> Alpha5Parameters:
@@ -402,6 +422,12 @@ def link_numbers(
 
 def _theta_c(printed: tables.Published) -> float:
     return math.atan2(printed.elbow.opposite.value, printed.elbow.adjacent.value)
+
+
+@cache
+def _table_1() -> tuple[DHParameters, ...]:
+    """Table 1 as printed, which every arm is compared with."""
+    return _dh(published())
 
 
 def _dh(printed: tables.Published) -> tuple[DHParameters, ...]:

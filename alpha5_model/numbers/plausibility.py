@@ -176,6 +176,14 @@ ROTOR_INERTIA = Plausible(
     expected="at most 0.0013 for a small motor",
     units={"kg mm^2": 1e-6, "g cm^2": 1e-7, "g mm^2": 1e-9},
 )
+#: Ten times the 24 V of the arm's supply.
+SUPPLY_VOLTAGE = Plausible(
+    unit="V", ranges=((0.0, 240.0),), expected="at most 240", units={"mV": 1e-3}
+)
+#: The arm's largest motor stalls with 7.5 A at 24 V; ten times as much.
+CURRENT_LIMIT = Plausible(
+    unit="A", ranges=((0.0, 75.0),), expected="at most 75", units={"mA": 1e-3}
+)
 #: The jaw rod travels 12 mm.
 SCREW_LEAD = Plausible(
     unit="m", ranges=((0.0, 0.1),), expected="at most 0.1 per turn", units={"mm": 1e-3}

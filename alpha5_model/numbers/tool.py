@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -42,3 +44,32 @@ class ToolPose:
         plausibility.check("tool.position", farthest, plausibility.POSITION)
         object.__setattr__(self, "position", position)
         object.__setattr__(self, "rotation", rotation)
+
+
+def printed_tool(wrist: Any, last: Any) -> ToolPose:
+    """Table 1's tool point in link_4: ``Tz(d) Tx(a) Rx(alpha) Rz(theta)``.
+
+    Args:
+        wrist: The row of axis_b, a record of `DHParameters`.
+        last: The fixed last row, a rotation about z.
+    """
+    about_x = _quarter_turns(wrist.alpha)
+    about_z = _quarter_turns(last.theta_offset)
+    rotation = np.array(
+        [
+            [about_z[0], -about_z[1], 0.0],
+            [about_x[0] * about_z[1], about_x[0] * about_z[0], -about_x[1]],
+            [about_x[1] * about_z[1], about_x[1] * about_z[0], about_x[0]],
+        ]
+    )
+    # Adding zero turns negative zeros into zeros.
+    return ToolPose(position=np.array([wrist.a, 0.0, wrist.d]), rotation=rotation + 0.0)
+
+
+def _quarter_turns(angle: float) -> tuple[float, float]:
+    """Cosine and sine of an angle, exact at multiples of a quarter turn."""
+    quarters = angle / (math.pi / 2)
+    if quarters == round(quarters):
+        exact = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+        return exact[round(quarters) % 4]
+    return math.cos(angle), math.sin(angle)

@@ -140,13 +140,12 @@ IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
         "rod_density: .* write 7850$",
     ),
     "link in g": (lambda: link(mass=161), "link_1.mass: 161 kg .* write 0.161$"),
-    "link's COM in mm": (lambda: link(com=(7.7, 0.1, 25)), "link_1.com: .* in mm"),
     "link's litres": (
         lambda: link(volume=0.032),
         "link_1.volume: .* in L, write 3.2e-05$",
     ),
     "bounds in mm": (
-        lambda: link(bounds=1000 * P.links[1].bounds),
+        lambda: link(bounds=[[-20, 40], [-20, 20], [-14, 67]]),
         "link_1.bounds: .* in mm",
     ),
     "limits in degrees": (
@@ -211,6 +210,10 @@ IMPOSSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
     "link's volume": (lambda: link(volume=-1e-5), "link_1.volume"),
     "link's bounds": (lambda: link(bounds=-P.links[1].bounds), "link_1.bounds"),
     "link's COM": (lambda: link(com=(0, 0, math.nan)), "link_1.com.*finite"),
+    "link's COM in mm": (
+        lambda: link(com=(7.7, 0.1, 25)),
+        "link_1.com: expected a point inside the body's bounds.*; is it in mm",
+    ),
     "no mass, but inertia": (lambda: link(mass=0.0), "mass 0 kg is not positive"),
     "jaw rod's density": (
         lambda: jaws(rod_density=0.0),

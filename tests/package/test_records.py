@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import re
 from importlib import import_module
@@ -15,7 +16,7 @@ from alpha5_model.description import frames
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.description.verification import checks
-from alpha5_model.errors import PublishedDataError
+from alpha5_model.errors import InputError, PublishedDataError
 from alpha5_model.numbers.parameters import parameters
 
 PACKAGE = Path(a5.__file__).parent
@@ -98,8 +99,13 @@ def test_the_last_row_of_table_1_turns_only(change: dict[str, object]) -> None:
 def test_a_placement_needs_right_angles() -> None:
     p = parameters()
     askew = dataclasses.replace(p.dh[0], alpha=np.pi / 4)
+    with pytest.raises(InputError, match="twisted axes"):
+        dataclasses.replace(p, dh=(askew, *p.dh[1:]))
+
+    unchecked = copy.copy(p)
+    object.__setattr__(unchecked, "dh", (askew, *p.dh[1:]))
     with pytest.raises(PublishedDataError, match="not a multiple of pi/2"):
-        frames.joint_placements(dataclasses.replace(p, dh=(askew, *p.dh[1:])))
+        frames.joint_placements(unchecked)
 
 
 def test_what_check_urdf_says_is_cut(

@@ -1,0 +1,71 @@
+"""What drives the arm and Table 4 does not print: supply, current limits, rotors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from alpha5_model._support.checks import choice, listed, real
+from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.tables import JOINT_NAMES
+
+#: Which of the contradicting motor constants are believed.
+CONSTANTS = ("printed", "torque", "voltage")
+#: No value for any joint.
+_UNKNOWN: tuple[None, ...] = (None,) * len(JOINT_NAMES)
+
+
+@dataclass(frozen=True, eq=False)
+class Motors:
+    """Supply and drivers of the motors. None is a value that is not known.
+
+    Attributes:
+        supply_voltage: [V].
+        current_limits: Of the drivers, ``axis_e`` to ``axis_a``, 5 values [A].
+        rotor_inertias: Rotor and first gear stage at the motor shaft, 5 values
+            [kg m^2].
+        constants: Which of the contradicting motor constants of the actuators are
+            believed: ``printed``, ``torque`` or ``voltage``, see
+            `alpha5_model.actuators`.
+
+    Raises:
+        InputError: Not 5 values, a negative inertia, or another value not above 0.
+        UnknownNameError: No such choice of constants.
+
+    Warns:
+        ImplausibleWarning: Values that seem to be in another unit.
+    """
+
+    supply_voltage: float | None = None
+    current_limits: tuple[float | None, ...] = _UNKNOWN
+    rotor_inertias: tuple[float | None, ...] = _UNKNOWN
+    constants: str = "printed"
+
+    def __post_init__(self) -> None:
+        choice("motor constants", self.constants, CONSTANTS)
+        if self.supply_voltage is not None:
+            supply = real("supply_voltage", self.supply_voltage, 0.0, strict=True)
+            plausibility.check("supply_voltage", supply, plausibility.SUPPLY_VOLTAGE)
+            object.__setattr__(self, "supply_voltage", supply)
+        limits = _per_joint("current_limits", self.current_limits, strict=True)
+        inertias = _per_joint("rotor_inertias", self.rotor_inertias, strict=False)
+        for limit in filter(None, limits):
+            plausibility.check("current_limits", limit, plausibility.CURRENT_LIMIT)
+        for inertia in filter(None, inertias):
+            plausibility.check("rotor_inertias", inertia, plausibility.ROTOR_INERTIA)
+        object.__setattr__(self, "current_limits", limits)
+        object.__setattr__(self, "rotor_inertias", inertias)
+
+
+def _per_joint(
+    name: str, given: tuple[float | None, ...], strict: bool
+) -> tuple[float | None, ...]:
+    """Five checked values; ``strict`` refuses 0."""
+    expected = f"5 values, {JOINT_NAMES[0]} to {JOINT_NAMES[-1]}"
+    values = listed(name, given, expected)
+    if len(values) != len(JOINT_NAMES):
+        raise InputError(name, len(values), expected)
+    return tuple(
+        None if value is None else real(f"{name}[{i}]", value, 0.0, strict=strict)
+        for i, value in enumerate(values)
+    )

@@ -1,0 +1,236 @@
+"""The record of an arm of your own: what `dataclasses.replace` accepts, and refuses."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import alpha5_model as a5
+from alpha5_model._support.spatial import rotation_from_rpy
+from alpha5_model.errors import Alpha5Error, ImplausibleWarning
+from alpha5_model.numbers.attached import AttachedBody
+from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.loaded_links import loaded_links
+from alpha5_model.numbers.measurement import Measurement
+from alpha5_model.numbers.motors import Motors
+from alpha5_model.numbers.mount import Mount
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.tool import ToolPose
+
+ARM = a5.parameters()
+BOX = np.diag([2e-5, 3e-5, 4e-5])
+
+
+def attached(**changes: Any) -> AttachedBody:
+    values: dict[str, Any] = {
+        "name": "sensor",
+        "mass": 0.12,
+        "com": np.array([0.001, 0.002, -0.003]),
+        "inertia": BOX,
+        "volume": 4.5e-5,
+        "cob": np.array([0.0, 0.001, 0.002]),
+        "link": "link_4",
+        "position": np.array([0.01, -0.02, -0.075]),
+        "rotation": rotation_from_rpy((0.3, -0.4, 1.1)),
+    }
+    return AttachedBody(**{**values, **changes})
+
+
+def with_body(**changes: Any) -> Alpha5Parameters:
+    return dataclasses.replace(ARM, attached=(attached(**changes),))
+
+
+def with_row(i: int, **changes: Any) -> Alpha5Parameters:
+    rows = list(ARM.dh)
+    rows[i] = dataclasses.replace(rows[i], **changes)
+    return dataclasses.replace(ARM, dh=tuple(rows))
+
+
+def with_joint(i: int, **changes: Any) -> Alpha5Parameters:
+    joints = list(ARM.joints)
+    joints[i] = dataclasses.replace(joints[i], **changes)
+    return dataclasses.replace(ARM, joints=tuple(joints))
+
+
+def tool(*position: float) -> ToolPose:
+    return ToolPose(position=np.array(position), rotation=np.eye(3))
+
+
+REFUSED = {
+    "a_0 of the other sign": (lambda: with_row(0, a=-0.02), "a_0: expected a length"),
+    "d_3 of the other sign": (lambda: with_row(3, d=0.18), "d_3: expected a length be"),
+    "no length": (lambda: with_row(2, a=0.0), "a_2: expected a length above 0"),
+    "a twist": (lambda: with_row(1, alpha=math.pi + 0.01), "no twisted axes"),
+    "a full turn": (
+        lambda: with_joint(3, lower=0.0, upper=math.tau),
+        "axis_b range: expected a range of less than a full turn",
+    ),
+    "limits turned round": (lambda: with_joint(0, lower=3.0, upper=2.0), "axis_e.uppe"),
+    "a COM outside": (
+        lambda: dataclasses.replace(ARM.links[2], com=[0.073, -0.034, 0.0]),
+        "link_2.com: expected a point inside the body's bounds",
+    ),
+    "a negative mass": (
+        lambda: dataclasses.replace(ARM.links[2], mass=-1.0),
+        "link_2.mass: expected a number of at least 0",
+    ),
+    "a tool far away": (
+        lambda: dataclasses.replace(ARM, tool=tool(0, 0, -0.481)),
+        "tool.position: expected a point within 0.3 m of Table 1's",
+    ),
+    "a tool beside a spacer": (
+        lambda: dataclasses.replace(with_body(spacer=0.02), tool=tool(0, 0, -0.18)),
+        "either a spacer or a tool position of its own",
+    ),
+    "a name twice": (
+        lambda: dataclasses.replace(ARM, attached=(attached(), attached())),
+        "attached.name: expected a name that no other body",
+    ),
+    "the name of a link": (lambda: with_body(name="link_3"), "no other body"),
+    "a name with a space": (lambda: with_body(name="my sensor"), "attached.name"),
+    "no such link": (lambda: with_body(link="link_5"), "unknown link of sensor"),
+    "a spacer on link_3": (
+        lambda: with_body(link="link_3", spacer=0.02),
+        "only link_4 carries the jaws",
+    ),
+    "a negative spacer": (lambda: with_body(spacer=-0.02), "sensor.spacer"),
+    "no rotation": (lambda: with_body(rotation=np.ones((3, 3))), "sensor.rotation"),
+    "an impossible body": (
+        lambda: with_body(inertia=np.diag([1e-5, 1e-5, 4e-5])),
+        "sensor.inertia: expected a possible body",
+    ),
+    "not a body": (
+        lambda: dataclasses.replace(ARM, attached=(1,)),
+        "expected a AttachedBody",
+    ),
+    "not a mount": (lambda: dataclasses.replace(ARM, mount="world"), "a Mount"),
+    "not motors": (lambda: dataclasses.replace(ARM, motors=None), "a Motors"),
+    "not a name": (lambda: dataclasses.replace(ARM, name="<a>"), "name: expected"),
+    "a mount without a name": (
+        lambda: Mount(parent="", position=np.zeros(3), rotation=np.eye(3)),
+        "mount.parent",
+    ),
+    "a turned mount": (
+        lambda: Mount(parent="rov", position=np.zeros(3), rotation=-np.eye(3)),
+        "mount.rotation: expected a rotation",
+    ),
+    "three rotors": (lambda: Motors(rotor_inertias=(1e-7,) * 3), "5 values, axis_e"),
+    "no supply": (lambda: Motors(supply_voltage=0.0), "supply_voltage"),
+    "no current": (lambda: Motors(current_limits=(0.0,) * 5), r"current_limits\[0\]"),
+    "no constants": (lambda: Motors(constants="both"), "unknown motor constants"),
+    "a negative width": (
+        lambda: Measurement(key="links.link_2.mass", half_width=-1e-3),
+        "half_width of links.link_2.mass",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_no_arm_can_have_is_refused(case: str) -> None:
+    make, message = REFUSED[case]
+    with pytest.raises(Alpha5Error, match=message):
+        make()
+
+
+def test_what_is_just_possible_is_accepted() -> None:
+    with_joint(3, lower=0.0, upper=math.nextafter(math.tau, 0.0))
+    dataclasses.replace(ARM, tool=tool(0.0, 0.3, -0.18))
+    edge = ARM.links[2].bounds[:, 1]
+    dataclasses.replace(ARM.links[2], com=edge)
+    with_body(inertia=np.zeros((3, 3)))
+    # A weightless float.
+    with_body(mass=0.0, inertia=np.zeros((3, 3)))
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: attached(position=[0.0, 0.0, -75.0]),
+        lambda: attached(spacer=22.0),
+        lambda: Mount(parent="rov", position=[210, 0, -85], rotation=np.eye(3)),
+        lambda: Motors(supply_voltage=24000.0),
+        lambda: Motors(current_limits=(1000.0, None, None, None, None)),
+        lambda: Motors(rotor_inertias=(None, 0.5, None, None, None)),
+    ],
+)
+def test_other_units_are_warned_of(make: Any) -> None:
+    with pytest.warns(ImplausibleWarning, match="if it is in m|if it is in kg mm"):
+        make()
+
+
+def test_the_defaults_are_as_printed() -> None:
+    assert ARM.mount is None
+    assert ARM.attached == ()
+    assert ARM.tool is None
+    assert ARM.name == "alpha5"
+    assert ARM.spacer == 0.0
+    assert ARM.motors.supply_voltage is None
+    assert set(ARM.motors.current_limits + ARM.motors.rotor_inertias) == {None}
+    assert loaded_links(ARM) == ARM.links
+
+
+def test_a_spacer_moves_the_tool() -> None:
+    own = with_body(spacer=0.022)
+    assert own.tool is not None
+    assert own.tool.position == pytest.approx([0.0, 0.0, -0.202], abs=1e-15)
+    # Columns: the tcp's axes. Table 1's frame {5} has z along -y of link_4.
+    assert own.tool.rotation.tolist() == [[0, 1, 0], [0, 0, -1], [-1, 0, 0]]
+    # Another change keeps it, and the orientation may be of its own.
+    again = dataclasses.replace(own, name="lab")
+    assert again.tool is own.tool
+    turned = ToolPose(position=own.tool.position, rotation=np.eye(3))
+    dataclasses.replace(own, tool=turned)
+
+
+def moments(body: Any, pose: np.ndarray) -> np.ndarray:
+    """Integrals of 1, r and r r^T dm in another frame, and of 1 and r dV."""
+    rotation = pose[:3, :3]
+    spread = np.trace(body.inertia) / 2 * np.eye(3) - body.inertia
+    com = rotation @ body.com + pose[:3, 3]
+    cob = rotation @ body.cob + pose[:3, 3]
+    second = rotation @ spread @ rotation.T + body.mass * np.outer(com, com)
+    parts = [body.mass, *(body.mass * com), *second.ravel()]
+    return np.array([*parts, body.volume, *(body.volume * cob)])
+
+
+def pose_of(rotation: np.ndarray, position: np.ndarray) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, :3] = rotation
+    pose[:3, 3] = position
+    return pose
+
+
+@pytest.mark.parametrize(("link", "spacer"), [(0, 0.0), (2, 0.0), (4, 0.0), (4, 0.022)])
+def test_a_loaded_link_has_the_moments_of_its_parts(link: int, spacer: float) -> None:
+    own = with_body(link=f"link_{link}", spacer=spacer)
+    (body,) = own.attached
+    expected = moments(ARM.links[link], np.eye(4))
+    expected += moments(body, pose_of(body.rotation, body.position))
+    for jaw in split_link_4(ARM).bodies[1:] if spacer else ():
+        closed = pose_of(rotation_from_rpy((jaw.roll, 0, 0)), jaw.origin)
+        further = closed.copy()
+        further[2, 3] -= spacer
+        expected += moments(jaw, further) - moments(jaw, closed)
+
+    found = loaded_links(own)
+    assert moments(found[link], np.eye(4)) == pytest.approx(expected, abs=1e-16)
+    for i in {*range(5)} - {link}:
+        assert found[i] is ARM.links[i]
+
+
+@pytest.mark.parametrize("spacer", [0.0, 0.022])
+def test_the_jaws_of_a_loaded_link_add_up_to_it(spacer: float) -> None:
+    own = with_body(spacer=spacer)
+    jaws = split_link_4(own)
+    total = np.sum([moments(body, np.eye(4)) for body in jaws.closed], axis=0)
+    whole = moments(loaded_links(own)[4], np.eye(4))
+    assert total == pytest.approx(whole, abs=1e-16)
+    for body, printed in zip(
+        jaws.bodies[1:], split_link_4(ARM).bodies[1:], strict=True
+    ):
+        shift = body.origin - printed.origin
+        assert shift == pytest.approx([0, 0, -spacer], abs=1e-16)
