@@ -40,8 +40,8 @@ def in_half_plane(
     plane: ArmPlane,
     radius: FloatArray,
     z: FloatArray,
-    side: str = "both",
-    limits: bool = True,
+    side: str,
+    limits: bool,
 ) -> BoolArray:
     """Which points of a half-plane the arm reaches, theta_0 aside, (...)."""
     choice("side", side, SIDES)

@@ -140,7 +140,7 @@ def _difference(
 
     def contains(radius: FloatArray, z: FloatArray) -> BoolArray:
         claimed = in_tori(parameters, radius, z)
-        reached = in_half_plane(plane, radius, z, side)
+        reached = in_half_plane(plane, radius, z, side, limits=True)
         return np.asarray((claimed == published) & (reached != published))
 
     return trace(plane, arcs, contains)

@@ -102,7 +102,7 @@ def _strips(plane: ArmPlane, side: str, outline: FloatArray) -> FloatArray:
     middles = np.arange(_STRIP / 2, width + _STRIP, _STRIP)
     heights = np.arange(bottom - _STEP, top + 2 * _STEP, _STEP)
     radius, z = np.meshgrid(middles, heights, indexing="ij")
-    inside = in_half_plane(plane, radius, z, side)
+    inside = in_half_plane(plane, radius, z, side, limits=True)
 
     # Up each column the arm's reach begins and ends in turn.
     changes = np.diff(inside, axis=1)

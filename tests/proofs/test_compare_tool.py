@@ -405,6 +405,15 @@ def test_a_tool_along_the_wrist_may_have_any_axes(roll, axes):
         assert not _axes_are_a_choice(turned, 0.01)
 
 
+@pytest.mark.parametrize("degrees", [5, 100, 170])
+def test_a_tilted_base_says_by_how_much(degrees):
+    root = ET.fromstring(OWN)
+    turn("axis_e", math.radians(degrees), 0, 0)(root)
+    comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
+    (found,) = [f for f in comparison.findings if "tilted by" in f.text]
+    assert f"tilted by {degrees:.3f} deg" in found.text
+
+
 def test_rounding_of_the_base_is_no_mount():
     text = OWN.replace("base_link", "platform")
     root = ET.fromstring(text)

@@ -24,7 +24,7 @@ from alpha5_model.theory.planar import (
     annulus,
     workspace,
 )
-from alpha5_model.theory.planar.boundary import _distinct
+from alpha5_model.theory.planar.boundary import _distinct, _merged
 
 TURN = 2 * math.pi
 QUARTER = math.pi / 2
@@ -414,3 +414,12 @@ def test_cuts_that_touch_are_one_and_ends_stay() -> None:
     assert _distinct(arc, [0.0, 0.5, 0.5 + 2e-9, 1.0], 1e-8) == pytest.approx(
         [0.0, 0.5, 0.5 + 2e-9, 1.0], abs=0
     )
+
+
+def test_ranges_that_overlap_are_one() -> None:
+    spans = [(0.0, 1.0), (0.5, 0.8), (1.05, 2.0), (3.0, 4.0), (3.5, 5.0), (6.2, 6.4)]
+    apart = [[0.0, 2.0], [3.0, 5.0], [6.2, 6.4]]
+    assert _merged(spans, slack=0.1, circular=False) == apart
+    # 6.4 is beyond a turn, where the first range begins again.
+    over_the_end = [[3.0, 5.0], [6.2, 2.0 + math.tau]]
+    assert _merged(spans, slack=0.1, circular=True) == over_the_end
