@@ -114,11 +114,15 @@ class _Triangle(NamedTuple):
         reached: Whether the links reach it.
         at_edge: Whether the links are stretched or folded.
         at_shoulder: Whether it is the shoulder, so that theta_1 is free.
-        nearly_stretched: Whether the links are closer to stretched than to folded.
+        share_stretched: 1 if the links are stretched, 0 if they are folded.
+        elbow_by_shoulder: d(gamma) / d(phi) of a stretched or folded arm whose tool
+            point stays where it is.
+        shoulder_by_elbow: Its inverse for a stretched arm, 0 for a folded one.
         opposite, adjacent: The tangent of the first link's angle from the direction of
             the tool point is ``opposite / adjacent``.
         gamma: Angle between the links.
-        slack: How much theta_1 may be beyond a limit.
+        slack: How much theta_1 may be beyond a limit by rounding, besides the limit's
+            own tolerance.
     """
 
     ahead_r: SX
@@ -126,7 +130,9 @@ class _Triangle(NamedTuple):
     reached: SX
     at_edge: SX
     at_shoulder: SX
-    nearly_stretched: SX
+    share_stretched: SX
+    elbow_by_shoulder: SX
+    shoulder_by_elbow: SX
     opposite: SX
     adjacent: SX
     gamma: SX
@@ -179,11 +185,12 @@ def own_arm_inverse_kinematics(tool_on_axis: bool) -> casadi.Function:
     elbow_to_the_other = []
     for faces_it in (True, False):
         if tool_on_axis:
-            half_turn = 0.0 if faces_it else math.pi
-            azimuth = atan2(target.y, target.x) + half_turn
+            azimuth = atan2(target.y, target.x)
+            offset = 0.0 if faces_it else math.pi
         else:
             azimuth = _azimuth(target, faces_it, forearm)
-        theta_0 = _yaw_angle(target, azimuth, shape)
+            offset = 0.0
+        theta_0 = _yaw_angle(target, azimuth, offset, shape)
         triangle = _triangle(target, faces_it, shape, forearm, tolerances)
         singular = logic_or(singular, logic_and(triangle.reached, triangle.at_edge))
 
@@ -211,7 +218,8 @@ def own_arm_inverse_kinematics(tool_on_axis: bool) -> casadi.Function:
 
 def _wrist_angle(wrist: SX, shape: ArmShape, tolerances: Tolerances) -> _Angle:
     """theta_3: the wrist, shifted by full turns to the middle of its range."""
-    return _in_range(_shifted(wrist, 3, shape), 3, tolerances.limit, shape)
+    start = _middle(3, shape) - math.pi
+    return _in_range(_from(start, wrist), 3, tolerances.limit, shape)
 
 
 def _forearm_on_axis(shape: ArmShape) -> _Forearm:
@@ -296,14 +304,65 @@ def _azimuth(target: _Target, faces_it: bool, forearm: _Forearm) -> SX:
     return atan2(target.y * r - target.x * w, target.x * r + target.y * w)
 
 
-def _yaw_angle(target: _Target, azimuth: SX, shape: ArmShape) -> _Angle:
-    """theta_0; the middle of its range if it is free."""
-    angle = _shifted(azimuth - shape.azimuth_offset, 0, shape)
+def _yaw_angle(target: _Target, azimuth: SX, offset: float, shape: ArmShape) -> _Angle:
+    """theta_0 for an azimuth from -pi to pi plus an offset.
+
+    It is the middle of its range if it is free.
+    """
+    middle = _middle(0, shape)
+    angle = _near(middle, azimuth, SX(offset - shape.azimuth_offset))
     ranged = _in_range(angle, 0, target.azimuth_slack, shape)
     return _Angle(
         value=if_else(target.free, _middle(0, shape), ranged.value),
         beyond=ranged.beyond,
         fits=logic_or(target.free, ranged.fits),
+    )
+
+
+class _Sides(NamedTuple):
+    """The sides of the triangle of the two links.
+
+    Attributes:
+        r, h: The target from the shoulder, outwards and up.
+        l_1, l_2: The links.
+        longest, shortest: Their sum and the magnitude of their difference.
+        rho_2: r^2 + h^2.
+        above, below: (l_1 + l_2)^2 - rho^2 and rho^2 - (l_1 - l_2)^2, which keep their
+            digits at the edges of reach.
+    """
+
+    r: SX
+    h: SX
+    l_1: SX
+    l_2: SX
+    longest: SX
+    shortest: SX
+    rho_2: SX
+    above: SX
+    below: SX
+
+
+def _sides(
+    target: _Target, faces_it: bool, shape: ArmShape, forearm: _Forearm
+) -> _Sides:
+    """The sides if the plane faces the target, or faces away."""
+    l_1 = SX(shape.a_1)
+    l_2 = forearm.length
+    longest = l_1 + l_2
+    shortest = fabs(l_1 - l_2)
+    r = (target.radius if faces_it else -target.radius) - shape.a_0
+    h = target.height
+    rho_2 = r * r + h * h
+    return _Sides(
+        r=r,
+        h=h,
+        l_1=l_1,
+        l_2=l_2,
+        longest=longest,
+        shortest=shortest,
+        rho_2=rho_2,
+        above=longest * longest - rho_2,
+        below=rho_2 - shortest * shortest,
     )
 
 
@@ -315,47 +374,70 @@ def _triangle(
     tolerances: Tolerances,
 ) -> _Triangle:
     """The triangle of the two links if the plane faces the target, or faces away."""
-    l_1 = shape.a_1
-    l_2 = forearm.length
-    longest = l_1 + l_2
-    shortest = fabs(l_1 - l_2)
-    r = (target.radius if faces_it else -target.radius) - shape.a_0
-    h = target.height
-    rho_2 = r * r + h * h
-    above = longest * longest - rho_2
-    below = rho_2 - shortest * shortest
-    # From the edge of reach, distances are those of rho^2 over 2 rho.
-    hole = fmax(shortest, tolerances.singular)
-    margin = fmin(above * (0.5 / longest), below * (0.5 / hole))
-    reached = -tolerances.edge < margin
-    if not target.outside.is_one():
-        reached = logic_and(target.outside, reached)
-
+    sides = _sides(target, faces_it, shape, forearm)
+    l_1 = sides.l_1
+    l_2 = sides.l_2
+    reached, at_edge = _reached(sides, target, tolerances)
     # 1 if no root is taken, so that derivatives of the other branches stay finite.
-    square = if_else(reached, fmax(above, 0.0) * fmax(below, 0.0), 1.0)
+    square = if_else(reached, fmax(sides.above, 0.0) * fmax(sides.below, 0.0), 1.0)
     s = sqrt(square)
 
-    # Close to the stretched and to the folded arm, rounding of rho^2 moves the two
-    # angles against each other by rounding / sin(gamma).
-    product = fmax(l_1 * l_2, tolerances.axis)
-    sine = sqrt(fmin(fabs(above), fabs(below)) * (1 / product))
-    slack = tolerances.limit + tolerances.elbow / fmax(sine, tolerances.least_sine)
+    # l_2 d(gamma) = (l_2 - l_1 cos(gamma)) d(phi), and l_1 l_2 cos(gamma) is known.
+    cosine_term = (l_1 * l_1 + l_2 * l_2) - sides.rho_2
+    not_zero = fmax(l_2, tolerances.axis)
+    per_both = 1.0 / (not_zero * sides.longest)
+    per_l_2 = per_both * sides.longest
 
     back = shape.phi_offset + _middle(1, shape)
     cosine = cos(back)
-    turned_sine = sin(back)
-    return _Triangle(
-        ahead_r=cosine * r + turned_sine * h,
-        ahead_h=cosine * h - turned_sine * r,
-        reached=reached,
-        at_edge=margin <= tolerances.singular,
-        at_shoulder=rho_2 + shortest * shortest <= tolerances.axis * tolerances.axis,
-        nearly_stretched=above < below,
-        opposite=s,
-        adjacent=rho_2 + (l_1 * l_1 - l_2 * l_2),
-        gamma=atan2(s, (l_1 * l_1 + l_2 * l_2) - rho_2),
-        slack=slack,
+    sine = sin(back)
+    at_shoulder = (
+        sides.rho_2 + sides.shortest * sides.shortest
+        <= tolerances.axis * tolerances.axis
     )
+    return _Triangle(
+        ahead_r=cosine * sides.r + sine * sides.h,
+        ahead_h=cosine * sides.h - sine * sides.r,
+        reached=reached,
+        at_edge=at_edge,
+        at_shoulder=at_shoulder,
+        share_stretched=sides.below * (per_l_2 * (0.25 / l_1)),
+        elbow_by_shoulder=1.0 - cosine_term * (0.5 * per_l_2 * per_l_2),
+        shoulder_by_elbow=sides.below * ((per_both * not_zero) * (0.25 / l_1)),
+        opposite=s,
+        adjacent=sides.rho_2 + (l_1 * l_1 - l_2 * l_2),
+        gamma=atan2(s, cosine_term),
+        slack=_slack(sides, tolerances),
+    )
+
+
+def _reached(sides: _Sides, target: _Target, tolerances: Tolerances) -> tuple[SX, SX]:
+    """Whether the links reach the target, and whether that is at an edge of reach."""
+    # From the edge of reach, distances are those of rho^2 over 2 rho.
+    outer = 2.0 * sides.longest
+    inner = 2.0 * fmax(sides.shortest, tolerances.singular)
+    reached = logic_and(
+        -tolerances.edge * outer < sides.above,
+        -tolerances.edge * inner < sides.below,
+    )
+    if not target.outside.is_one():
+        reached = logic_and(target.outside, reached)
+    at_edge = logic_or(
+        sides.above <= tolerances.singular * outer,
+        sides.below <= tolerances.singular * inner,
+    )
+    return reached, at_edge
+
+
+def _slack(sides: _Sides, tolerances: Tolerances) -> SX:
+    """How much rounding moves the two angles against each other.
+
+    Close to the stretched and to the folded arm, it is rounding / sin(gamma).
+    """
+    product = fmax(sides.l_1 * sides.l_2, tolerances.axis**2)
+    least = tolerances.least_sine**2 * product
+    square_of_sine = fmax(fmin(fabs(sides.above), fabs(sides.below)), least)
+    return tolerances.elbow * sqrt(product / square_of_sine)
 
 
 def _branch(
@@ -368,9 +450,9 @@ def _branch(
     tolerances: Tolerances,
 ) -> _Branch:
     """The solution with the elbow to a side of the line to the tool point: 1 or -1."""
-    theta_1 = _shoulder_angle(side, triangle, shape)
+    theta_1 = _shoulder_angle(side, triangle, shape, tolerances)
     theta_2 = _elbow_angle(side, triangle, forearm, theta_1, shape, tolerances)
-    theta_1 = _after_elbow(triangle, forearm, theta_1, theta_2, shape)
+    theta_1 = _after_elbow(triangle, theta_1, theta_2, shape)
     angles = (theta_0, theta_1, theta_2, theta_3)
     q = [if_else(triangle.reached, angle.value, math.nan) for angle in angles]
     fits = [angle.fits for angle in angles]
@@ -381,7 +463,9 @@ def _branch(
     )
 
 
-def _shoulder_angle(side: float, triangle: _Triangle, shape: ArmShape) -> _Angle:
+def _shoulder_angle(
+    side: float, triangle: _Triangle, shape: ArmShape, tolerances: Tolerances
+) -> _Angle:
     """theta_1; the middle of its range if it is free."""
     r = triangle.ahead_r
     h = triangle.ahead_h
@@ -389,7 +473,8 @@ def _shoulder_angle(side: float, triangle: _Triangle, shape: ArmShape) -> _Angle
     opposite = side * triangle.opposite
     from_middle = atan2(h * adjacent - r * opposite, r * adjacent + h * opposite)
     turned = if_else(triangle.at_shoulder, 0.0, from_middle)
-    return _in_range(_middle(1, shape) + turned, 1, triangle.slack, shape)
+    slack = tolerances.limit + triangle.slack
+    return _in_range(_middle(1, shape) + turned, 1, slack, shape)
 
 
 def _elbow_angle(
@@ -401,16 +486,19 @@ def _elbow_angle(
     tolerances: Tolerances,
 ) -> _Angle:
     """theta_2; the middle of its range if it is free."""
-    l_1 = shape.a_1
-    l_2 = forearm.length
-    zero = shape.elbow_offset + math.pi
-    angle = _shifted(side * triangle.gamma + (forearm.direction - zero), 2, shape)
-    # If theta_1 was put on its limit, the tool point stays where it is:
-    # l_2 d(gamma) = (l_2 + l_1) d(phi) for a stretched arm, (l_2 - l_1) for a folded.
-    ratio = l_1 / fmax(l_2, tolerances.axis)
-    along = 1.0 + if_else(triangle.nearly_stretched, ratio, -ratio)
-    moved = angle - along * theta_1.beyond
-    slack = if_else(triangle.nearly_stretched, triangle.slack, tolerances.limit)
+    middle = _middle(2, shape)
+    start = middle - math.pi
+    end = middle + math.pi
+    # theta_2 of the folded arm.
+    folded = _near(middle, forearm.direction, SX(-(shape.elbow_offset + math.pi)))
+    angle = folded + side * triangle.gamma
+    if side > 0.0:
+        angle = angle - if_else(end < angle, math.tau, 0.0)
+    else:
+        angle = angle + if_else(angle < start, math.tau, 0.0)
+    # If theta_1 was put on its limit, the tool point stays where it is.
+    moved = angle - triangle.elbow_by_shoulder * theta_1.beyond
+    slack = tolerances.limit + triangle.share_stretched * triangle.slack
     ranged = _in_range(moved, 2, slack, shape)
     if forearm.free.is_zero():
         return ranged
@@ -422,17 +510,10 @@ def _elbow_angle(
 
 
 def _after_elbow(
-    triangle: _Triangle,
-    forearm: _Forearm,
-    theta_1: _Angle,
-    theta_2: _Angle,
-    shape: ArmShape,
+    triangle: _Triangle, theta_1: _Angle, theta_2: _Angle, shape: ArmShape
 ) -> _Angle:
     """theta_1 that keeps the tool point in place if theta_2 was put on its limit."""
-    share = forearm.length / (shape.a_1 + forearm.length)
-    moved = theta_1.value - share * if_else(
-        triangle.nearly_stretched, theta_2.beyond, 0.0
-    )
+    moved = theta_1.value - triangle.shoulder_by_elbow * theta_2.beyond
     within = fmin(fmax(moved, shape.lower[1]), shape.upper[1])
     return theta_1._replace(value=if_else(theta_1.fits, within, moved))
 
@@ -442,9 +523,16 @@ def _middle(joint: int, shape: ArmShape) -> SX:
     return SX(0.5) * (shape.lower[joint] + shape.upper[joint])
 
 
-def _shifted(angle: SX, joint: int, shape: ArmShape) -> SX:
-    """An angle, shifted by full turns to the middle of the range of a joint."""
-    turns = floor((angle - _middle(joint, shape)) * (1 / math.tau) + 0.5)
+def _near(middle: SX, angle: SX, offset: SX) -> SX:
+    """An angle from -pi to pi plus an offset, within half a turn of a middle."""
+    # The sum is at least middle - pi, so that one selection is enough.
+    turned = angle + _from(middle, offset)
+    return turned - if_else(middle + math.pi < turned, math.tau, 0.0)
+
+
+def _from(start: SX, angle: SX) -> SX:
+    """An angle, shifted by full turns to less than a turn from a start on."""
+    turns = floor((angle - start) * (1 / math.tau))
     return angle - turns * math.tau
 
 
