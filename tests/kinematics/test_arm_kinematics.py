@@ -58,7 +58,7 @@ def test_the_plane_of_another_arm_is_its_own() -> None:
 
 def test_an_arm_of_another_shape_has_no_plane() -> None:
     with pytest.raises(PublishedDataError, match="not a vertical plane"):
-        ArmKinematics(with_row(2, alpha=0.3))
+        ArmKinematics(with_row(1, d=0.1))
 
 
 def test_an_arm_of_the_same_lengths_answers_as_the_catalogue() -> None:
