@@ -35,14 +35,14 @@ ARMS = {
     "43 mm along": with_tool(0.0, 0.0, -0.223),
     "1e-9 m beside, x": with_tool(1e-9, 0.0, -0.18),
     "1e-9 m beside, y": with_tool(0.0, -1e-9, -0.18),
-    "no distance to the wrist axis": with_tool(
+    "1e-9 m to the wrist axis": with_tool(
         0.01,
         0.02,
         -0.2,
         dataclasses.replace(
             a5.parameters(),
             dh=tuple(
-                dataclasses.replace(row, a=0.0) if i == 2 else row
+                dataclasses.replace(row, a=1e-9) if i == 2 else row
                 for i, row in enumerate(a5.parameters().dh)
             ),
         ),

@@ -379,6 +379,12 @@ def _inertia_calls(rows: _TheoryRows) -> list[_Row]:
             {"name": "a body", "mass": 0.1},
         ),
         (
+            "check_inside",
+            inertia.check_inside,
+            {"com": rows.com[0], "bounds": np.array([rows.com[0], rows.com[0]]).T},
+            {"name": "com"},
+        ),
+        (
             "combine",
             inertia.combine,
             {"masses": rows.mass, "coms": rows.com, "inertias": rows.tensor},

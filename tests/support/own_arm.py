@@ -31,7 +31,7 @@ def random_arm(rng: np.random.Generator, off_axis: bool) -> Alpha5Parameters:
     """An arm with random lengths, zeros, limits and tool."""
     published = a5.parameters()
     lengths = {
-        0: {"a": rng.uniform(0.03, 0.08), "d": rng.uniform(-0.02, 0.05)},
+        0: {"a": rng.uniform(0.03, 0.08), "d": rng.uniform(0.005, 0.05)},
         1: {"a": rng.uniform(0.1, 0.25)},
         2: {"a": rng.uniform(0.005, 0.05)},
         3: {},
