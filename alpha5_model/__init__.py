@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         nearest_reachable,
         reachable,
     )
+    from alpha5_model.numbers.arm_file import arm_file
     from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
     from alpha5_model.numbers.hydrodynamics import DragStrip
     from alpha5_model.numbers.parameters import parameters
@@ -65,6 +66,7 @@ __all__ = [
     "Vehicle",
     "__version__",
     "actuators",
+    "arm_file",
     "audit",
     "backend",
     "compare",
@@ -97,6 +99,7 @@ _NAMES = {
     # What was printed, and the same in SI units.
     "published": "numbers.printed",
     "parameters": "numbers.parameters",
+    "arm_file": "numbers.arm_file",
     "SEA_WATER": "numbers.fluids",
     "FRESH_WATER": "numbers.fluids",
     "AIR": "numbers.fluids",

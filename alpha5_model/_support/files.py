@@ -21,20 +21,25 @@ PathLike = str | os.PathLike[str]
 STDOUT = "-"
 
 
-def read_named(path: Any, expected: str) -> bytes:
+def read_named(path: Any, expected: str, most: int | None = None) -> bytes:
     """Content of a file that the caller named.
 
     Args:
         path: What was given, of any type.
         expected: What should be there, for the message: ``"a URDF file"``.
+        most: Largest size in bytes; None for any.
 
     Raises:
         InputError: Not a path: another type, a zero byte.
         MissingFileError: Nothing is there.
-        FileFormatError: A folder, a loop of links, no permission, too long a name.
+        FileFormatError: A folder, a loop of links, no permission, too long a name, or
+            more than ``most`` bytes.
     """
     try:
-        return Path(path).read_bytes()
+        if most is None:
+            return Path(path).read_bytes()
+        with Path(path).open("rb") as stream:
+            content = stream.read(most + 1)
     except (FileNotFoundError, NotADirectoryError):
         raise MissingFileError(path, expected) from None
     except IsADirectoryError:
@@ -45,6 +50,10 @@ def read_named(path: Any, expected: str) -> bytes:
     except (TypeError, ValueError):
         # A zero byte, or a character that no file name can have.
         raise InputError("path", path, f"the path of {expected}") from None
+    if len(content) > most:
+        problem = f"more than {most // 1024} KiB, {expected} is expected"
+        raise FileFormatError(path, problem)
+    return content
 
 
 def is_stream(path: PathLike) -> bool:

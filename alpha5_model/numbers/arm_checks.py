@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.tables import BODY_NAMES
@@ -27,6 +28,8 @@ FARTHEST_TOOL = 0.3
 _SAME_TWIST = 1e-9
 #: Difference of a moved tool point that is rounding [m].
 _SAME_POINT = 1e-12
+#: No body of the arm is that long [m].
+_LONGEST_BODY = 0.5
 #: Bodies that the arm has already.
 _TAKEN = ("base_link", *BODY_NAMES, "tcp", "jaw_rod", "finger_1", "finger_2")
 
@@ -117,3 +120,26 @@ def check_tool(tool: ToolPose, printed: ToolPose, spacer: float) -> None:
             f"m puts the tool at ({point})); tool=None moves it there"
         )
         raise InputError("tool.position", tool.position.tolist(), expected)
+
+
+def check_inside(name: str, com: FloatArray, bounds: FloatArray) -> None:
+    """Check that a COM is inside a body.
+
+    Args:
+        name: Of the COM, for the message.
+        com: (3,) [m].
+        bounds: Outer bounds of the body, (3, 2) [m].
+
+    Raises:
+        InputError: It is outside; the message suggests mm if that would be inside.
+    """
+
+    def is_inside(point: FloatArray) -> bool:
+        return bool(((bounds[:, 0] <= point) & (point <= bounds[:, 1])).all())
+
+    if is_inside(com):
+        return
+    expected = f"a point inside the body's bounds, {bounds.tolist()} m"
+    if np.abs(com).max() > _LONGEST_BODY and is_inside(com / 1000):
+        expected += "; is it in mm?"
+    raise InputError(name, com.tolist(), expected)

@@ -324,29 +324,6 @@ def check_possible(
         raise InputError(name, given, f"a possible body, but {wrong[0]}")
 
 
-def check_inside(name: str, com: FloatArray, bounds: FloatArray) -> None:
-    """Check that a COM is inside a body.
-
-    Args:
-        name: Of the COM, for the message.
-        com: (3,) [m].
-        bounds: Outer bounds of the body, (3, 2) [m].
-
-    Raises:
-        InputError: It is outside; the message suggests mm if that would be inside.
-    """
-
-    def is_inside(point: FloatArray) -> bool:
-        return bool(((bounds[:, 0] <= point) & (point <= bounds[:, 1])).all())
-
-    if is_inside(com):
-        return
-    expected = f"a point inside the body's bounds, {bounds.tolist()} m"
-    if is_inside(com / 1000):
-        expected += "; is it in mm?"
-    raise InputError(name, com.tolist(), expected)
-
-
 def _broadcastable(**given: ArrayLike) -> list[FloatArray]:
     """Checked arrays whose leading axes broadcast.
 

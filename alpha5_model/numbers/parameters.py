@@ -25,7 +25,7 @@ from alpha5_model.errors import InputError, PublishedDataError
 from alpha5_model.numbers import arm_checks, plausibility, tables
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.numbers.inertia import check_inside, flip_products
+from alpha5_model.numbers.inertia import flip_products
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.motors import Motors
 from alpha5_model.numbers.mount import Mount
@@ -90,7 +90,9 @@ class LinkParameters(RigidBody):
         if (bounds[:, 0] > bounds[:, 1]).any():
             expected = "the lower end of each axis before the upper one"
             raise InputError(f"{self.name}.bounds", bounds.tolist(), expected)
-        check_inside(f"{self.name}.com", array(f"{self.name}.com", self.com, 3), bounds)
+        arm_checks.check_inside(
+            f"{self.name}.com", array(f"{self.name}.com", self.com, 3), bounds
+        )
         super().__post_init__()
         farthest = bounds.ravel()[np.abs(bounds).argmax()]
         plausibility.check(f"{self.name}.bounds", farthest, plausibility.POSITION)

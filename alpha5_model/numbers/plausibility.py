@@ -190,6 +190,8 @@ SCREW_LEAD = Plausible(
 )
 
 _silent: ContextVar[bool] = ContextVar("silent", default=False)
+#: Before each message: the file that the numbers come from.
+_prefix: ContextVar[str] = ContextVar("prefix", default="")
 #: Packages whose frames a warning skips: it points at the line that called them.
 _PASSED = ("alpha5_model", "dataclasses", "copy", "contextlib")
 
@@ -347,7 +349,7 @@ def warn(message: str) -> None:
     while frame.f_back and _package_of(frame) in _PASSED:
         level += 1
         frame = frame.f_back
-    warnings.warn(message, ImplausibleWarning, stacklevel=level)
+    warnings.warn(_prefix.get() + message, ImplausibleWarning, stacklevel=level)
 
 
 def _package_of(frame: FrameType) -> str:
@@ -364,6 +366,16 @@ def silenced() -> Iterator[None]:
         yield
     finally:
         _silent.reset(token)
+
+
+@contextmanager
+def prefixed(text: str) -> Iterator[None]:
+    """A context whose warnings start with a text, such as the name of a file."""
+    token = _prefix.set(text)
+    try:
+        yield
+    finally:
+        _prefix.reset(token)
 
 
 def _length(value: ArrayLike) -> Any:

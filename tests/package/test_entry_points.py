@@ -38,6 +38,7 @@ ENTRY_POINTS = {
     "kinematics.pose": "PoseSolutions.best",
     "kinematics.solver": "which arm the kernels solve",
     "kinematics.workspace": "the published region",
+    "numbers.arm_file": "arm_file; what a file leaves out is the catalogue's",
     "proofs.audit.run": "audit",
     "proofs.comparison.measure": "compare_robots",
     "studies.sweep.arms": "a study names corrections, not records",

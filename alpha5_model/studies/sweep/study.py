@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,6 +11,7 @@ from typing import Any, NamedTuple
 
 from alpha5_model._support.checks import count, generator, named
 from alpha5_model._support.files import PathLike, read_named
+from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.numbers import plausibility
 from alpha5_model.studies.sweep.axes import read_axes
@@ -30,11 +29,6 @@ _PLAUSIBLE = {
 }
 #: States computed at a time: the numbers of so many stay in the cache.
 BLOCK = 8192
-#: A dotted key with more parts than any study has; ``tomllib`` takes minutes for a long
-#: one.
-_LONG_KEY = re.compile(
-    r"""(?<![\w.-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){20}"""
-)
 
 
 class Sizes(NamedTuple):
@@ -132,18 +126,11 @@ def _study(
     Raises:
         FileFormatError: Not TOML, or not a study.
     """
-    long_key = _LONG_KEY.search(text)
-    if long_key:
-        line = text.count("\n", 0, long_key.start()) + 1
-        raise FileFormatError(source, "a key of more than 20 parts", f"line {line}")
-
+    tables = toml_tables(text, source)
     try:
-        return _checked(tomllib.loads(text), text, source, folder, recordings)
-    except ValueError as error:  # of TOML, or this package's own
+        return _checked(tables, text, source, folder, recordings)
+    except ValueError as error:  # this package's own
         raise FileFormatError(source, str(error)) from None
-    except RecursionError:
-        problem = "expected fewer brackets inside one another"
-        raise FileFormatError(source, problem) from None
 
 
 def _checked(
