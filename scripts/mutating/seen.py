@@ -115,7 +115,7 @@ class Seen:
         """The tests of a mutant, those that are likely to see it first."""
         if is_c(mutant.file):
             files = KERNEL_TESTS
-            if mutant.file.parts[0] == "c_library":
+            if "c_library" in mutant.file.parts:
                 files = LIBRARY_TESTS
             selections = tuple(Selection(file) for file in files)
             known = [sum(self.seconds.get(file, {}).values()) for file in files]

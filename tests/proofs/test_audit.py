@@ -1217,6 +1217,15 @@ def test_the_relative_pose_is_no_pose_in_the_base(rows: dict[str, AuditRow]) -> 
     assert row.effect == pytest.approx(1000 * np.linalg.norm(apart[-1][:3, 3]))
 
 
+def test_a_stall_torque_below_the_joints_effort_has_no_effect() -> None:
+    printed = a5.published()
+    joint = a5.parameters().joints[0]
+    row = printed.table_4.rows[0]
+    supply = motors._least_supply(printed)
+    strong = dataclasses.replace(joint, effort=200.0)
+    assert motors._stall(row, strong, supply).effect == 0.0
+
+
 def test_no_effect_is_negative(rows: dict[str, AuditRow]) -> None:
     effects = [row.effect for row in rows.values() if row.effect is not None]
     assert len(effects) > 30

@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,9 @@ import pytest
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.cli import main
+from alpha5_model.studies.sweep.extremes import Extremes
 from alpha5_model.studies.sweep.histograms import _bins_of_levels
+from alpha5_model.studies.sweep.outputs import Output
 from alpha5_model.trajectory import analyse, read_motion
 
 distributed = pytest.importorskip("distributed")
@@ -725,3 +728,26 @@ def test_quantiles_of_counts_are_those_of_the_numbers(counts: list[int]) -> None
     else:
         expected = np.quantile(numbers, levels, method="inverted_cdf")
         np.testing.assert_array_equal(bins, expected)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_extreme_is_in_its_first_row_in_whatever_order_parts_come(seed: int) -> None:
+    output = Output(
+        quantity="torque",
+        unit="N m",
+        columns=("one",),
+        form="maximum",
+        by=(),
+        levels=(),
+        range=(0.0, 0.0),
+        bins=0,
+    )
+    rng = np.random.default_rng(seed)
+    values = rng.integers(0, 4, 60).astype(float)
+    rows = np.arange(60)
+    merged = Extremes(SimpleNamespace(cases={}, states={}), output)
+    for part in rng.permutation(6):
+        mine = slice(10 * part, 10 * part + 10)
+        merged.merge(np.zeros(10, int), values[mine], rows[mine])
+    assert merged.values.tolist() == [values.max()]
+    assert merged.counts.tolist() == [values.argmax()]

@@ -423,3 +423,12 @@ def test_ranges_that_overlap_are_one() -> None:
     # 6.4 is beyond a turn, where the first range begins again.
     over_the_end = [[3.0, 5.0], [6.2, 2.0 + math.tau]]
     assert _merged(spans, slack=0.1, circular=True) == over_the_end
+
+
+def test_the_ends_of_an_arc_belong_to_it() -> None:
+    arc = a5.planar.Arc((0.0, 0.0), 1.0, 0.0, math.pi / 2)
+    ends = np.array([[1.0, 0.0], [0.0, 1.0]])
+    assert arc.parameter(ends, 0.0).tolist() == [0.0, math.pi / 2]
+    beyond = np.array([[1.0, -1e-6], [-1e-6, 1.0]])
+    assert np.isnan(arc.parameter(beyond, 1e-9)).all()
+    assert arc.parameter(beyond, 1e-5).tolist() == [0.0, math.pi / 2]
