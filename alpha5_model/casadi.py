@@ -17,7 +17,12 @@ from types import SimpleNamespace
 from typing import Any
 
 from alpha5_model._support.checks import FloatArray, flag, instance
-from alpha5_model.codegen.arm_functions import SUMMARIES, casadi, products
+from alpha5_model.codegen.arm_functions import (
+    SUMMARIES,
+    casadi,
+    inverse_kinematics_of,
+    products,
+)
 from alpha5_model.codegen.casadi_functions import folded
 from alpha5_model.codegen.instructions import program
 from alpha5_model.codegen.kernels import choice as kernels
@@ -25,10 +30,13 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import MissingDependencyError
+from alpha5_model.kinematics.arm_shape import ArmShape
+from alpha5_model.kinematics.catalogue_arm import kinematics_of
+from alpha5_model.kinematics.solver import shape_of_kernels
 from alpha5_model.kinematics.tolerances import DOUBLE
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
-__all__ = ["load"]
+__all__ = ["inverse_kinematics", "load"]
 
 #: Function -> kernel that has its derivatives.
 _DERIVATIVES = {
@@ -51,7 +59,8 @@ def load(
         compiled: Call the compiled kernels, for values and, with ``fold``, for first
             derivatives of torques, accelerations and the load on the mount; other
             derivatives are interpreted. These Functions take numbers and MX, are not
-            inlined and cannot be exported to C. ``with_payload`` stays interpreted.
+            inlined and cannot be exported to C. ``with_payload`` stays interpreted, and
+            so does ``inverse_kinematics`` if joint limits are not the catalogue's.
         options: Of `alpha5_model.load`.
 
     Returns:
@@ -76,15 +85,39 @@ def load(
         _check_compiled()
 
     out = SimpleNamespace(parameters=base_parameters)
-    # Dimensions and limits are the catalogue's, as in the kernels.
-    for name, function in products(parameters()).items():
+    interpreted = ["with_payload"]
+    shape = ArmShape.from_parameters(arm.parameters)
+    if shape != shape_of_kernels():
+        interpreted.append("inverse_kinematics")
+    # The dimensions are the catalogue's, as in the kernels; the limits are the arm's.
+    for name, function in products(arm.parameters).items():
         made = folded(function, **_inputs_to_fold(function, known))
         summary = program(made).documentation(SUMMARIES[name])
-        if compiled and name != "with_payload":
+        if compiled and name not in interpreted:
             made = _compiled(made, base_parameters)
         made.__doc__ = summary
         setattr(out, name, made)
     return out
+
+
+def inverse_kinematics(arm: Alpha5Parameters | None = None) -> casadi.Function:
+    """The inverse kinematics of an arm with any lengths, zeros, limits and tool point.
+
+    Args:
+        arm: Record of the arm, whose numbers become constants; None is the catalogue's.
+
+    Returns:
+        casadi.Function of ``position`` (3,) [m] and ``wrist`` [rad], with the outputs
+        ``q`` (4, 4) [rad], ``exists`` and ``within_limits`` (4,), and ``singular``, as
+        in `load`.
+
+    Raises:
+        PublishedDataError: Not a vertical plane with two links in it.
+    """
+    record = kinematics_of(arm).parameters
+    made = folded(inverse_kinematics_of(record), tolerances=DOUBLE)
+    made.__doc__ = program(made).documentation(SUMMARIES["inverse_kinematics"])
+    return made
 
 
 def _check_compiled() -> None:

@@ -31,7 +31,10 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import ShapeError, needing
+from alpha5_model.kinematics.catalogue_arm import kinematics_of
+from alpha5_model.kinematics.solver import kernel_of
 from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 with needing("alpha5_model.jax", "pip install jax"):
     import jax.numpy as jnp
@@ -198,7 +201,12 @@ def load(arm: Arm | None = None, **options: Any) -> JaxArm:
     return JaxArm(parameters=arm_parameters(arm), fluid_density=arm.fluid_density)
 
 
-def inverse_kinematics(position: Numbers, wrist: Numbers = 0.0) -> Solutions:
+def inverse_kinematics(
+    position: Numbers,
+    wrist: Numbers = 0.0,
+    *,
+    arm: Alpha5Parameters | None = None,
+) -> Solutions:
     """All joint positions that put the tcp at a point.
 
     If a branch does not reach the target, its joint positions and their derivatives are
@@ -207,12 +215,16 @@ def inverse_kinematics(position: Numbers, wrist: Numbers = 0.0) -> Solutions:
     Args:
         position: tcp in base_link, (3,) [m].
         wrist: theta_3 [rad].
+        arm: Record of the arm; None is the catalogue's. Its lengths, zeros, limits and
+            tool point are constants of what is compiled.
     """
+    kernel = kernel_of(kinematics_of(arm).shape)
     is_single = jnp.result_type(_given(position), float) == np.float32
     tolerances = SINGLE if is_single else DOUBLE
-    q, exists, within, singular = _computed(
-        "inverse_kinematics", position, wrist, tolerances
-    )
+    given = [position, wrist, tolerances]
+    if kernel.numbers.size:
+        given.append(kernel.numbers)
+    q, exists, within, singular = _computed(kernel.name, *given)
     moved = jnp.sum(_given(position)) + jnp.sum(_given(wrist))
     return Solutions(
         q=_without_slope(q, exists, moved),

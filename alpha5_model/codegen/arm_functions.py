@@ -12,14 +12,16 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.errors import needing
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.solver import shape_of_kernels
 from alpha5_model.kinematics.tolerances import DOUBLE
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 with needing("making code of the equations", "pip install casadi"):
     import casadi as casadi  # for alpha5_model.casadi, too
 
-from alpha5_model.codegen.casadi_functions import folded, named
+from alpha5_model.codegen.casadi_functions import folded, named, renamed
 from alpha5_model.codegen.chain import turns
 from alpha5_model.codegen.closed_form_ik import inverse_kinematics
 from alpha5_model.codegen.moving_water import in_moving_water
@@ -41,11 +43,10 @@ def functions(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
         parameters: The arm's parameters; its dimensions and joint limits become
             constants of the functions.
     """
-    plane = ArmPlane.from_parameters(parameters)
     every = [
         *dynamics(parameters),
         *in_moving_water(parameters),
-        folded(inverse_kinematics(plane), tolerances=DOUBLE),
+        folded(inverse_kinematics_of(parameters), tolerances=DOUBLE),
     ]
     for tool_on_axis in (True, False):
         solve = own_arm_inverse_kinematics(tool_on_axis)
@@ -58,12 +59,31 @@ def products(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
 
     The base parameters and the tolerances are inputs.
     """
-    plane = ArmPlane.from_parameters(parameters)
     known = functions(parameters) | {
-        "inverse_kinematics": inverse_kinematics(plane),
+        "inverse_kinematics": inverse_kinematics_of(parameters),
         "with_payload": _with_payload(parameters),
     }
     return {name: known[name] for name in SUMMARIES}
+
+
+def inverse_kinematics_of(parameters: Alpha5Parameters) -> casadi.Function:
+    """The inverse kinematics of an arm, whose numbers become constants.
+
+    Inputs: ``position`` (3,) [m], ``wrist`` [rad] and ``tolerances``. Outputs: ``q``
+    (4, 4) [rad], ``exists`` and ``within_limits`` (4,), and ``singular``.
+
+    Args:
+        parameters: The arm's, with any lengths, zeros, limits and tool point.
+
+    Raises:
+        PublishedDataError: Not a vertical plane with two links in it.
+    """
+    shape = ArmShape.from_parameters(parameters)
+    if shape == shape_of_kernels():
+        return inverse_kinematics(ArmPlane.from_parameters(parameters))
+    of_any_arm = own_arm_inverse_kinematics(shape.has_tool_on_axis)
+    of_arm = folded(of_any_arm, parameters=shape.numbers)
+    return renamed(of_arm, "inverse_kinematics")
 
 
 def _with_payload(parameters: Alpha5Parameters) -> casadi.Function:

@@ -40,12 +40,12 @@ _ARMS = 64
 Kind = TypeVar("Kind", bound=SolutionArrays)
 
 
-class _Kernel(NamedTuple):
+class Kernel(NamedTuple):
     """What solves an arm.
 
     Attributes:
         name: Of a generated kernel.
-        numbers: Its parameters.
+        numbers: Its parameters; none if it is the catalogue's, which contains them.
     """
 
     name: str
@@ -59,18 +59,18 @@ def shape_of_kernels() -> ArmShape:
 
 
 @lru_cache(maxsize=_ARMS)
-def _kernel(shape: ArmShape) -> _Kernel:
+def kernel_of(shape: ArmShape) -> Kernel:
     """The kernel that solves an arm."""
     if shape == shape_of_kernels():
-        return _Kernel(name="inverse_kinematics", numbers=_NO_PARAMETERS)
+        return Kernel(name="inverse_kinematics", numbers=_NO_PARAMETERS)
     name = ON_AXIS if shape.has_tool_on_axis else OFF_AXIS
-    return _Kernel(name=name, numbers=frozen(shape.numbers))
+    return Kernel(name=name, numbers=frozen(shape.numbers))
 
 
 @lru_cache(maxsize=_ARMS)
 def _bound(kernels: Any, shape: ArmShape) -> tuple[Any, ...]:
     """The kernel of an arm with its numbers; nothing for the catalogue's."""
-    kernel = _kernel(shape)
+    kernel = kernel_of(shape)
     if not kernel.numbers.size:
         return ()
     return (kernels.bind(kernel.name, kernel.numbers),)
@@ -132,7 +132,7 @@ def solve_batch(
     if wrist.ndim:
         theta_3 = np.ascontiguousarray(theta_3).reshape(-1)
 
-    kernel = _kernel(shape)
+    kernel = kernel_of(shape)
     block = min(count, BLOCK) or 1
     q = np.empty((count if angles else block, 4, 4))
     exists = np.empty((count, 4), np.bool_)
@@ -158,7 +158,7 @@ def solve_batch(
 
 
 def _solve_block(
-    kernel: _Kernel,
+    kernel: Kernel,
     target: FloatArray,
     theta_3: FloatArray,
     q: FloatArray,
