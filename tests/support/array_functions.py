@@ -21,7 +21,7 @@ import alpha5_model as a5
 from alpha5_model import jax as jax_arms
 from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.torque_causes import torque_terms
-from alpha5_model.numbers import fluids, inertia
+from alpha5_model.numbers import arm_checks, fluids, inertia
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 from alpha5_model.water.terms import water_terms
 
@@ -380,7 +380,7 @@ def _inertia_calls(rows: _TheoryRows) -> list[_Row]:
         ),
         (
             "check_inside",
-            inertia.check_inside,
+            arm_checks.check_inside,
             {"com": rows.com[0], "bounds": np.array([rows.com[0], rows.com[0]]).T},
             {"name": "com"},
         ),
