@@ -91,8 +91,9 @@ def inverse_kinematics_pose(
 
     If the tool point of your own arm is beside the wrist axis, theta_3 moves it. Then
     the orientation is searched along theta_3
-    (`alpha5_model.kinematics.pose_search`): a pose that can be attained is found, the
-    least rotation error of another is the least that the search finds.
+    (`alpha5_model.kinematics.pose_search`). A pose that can be attained is found. The
+    rotation error of another pose is the least that the search finds: a branch that
+    comes within the limits for a few hundredths of a radian only can be missed.
 
     Args:
         transform: transform_tcp_to_base, (..., 4, 4), or a ``pinocchio.SE3``.

@@ -10,7 +10,9 @@ branch, the least rotation error is searched over the range of theta_3:
 - Where a branch ends, or meets a limit, between two starts, that place is bisected: the
   rotation error may drop steeply towards it.
 
-A joint position within the limits is preferred to any that is not.
+A joint position within the limits is preferred to any that is not, and of those that
+are not, the one that is least beyond them. The search is no proof: it can miss a branch
+that comes within reach or the limits between two starts only.
 """
 
 from __future__ import annotations
@@ -28,25 +30,25 @@ from alpha5_model.kinematics.plane import on_axis
 from alpha5_model.kinematics.solutions import PoseSolutionArrays, pose_answer
 from alpha5_model.kinematics.solver import solve_batch
 
-#: Even steps of theta_3. Grids of 6001 find no better pose.
-_STARTS = 32
+#: Even steps of theta_3.
+_STARTS = 192
 #: Local minima of a branch that are followed.
-_FOLLOWED = 3
+_FOLLOWED = 5
 #: Wrist angles around a minimum in each round, in steps.
 _AROUND = np.linspace(-1.0, 1.0, 9)
 #: How much the step shrinks in a round: to less than the distance of these angles.
 _SHRINK = 3.5
 #: Rounds, after which the step is below 1e-13 rad.
-_ROUNDS = 24
+_ROUNDS = 22
 #: Ends of a branch that are bisected, and halvings.
 _ENDS = 6
-_HALVINGS = 45
-#: Added to the error of a branch that is beyond a limit, and of one that is not there:
-#: more than any rotation.
+_HALVINGS = 42
+#: Costs of a branch that is beyond a limit, and of one that is not there: more than any
+#: rotation.
 _BEYOND = 10.0
 _MISSING = 100.0
 #: Poses in a block: bounds the memory.
-_BLOCK = 256
+_BLOCK = 64
 _BRANCHES = np.arange(4)
 
 
@@ -57,6 +59,7 @@ class _Found(NamedTuple):
         q: (..., 4) [rad], not NaN.
         exists, within_limits, singular: (...).
         error: Rotation error, (...) [rad].
+        beyond: How far the joints are beyond their limits in sum, (...) [rad].
     """
 
     q: FloatArray
@@ -64,6 +67,7 @@ class _Found(NamedTuple):
     within_limits: BoolArray
     singular: BoolArray
     error: FloatArray
+    beyond: FloatArray
 
     @property
     def fits(self) -> BoolArray:
@@ -72,9 +76,13 @@ class _Found(NamedTuple):
 
     @property
     def cost(self) -> FloatArray:
-        """What is least for the best solution, (...)."""
-        beyond = np.where(self.within_limits, 0.0, _BEYOND)
-        return self.error + np.where(self.exists, beyond, _MISSING)
+        """What is least for the best solution, (...).
+
+        Beyond the limits it leads back to them, as between two steps a branch may come
+        within them for a short way.
+        """
+        off = np.where(self.within_limits, self.error, _BEYOND + self.beyond)
+        return np.where(self.exists, off, _MISSING)
 
 
 def search_poses(
@@ -115,7 +123,9 @@ def _searched(hand: Hand, position: FloatArray, rotation: FloatArray) -> _Found:
     even = _tried(hand, position, rotation, starts)
     known = _tried(hand, position, rotation, _known_wrists(hand, rotation))
     best = _better(_best(even), _best(known))
-    best = _better(best, _best_at_ends(hand, position, rotation, even.fits, grid))
+    for name in ("exists", "fits"):
+        at_ends = _best_at_ends(hand, position, rotation, even, grid, name)
+        best = _better(best, at_ends)
 
     wrists = grid[_local_minima(even.cost)]
     for _ in range(_ROUNDS):
@@ -132,17 +142,20 @@ def _best_at_ends(
     hand: Hand,
     position: FloatArray,
     rotation: FloatArray,
-    fits: BoolArray,
+    even: _Found,
     grid: FloatArray,
+    name: str,
 ) -> _Found:
     """The best solution where a branch ends, or meets a limit.
 
     Args:
         hand: Of the arm.
         position, rotation: Of N poses.
-        fits: Whether each branch fits at the starts, (N, 4, `_STARTS`).
+        even: What was found at the starts, (N, 4, `_STARTS`).
         grid: The starts, (`_STARTS`,) [rad].
+        name: What ends: ``"exists"`` or ``"fits"``.
     """
+    fits = getattr(even, name)
     differs = fits[..., 1:] != fits[..., :-1]
     first = np.argsort(~differs, axis=-1, kind="stable")[..., :_ENDS]
     first_fits = np.take_along_axis(fits, first, axis=-1)
@@ -154,8 +167,9 @@ def _best_at_ends(
         middle = (inside + outside) / 2
         tried = _tried(hand, position, rotation, middle)
         best = _better(best, _best(tried))
-        inside = np.where(tried.fits, middle, inside)
-        outside = np.where(tried.fits, outside, middle)
+        fits = getattr(tried, name)
+        inside = np.where(fits, middle, inside)
+        outside = np.where(fits, outside, middle)
     return best
 
 
@@ -169,12 +183,15 @@ def _tried(
     own_q = _of_own_branch(solutions.q)
     q = np.where(exists[..., None], own_q, np.asarray(hand.shape.middle))
     turns = rotation[:, None, None]
+    above = np.maximum(q - np.asarray(hand.shape.upper), 0.0)
+    below = np.maximum(np.asarray(hand.shape.lower) - q, 0.0)
     found = _Found(
         q=q,
         exists=exists,
         within_limits=_of_own_branch(solutions.within_limits),
         singular=solutions.singular,
         error=hand.rotation_error(q, turns),
+        beyond=(above + below).sum(axis=-1),
     )
     free = on_axis(position)
     if free.any():
@@ -244,6 +261,7 @@ def _best(tried: _Found) -> _Found:
         within_limits=chosen(tried.within_limits),
         singular=chosen(tried.singular),
         error=chosen(tried.error),
+        beyond=chosen(tried.beyond),
     )
 
 
@@ -256,4 +274,5 @@ def _better(one: _Found, other: _Found) -> _Found:
         within_limits=np.where(first, one.within_limits, other.within_limits),
         singular=np.where(first, one.singular, other.singular),
         error=np.where(first, one.error, other.error),
+        beyond=np.where(first, one.beyond, other.beyond),
     )
