@@ -17,6 +17,7 @@ COMMANDS = (
     "demo",
     "generate",
     "check",
+    "arm",
     "compare",
     "torque",
     "trajectory",

@@ -18,6 +18,7 @@ import pinocchio as pin
 from alpha5_model._support.checks import FloatArray, array, choice, frozen, real
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.loaded_links import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.rigid_body import RigidBody
 
@@ -52,7 +53,7 @@ class Displacement:
 def displacements(
     model: pin.Model, parameters: Alpha5Parameters, gripper: str
 ) -> tuple[Displacement, ...]:
-    """The volumes of Table 3 on the joints of a model.
+    """The volumes of Table 3 and of attached bodies on the joints of a model.
 
     With jaws, link 4's volume is split between its bodies.
 
@@ -61,9 +62,9 @@ def displacements(
         parameters: The arm's parameters.
         gripper: ``locked`` or ``jaws``.
     """
-    bodies: Sequence[RigidBody] = parameters.links
+    bodies: Sequence[RigidBody] = loaded_links(parameters)
     if gripper == "jaws":
-        bodies = [*parameters.links[:4], *split_link_4(parameters).bodies]
+        bodies = [*bodies[:4], *split_link_4(parameters).bodies]
     return tuple(
         displacement(model, body.name, body.name, body.volume, body.cob)
         for body in bodies

@@ -30,6 +30,7 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.loaded_links import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
 #: What can compute single calls.
@@ -98,7 +99,7 @@ def arm_of(
 ) -> Arm:
     """The arm of a parameter set, on a fixed base with locked jaws.
 
-    Dimensions and limits are those of the set, too.
+    Dimensions, limits and attached bodies are those of the set, too.
 
     Args:
         parameters: From `alpha5_model.numbers.parameters`, or a set of
@@ -112,7 +113,7 @@ def arm_of(
         model.upperPositionLimit[number] = joint.upper
         model.velocityLimit[number] = joint.velocity
         model.effortLimit[number] = joint.effort
-    for link in parameters.links:
+    for link in loaded_links(parameters):
         frame = model.frames[model.getFrameId(link.name)]
         body = pin.Inertia(link.mass, link.com, link.inertia)
         model.inertias[frame.parentJoint] = frame.placement.act(body)

@@ -396,6 +396,7 @@ COMMANDS = {
     "compare": (["compare", "{}"], {"--plot": ".png"}),
     "check": (["check", "--urdf", "{}"], {}),
     "dh": (["dh", "--urdf", "{}"], {}),
+    "arm": (["arm", "check", "{}"], {}),  # new never writes over a file
     "generate": (["generate"], {"--output": ".urdf"}),
     "demo": (["demo"], {}),  # its folder is not read
     "sweep": (["sweep", "{}"], {}),  # a folder is written

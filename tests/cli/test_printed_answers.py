@@ -41,6 +41,8 @@ FOLDER = Path(__file__).parents[1] / "printed"
 POSE = ("--q", "3.1", "1.2", "1.8", "0")
 #: Name -> arguments; every command, and each kind of answer that it has.
 ANSWERS = {
+    "arm-check": ("arm", "check", "my_arm.toml"),
+    "arm-show": ("arm", "show", "my_arm.toml"),
     "check": ("check",),
     "check-file": ("check", "--urdf", "other.urdf"),
     "compare": ("compare", "other.urdf", "--samples", "5"),
@@ -77,6 +79,7 @@ ANSWERS = {
 VIEWS = [(columns, terminal) for columns in (80, 120) for terminal in (False, True)]
 #: The one view whose text is kept; in the others it fits, and nothing is cut.
 KEPT = (80, False)
+MY_ARM = (ROOT / "examples" / "my_arm.toml").read_text("utf-8")
 COLOUR = re.compile(r"\x1b\[\d*m")
 
 
@@ -106,6 +109,7 @@ def folder_of_a_user() -> None:
         f'[outputs.{n}]\nquantity = "torque"\n{f}\n'
         for n, f in zip("abc", forms, strict=True)
     )
+    Path("my_arm.toml").write_text(MY_ARM, "utf-8")
     Path("study.toml").write_text(f"[axes]\nmount_roll = 0.3\n{axes}{outputs}", "utf-8")
     time = np.arange(0, 12, 0.02)
     q = [1.5 + swing * np.sin(time) for swing in (0.8, 0.3, 0.2, 0.5)] + [

@@ -16,6 +16,7 @@ CATALOGUE = {
 #: Module -> its callers of the catalogue: public functions without an arm among their
 #: arguments, commands, generators, and what was made for the catalogue's arm only.
 ENTRY_POINTS = {
+    "cli.arm": "a command",
     "cli.ik": "a command",
     "cli.workspace": "a command",
     "codegen.sources": "a generator; the kernels are the catalogue's arm",

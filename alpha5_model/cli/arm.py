@@ -1,0 +1,198 @@
+"""``alpha5 arm``: a file that describes your own arm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from typer import Argument
+
+from alpha5_model._support.checks import choice
+from alpha5_model._support.files import STDOUT
+from alpha5_model._support.text import table
+from alpha5_model._support.writing import atomic_write
+from alpha5_model.cli import options, printing
+from alpha5_model.errors import InputError, OutputError
+from alpha5_model.numbers.arm_checks import LENGTHS
+from alpha5_model.numbers.arm_file import arm_file
+from alpha5_model.numbers.arm_writing import new_arm_file
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.numbers.tool import printed_tool
+
+_ACTIONS = ("new", "check", "show")
+#: The file that ``new`` writes if none is named.
+_NEW = Path("my_arm.toml")
+
+
+def arm(
+    action: Annotated[str, Argument(help="new, check or show.")],
+    file: Annotated[
+        Path | None, Argument(help="The arm file; - for standard output.")
+    ] = None,
+    as_json: options.Json = False,
+) -> None:
+    """Your own arm in a file: write one, say what it changes, print it.
+
+    new writes the catalogue's arm with every key and comments, check says what
+    a file changes against it, and show prints the arm of a file. Each change has
+    its cost alone: the largest change of the torque that holds a joint in sea
+    water, and the largest distance that the tcp moves, within the file's limits.
+
+    Example: alpha5 arm new my_arm.toml
+    Example: alpha5 arm check my_arm.toml
+    """
+    choice("action", action, _ACTIONS)
+    if action == "new":
+        _new(file or _NEW, as_json)
+        return
+    if file is None:
+        raise InputError("file", file, f"an arm file: alpha5 arm {action} FILE")
+    own = arm_file(file)
+    if action == "show":
+        printing.show(as_json, own, _arm_text(own))
+        return
+
+    # Pinocchio is loaded here only.
+    from alpha5_model.dynamics.arm_changes import arm_changes
+
+    with printing.spinner("searching"):
+        changes = arm_changes(own, parameters())
+    record = {"name": own.name, "changes": changes}
+    printing.show(as_json, record, _changes_text(own, changes))
+
+
+def _new(path: Path, as_json: bool) -> None:
+    """Write a file with every key."""
+    if str(path) != STDOUT and path.exists():
+        raise OutputError(path, "it exists; name another file")
+    atomic_write(path, new_arm_file())
+    printing.show(as_json, {"written": str(path)}, (), path)
+
+
+# --- check ----------------------------------------------------------------------------
+
+
+def _changes_text(own: Alpha5Parameters, changes: Any) -> printing.Lines:
+    if not changes:
+        yield f"{own.name} is the catalogue's arm"
+        return
+    yield f"{own.name} against the catalogue's arm; largest changes within its limits"
+    rows = [["changed", "torque (N m)", "tcp (mm)"]]
+    for change in changes:
+        cells = [_digits(change.torque), _digits(change.tcp * 1e3)]
+        rows.append([change.key, *cells])
+    yield from table(rows, "<>>")
+
+    yield "\nfrom the catalogue's value to yours (SI units)"
+    for change in changes:
+        for difference in change.differences:
+            before = _written(difference.printed)
+            after = _written(difference.own)
+            name = f"{change.key}: {difference.name.replace('_', ' ')}"
+            yield f"  {name} {before} -> {after}"
+
+
+def _digits(cost: float) -> str:
+    """A cost with three digits, 0 for none."""
+    return f"{cost:.3g}" if cost else "0"
+
+
+def _written(value: Any) -> str:
+    """A value of a record on one line."""
+    if value is None:
+        return "none"
+    if isinstance(value, np.ndarray):
+        return f"({', '.join(map(_written, value))})"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_written, value))})"
+    # Adding zero turns a negative zero into zero.
+    return f"{value + 0.0:.6g}" if isinstance(value, float) else str(value)
+
+
+# --- show -----------------------------------------------------------------------------
+
+
+def _arm_text(own: Alpha5Parameters) -> printing.Lines:
+    corrections = ", ".join(own.corrections) or "none"
+    yield f"{own.name}, corrections: {corrections}"
+    yield from _frames(own)
+    yield from _joints(own)
+    yield from _bodies(own)
+    yield from _motors(own)
+    yield from _measurements(own)
+
+
+def _frames(own: Alpha5Parameters) -> printing.Lines:
+    """Mount, lengths, zeros and tool."""
+    if own.mount is not None:
+        at = _written(own.mount.position)
+        yield f"mount on {own.mount.parent} at {at} m"
+    rows = [
+        [name, f"{getattr(own.dh[i], field) * 1e3:.6g}"]
+        for name, (i, field) in LENGTHS.items()
+    ]
+    yield "\nlengths (mm)"
+    yield from table(rows, "<>", 2)
+
+    tool = own.tool or printed_tool(own.dh[3], own.dh[4])
+    moved = f", moved by a spacer of {own.spacer * 1e3:g} mm" if own.spacer else ""
+    yield f"tcp at {_written(tool.position)} m in link_4{moved}"
+
+
+def _joints(own: Alpha5Parameters) -> printing.Lines:
+    head = ["joint", "lower", "upper", "velocity", "effort", "theta offset"]
+    rows = [head]
+    for i, joint in enumerate(own.joints):
+        limits = (joint.lower, joint.upper, joint.velocity, joint.effort)
+        offset = own.dh[i].theta_offset if i < 4 else None
+        cells = [f"{x:.5g}" for x in limits]
+        rows.append([joint.name, *cells, "" if offset is None else f"{offset:.6g}"])
+    yield "\njoints (rad, rad/s, N m; axis_a m, m/s, N)"
+    yield from table(rows, "<>", 2)
+
+
+def _bodies(own: Alpha5Parameters) -> printing.Lines:
+    rows = [["body", "mass (kg)", "volume (L)", "com (mm)", "cob (mm)"]]
+    for body in (*own.links, *own.attached):
+        com = _written(body.com * 1e3)
+        cob = _written(body.cob * 1e3)
+        cells = [f"{body.mass:.6g}", f"{body.volume * 1e3:.6g}", com, cob]
+        rows.append([body.name, *cells])
+    yield "\nbodies, each in its own frame"
+    yield from table(rows, "<>><<", 2)
+    for attached in own.attached:
+        at = _written(attached.position)
+        yield f"{attached.name} is fixed to {attached.link} at {at} m"
+
+
+def _motors(own: Alpha5Parameters) -> printing.Lines:
+    motors = own.motors
+    rows = [["joint", "limit", "rotor", "K_t", "K_v", "ratio", "efficiency"]]
+    for i, (name, actuator) in enumerate(zip(JOINT_NAMES, own.actuators, strict=True)):
+        unknown = (motors.current_limits[i], motors.rotor_inertias[i])
+        cells = ["unknown" if x is None else f"{x:.4g}" for x in unknown]
+        cells += [
+            f"{actuator.torque_constant:.4g}",
+            f"{actuator.voltage_constant:.4g}",
+            f"{actuator.gear_ratio:.6g}",
+            f"{actuator.efficiency:.4g}",
+        ]
+        rows.append([name, *cells])
+    supply = motors.supply_voltage
+    volts = "unknown" if supply is None else f"{supply:g} V"
+    yield f"\nmotors: supply {volts}, constants {motors.constants}; limit (A),"
+    yield "rotor inertia (kg m^2), K_t (N m/A), K_v (V s/rad)"
+    yield from table(rows, "<>", 2)
+
+
+def _measurements(own: Alpha5Parameters) -> printing.Lines:
+    if not own.measurements:
+        return
+    yield "\nmeasured (half width in SI units)"
+    rows = []
+    for each in own.measurements:
+        width = "" if each.half_width is None else f"±{each.half_width:.3g}"
+        rows.append([each.key, width, each.source])
+    yield from table(rows, "<><", 2, printing.width())
