@@ -272,7 +272,8 @@ class Alpha5Parameters:
             ``base_frame``.
         corrections: Names of the corrections applied.
         tool: Pose of the tcp in link_4; None for Table 1's, DH frame {5}. With a
-            spacer, None becomes Table 1's tool, moved by it.
+            spacer, None becomes Table 1's tool, moved by it. To take the spacer away
+            with `dataclasses.replace`, set ``tool=None`` too.
         mount: Where base_link is fixed; None if nothing is known of it.
         attached: Bodies that are fixed to links.
         motors: What Table 4 does not print of the motors.

@@ -182,6 +182,12 @@ def test_a_spacer_moves_the_tool() -> None:
     # Another change keeps it, and the orientation may be of its own.
     again = dataclasses.replace(own, name="lab")
     assert again.tool is own.tool
+    without = dataclasses.replace(own, attached=(), tool=None)
+    assert without.tool is None
+    longer = (attached(spacer=0.03),)
+    moved = dataclasses.replace(own, attached=longer, tool=None)
+    assert moved.tool is not None
+    assert moved.tool.position == pytest.approx([0.0, 0.0, -0.21], abs=1e-15)
     turned = ToolPose(position=own.tool.position, rotation=np.eye(3))
     dataclasses.replace(own, tool=turned)
 
