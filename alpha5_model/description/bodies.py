@@ -16,6 +16,7 @@ from alpha5_model.description.frames import base_placement, joint_placements
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.jaws import GRIPPERS, Jaws, split_link_4
+from alpha5_model.numbers.loaded_links import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.numbers.tables import BODY_NAMES
@@ -54,7 +55,7 @@ class Body(RigidBody):
 def arm_bodies(
     parameters: Alpha5Parameters, gripper: str, meshes: Iterable[str] | None = None
 ) -> tuple[Body, ...]:
-    """The bodies of the arm, each after its parent.
+    """The bodies of the arm, each after its parent and with what is attached to it.
 
     Args:
         parameters: The arm's parameters.
@@ -65,9 +66,9 @@ def arm_bodies(
     jaws = split_link_4(parameters)
     hinges = _closed_hinges(jaws)
     drawn = _drawn_meshes(gripper, hinges, MESHES if meshes is None else meshes)
-    shapes = collision_primitives(gripper)
+    shapes = collision_primitives(gripper, parameters.spacer)
 
-    records: list[RigidBody] = list(parameters.links)
+    records: list[RigidBody] = list(loaded_links(parameters))
     placements = [base_placement(parameters), *joint_placements(parameters)]
     joints: list[JointRange | None] = [None, *parameters.joints[:4]]
     if gripper == "jaws":

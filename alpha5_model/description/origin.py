@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from alpha5_model import __version__
+from alpha5_model.numbers.chosen_arm import is_catalogue
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.printed import published
 
@@ -11,8 +12,11 @@ def provenance(parameters: Alpha5Parameters) -> dict[str, str]:
     """Document, package and corrections that the parameters come from."""
     source = published().table_2.source
     edition = f"version {source.version}, {source.date}"
+    document = f"{source.publisher}, {source.document}, {edition}"
+    if not is_catalogue(parameters):
+        document += f"; changed for the arm {parameters.name}"
     return {
-        "document": f"{source.publisher}, {source.document}, {edition}",
+        "document": document,
         "package": f"alpha5_model {__version__}",
         "corrections": ", ".join(parameters.corrections) or "none",
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +12,15 @@ import numpy as np
 
 from alpha5_model._support.checks import choice, flag, float_array
 from alpha5_model._support.paths import XACRO_PATH
+from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.description.xml import text_of
 from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 COLLISIONS = ("primitives", "none")
 _PLUGIN = "mock_components/GenericSystem"
@@ -43,6 +45,9 @@ class Variant:
         ros2_control: Adds hardware interfaces and device ids.
         ros2_control_plugin: Name of the hardware plugin.
         corrections: Recorded corrections to apply.
+        arm: Record of an arm of your own, which has its corrections already; None for
+            the catalogue's. Its mount is used if ``parent`` is empty, its name is the
+            robot's. What is attached to a link is part of its inertial.
     """
 
     gripper: str = "locked"
@@ -56,6 +61,7 @@ class Variant:
     ros2_control: bool = False
     ros2_control_plugin: str = _PLUGIN
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
+    arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
         choice("gripper", self.gripper, GRIPPERS)
@@ -74,6 +80,8 @@ class Variant:
                 self.ros2_control_plugin,
                 "ros2_control with it",
             )
+        if self.arm is not None:
+            chosen_arm(self.arm, self.corrections)
 
     def _check_mount(self, name: str, value: tuple[float, float, float]) -> None:
         mount = float_array(name, value, (3,))
@@ -108,23 +116,42 @@ def urdf(variant: Variant | None = None) -> str:
             `InputError` for a parent with the name of one of the arm's own links.
     """
     chosen = variant or Variant()
-    numbers = parameter_yaml(parameters(chosen.corrections))
+    arm = chosen_arm(chosen.arm, chosen.corrections)
+    if not chosen.parent:
+        chosen = _on_own_mount(chosen, arm)
+    numbers = parameter_yaml(arm)
     with tempfile.TemporaryDirectory() as folder:
         # The committed YAML may be stale, so a fresh one is written.
         file = Path(folder) / "parameters.yaml"
         file.write_text(numbers, encoding="utf-8")
         text = expand_xacro(XACRO_PATH, _xacro_arguments(chosen, file))
 
+    # xacro cannot name the root element by the YAML, which it reads later.
+    text = text.replace('<robot name="alpha5"', f'<robot name="{arm.name}"', 1)
     if chosen.parent and text.count(f'<link name="{chosen.parent}"') > 1:
         raise InputError("parent", chosen.parent, "a name that no link of the arm has")
     return text
+
+
+def _on_own_mount(variant: Variant, arm: Alpha5Parameters) -> Variant:
+    """The variant on the mount of the arm's record, if it has one."""
+    mount = arm.mount
+    if mount is None:
+        return variant
+    x, y, z = mount.position.tolist()
+    return replace(
+        variant,
+        parent=mount.parent,
+        xyz=(x, y, z),
+        rpy=rpy_from_rotation(mount.rotation),
+    )
 
 
 def _xacro_arguments(variant: Variant, parameter_file: Path) -> dict[str, str]:
     """Arguments of ``xacro/alpha5.urdf.xacro``, which have the names of the fields."""
     arguments = {"parameters": str(parameter_file)}
     for name, value in vars(variant).items():
-        if name == "corrections":
+        if name in ("corrections", "arm"):
             continue
         is_flag = isinstance(value, bool | np.bool_)
         arguments[name] = str(value).lower() if is_flag else text_of(value)

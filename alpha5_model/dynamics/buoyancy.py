@@ -53,7 +53,7 @@ class Displacement:
 def displacements(
     model: pin.Model, parameters: Alpha5Parameters, gripper: str
 ) -> tuple[Displacement, ...]:
-    """The volumes of Table 3 and of attached bodies on the joints of a model.
+    """The volumes of Table 3, and of attached bodies, on the joints of a model.
 
     With jaws, link 4's volume is split between its bodies.
 

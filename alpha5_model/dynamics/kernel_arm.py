@@ -14,6 +14,8 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.dynamics.arm import Arm, Forces
 from alpha5_model.dynamics.buoyancy import Displacement
+from alpha5_model.dynamics.dimensions import check_dimensions
+from alpha5_model.dynamics.kernel_numbers import SAME_FRAME
 from alpha5_model.dynamics.states import state_vectors
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -56,6 +58,8 @@ class KernelArm(Arm):
         super().__init__(model, displacements, fluid_density, parameters=parameters)
         numbers = self._kernel_parameters
         if numbers is None:
+            if not self.floating_base and len(self.joint_names) == 4:
+                check_dimensions(self._model, "the generated kernels", SAME_FRAME)
             expected = "the joints of a Reach Alpha 5 on a fixed base"
             raise InputError("model", model, expected)
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 #: How far a frame may be from where the kernels have it [m and rad]. Kernels replace
 #: Pinocchio unnoticed, so only the rounding of a URDF's numbers is allowed; what
 #: refuses an arm openly allows `dimensions.EXACT`.
-_SAME_FRAME = 1e-14
+SAME_FRAME = 1e-14
 
 
 def arm_parameters(arm: Any) -> FloatArray:
@@ -36,7 +36,7 @@ def arm_parameters(arm: Any) -> FloatArray:
     """
     if arm._kernel_parameters is None:
         if not arm.floating_base and len(arm.joint_names) == 4:
-            check_dimensions(arm._model, "the generated formulas", _SAME_FRAME)
+            check_dimensions(arm._model, "the generated formulas", SAME_FRAME)
         raise InputError("arm", arm, "one on a fixed base with its jaws locked")
     return np.array(arm._kernel_parameters)
 
@@ -85,4 +85,4 @@ def _has_the_joints_of(parameters: Alpha5Parameters, model: pin.Model) -> bool:
     ours = [pose(at.xyz, at.rpy) for at in placements]
     theirs = [at.homogeneous for at in list(model.jointPlacements)[1:]]
     theirs.append(model.frames[tip].placement.homogeneous)
-    return bool(np.abs(np.subtract(ours, theirs)).max() < _SAME_FRAME)
+    return bool(np.abs(np.subtract(ours, theirs)).max() < SAME_FRAME)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cache
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,14 +28,17 @@ from alpha5_model.dynamics.buoyancy import Displacement, displacements
 from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
 from alpha5_model.dynamics.kernel_arm import KernelArm
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.loaded_links import loaded_links
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: What can compute single calls.
 BACKENDS = ("pinocchio", "kernels")
+#: Arms whose URDF is kept after reading.
+_ARMS = 64
 
 
 def load(
@@ -44,8 +48,9 @@ def load(
     gravity: ArrayLike = GRAVITY,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
     backend: str = "pinocchio",
+    arm: Alpha5Parameters | None = None,
 ) -> Arm:
-    """The arm in a fluid, from the shipped URDF.
+    """The arm in a fluid, from the shipped URDF, or one of your own.
 
     Args:
         fluid_density: [kg/m^3]; ``SEA_WATER``, ``FRESH_WATER``, ``AIR`` or any other.
@@ -53,19 +58,27 @@ def load(
             fingers follow).
         floating_base: Puts base_link on Pinocchio's free-flyer joint, ``root_joint``.
         gravity: In the world, (3,) [m/s^2]; the world is base_link if the base is
-            fixed, so for a tilted mount pass ``gravity_in_base(rotation)``.
+            fixed, so for a tilted mount pass ``gravity_in_base(rotation)``. If the
+            record of a fixed ``arm`` has a mount, the world is the mount's parent, and
+            gravity is turned into base_link.
         corrections: Recorded corrections to the document. For other than the default
             ones, the URDF is generated in memory.
         backend: What computes single calls: ``pinocchio``, or the generated ``kernels``
             of the same equations, see `alpha5_model.backend`. In any case, batches run
             on kernels, and Pinocchio computes a floating base, jaws and external
             forces.
+        arm: Record of an arm of your own, such as from `alpha5_model.arm_file`; None
+            for the catalogue's. Its URDF is generated in memory. It has its own
+            corrections. Single calls by kernels need the catalogue's lengths, zeros
+            and tool.
 
     Returns:
         An arm, independent of every other one.
 
     Raises:
-        InputError: A density below 0, or gravity that is not three finite numbers.
+        InputError: A density below 0, gravity that is not three finite numbers, an
+            ``arm`` together with corrections that it does not have, or kernels for
+            joints or a tool elsewhere than the catalogue's.
         UnknownNameError: No such gripper, correction or backend.
 
     Warns:
@@ -73,7 +86,7 @@ def load(
             strength, or a tuple or list of gravity that points straight up. What
             `gravity_in_base` returns may point anywhere.
     """
-    chosen = check_corrections(corrections)
+    record = chosen_arm(arm, corrections)
     choice("gripper", gripper, GRIPPERS)
     choice("backend", backend, BACKENDS)
     density = density_of(fluid_density)
@@ -81,10 +94,11 @@ def load(
     plausibility.check_gravity(gravity, checked_gravity)
     flag("floating_base", floating_base)
 
-    record = parameters(chosen)
     parsed = _parsed(gripper, floating_base, record)
     tree = parsed.tree.copy()
     tree.gravity.linear = checked_gravity
+    if record.mount is not None and not floating_base:
+        tree.gravity.linear = record.mount.rotation.T @ checked_gravity
     volumes = parsed.displacements
     if parsed.mimics:
         return JawArm(tree, volumes, density, parsed.mimics, parameters=record)
@@ -99,12 +113,14 @@ def arm_of(
 ) -> Arm:
     """The arm of a parameter set, on a fixed base with locked jaws.
 
-    Dimensions, limits and attached bodies are those of the set, too.
+    Dimensions, limits, tool and attached bodies are those of the set, too. Its URDF is
+    not generated, so this is faster than `load`.
 
     Args:
         parameters: From `alpha5_model.numbers.parameters`, or a set of
             `alpha5_model.uncertainty.sample`.
-        fluid_density, gravity: See `alpha5_model.load`.
+        fluid_density: See `alpha5_model.load`.
+        gravity: In base_link, whatever the mount of the set, (3,) [m/s^2].
     """
     model = load(fluid_density, gravity=gravity).model
     _set_placements(model, parameters)
@@ -139,6 +155,7 @@ def robot_wrapper(
     gripper: str = "locked",
     floating_base: bool = False,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
+    arm: Alpha5Parameters | None = None,
 ) -> Any:
     """The arm with its meshes as Pinocchio's RobotWrapper.
 
@@ -147,21 +164,22 @@ def robot_wrapper(
     Water is left out: see `load`. With ``gripper="jaws"`` the fingers are mimic joints.
 
     Args:
-        gripper, floating_base, corrections: As in `load`.
+        gripper, floating_base, corrections, arm: As in `load`.
 
     Returns:
         pin.RobotWrapper.
 
     Raises:
+        InputError: An ``arm`` together with corrections that it does not have.
         UnknownNameError: No such gripper or correction.
     """
     from pinocchio.robot_wrapper import RobotWrapper
 
-    chosen = check_corrections(corrections)
+    record = chosen_arm(arm, corrections)
     choice("gripper", gripper, GRIPPERS)
-    text = _urdf(gripper, chosen)
+    text = _urdf(gripper, record)
     flag("floating_base", floating_base)
-    parsed = _parsed(gripper, floating_base, parameters(chosen))
+    parsed = _parsed(gripper, floating_base, record)
     model = mimicking(parsed.tree, parsed.mimics)
 
     def geometry(kind: Any) -> Any:
@@ -189,10 +207,10 @@ class _Parsed(NamedTuple):
     displacements: tuple[Displacement, ...]
 
 
-@cache
+@lru_cache(maxsize=_ARMS)
 def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> _Parsed:
-    """Read the URDF of the catalogue's arm with some corrections."""
-    text = _urdf(gripper, parameters.corrections)
+    """Read the URDF of an arm."""
+    text = _urdf(gripper, parameters)
     root = [pin.JointModelFreeFlyer()] if floating_base else []
     tree = pin.buildModelFromXML(text, *root)
     joints = parse_urdf(text).joints.values()
@@ -203,9 +221,17 @@ def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> 
     )
 
 
-def _urdf(gripper: str, corrections: tuple[str, ...]) -> str:
-    """Text of the URDF: the shipped one, or generated for other corrections."""
-    if corrections == DEFAULT_CORRECTIONS:
+def _urdf(gripper: str, parameters: Alpha5Parameters) -> str:
+    """Text of the URDF: the shipped one, or generated for another record.
+
+    Its root is base_link: a mount would put a link of the vehicle there.
+    """
+    corrections = parameters.corrections
+    shipped = is_catalogue(parameters) and corrections == DEFAULT_CORRECTIONS
+    if shipped:
         path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
         return read_named(path, "the generated URDF (alpha5 generate)").decode()
-    return urdf(Variant(gripper=gripper, corrections=corrections))
+    if is_catalogue(parameters):
+        return urdf(Variant(gripper=gripper, corrections=corrections))
+    unmounted = replace(parameters, mount=None)
+    return urdf(Variant(gripper=gripper, arm=unmounted))

@@ -23,7 +23,9 @@ _MARGIN = 0.1
 
 
 @cache
-def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ...]]:
+def collision_primitives(
+    gripper: str = "jaws", spacer: float = 0.0
+) -> dict[str, tuple[Primitive, ...]]:
     """Primitives of each link of the published arm.
 
     Together they enclose the drawn body and stay within 3 mm of it. Bodies that turn
@@ -33,6 +35,7 @@ def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ..
     Args:
         gripper: ``jaws`` has ``finger_1`` and ``finger_2`` as links of their own, in
             ``locked`` they belong to ``link_4``, closed.
+        spacer: How far spacers move the jaws along -z of link_4 [m].
 
     Raises:
         UnknownNameError: Another gripper.
@@ -40,7 +43,7 @@ def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ..
     moving = choice("gripper", gripper, GRIPPERS) == "jaws"
     shapes = _shapes(drawn_dimensions())
     if not moving:
-        shapes = _with_closed_fingers(shapes, split_link_4(parameters(())))
+        shapes = _with_closed_fingers(shapes, split_link_4(parameters(())), spacer)
     return {
         link: tuple(shape.as_written() for shape in items)
         for link, items in shapes.items()
@@ -66,12 +69,13 @@ def _shapes(dimensions: Dimensions) -> dict[str, list[Primitive]]:
 
 
 def _with_closed_fingers(
-    shapes: dict[str, list[Primitive]], jaws: Jaws
+    shapes: dict[str, list[Primitive]], jaws: Jaws, spacer: float
 ) -> dict[str, list[Primitive]]:
-    """The shapes with those of the fingers in link 4."""
+    """The shapes with those of the fingers in link 4, moved by a spacer [m]."""
     links = dict(shapes)
     for finger in (jaws.finger_1, jaws.finger_2):
-        closed = pose(finger.origin * 1e3, (finger.roll, 0.0, 0.0))
+        origin = finger.origin - [0.0, 0.0, spacer]
+        closed = pose(origin * 1e3, (finger.roll, 0.0, 0.0))
         moved = [shape.moved(closed) for shape in links.pop(finger.name)]
         links["link_4"] = links["link_4"] + moved
     return links

@@ -42,7 +42,10 @@ def test_every_record_is_frozen() -> None:
 
 
 def compared_by_identity(every: list[type]) -> set[type]:
-    """Records that hold an array, a function or anything, or another such record."""
+    """Records that hold an array, a function or anything, or another such record.
+
+    Options name an arm, which is compared by identity, and are compared by content.
+    """
     words = {"Callable", "Any"}
 
     def holds_one(record: type) -> bool:
@@ -53,9 +56,9 @@ def compared_by_identity(every: list[type]) -> set[type]:
     while True:
         found = {record for record in every if holds_one(record)}
         names = {record.__name__ for record in found}
-        if names <= words:
+        if names - {"Alpha5Parameters"} <= words:
             return found
-        words |= names
+        words |= names - {"Alpha5Parameters"}
 
 
 def test_records_of_arrays_have_no_equality() -> None:
