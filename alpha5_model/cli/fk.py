@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 def fk(
     q: Annotated[list[str], Argument(help=f"{JOINTS} (rad), or also axis_a (m).")],
+    arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> None:
     """Where the tcp and the links are at a joint position, in base_link.
@@ -27,7 +28,8 @@ def fk(
     """
     position = values.joint_numbers("q", " ".join(q), "rad", (4, 5))
     gripper = "locked" if len(position) == 4 else "jaws"
-    arm = values.arm_in("sea", options.DOWN, gripper, "0 0 0", None)
+    own = values.arm_record(arm_file)
+    arm = values.arm_in("sea", options.DOWN, gripper, None, None, own)
 
     record: dict[str, Any] = {
         "q": position,

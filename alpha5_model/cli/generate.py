@@ -53,7 +53,11 @@ _FORMATS = {
     "c": _Format(options=COptions, files=c_files, main_file="alpha5.c"),
 }
 #: Option of the command -> field of the record, if their names differ.
-_FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
+_FIELD_OF = {
+    "arm_file": "arm",
+    "mesh_uri": "mesh_prefix",
+    "fluid": "fluid_density",
+}
 #: Option -> why a format does not have it, for options that need an explanation.
 _REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
 #: Value of --mesh-uri -> prefix of the name of each mesh.
@@ -95,6 +99,7 @@ def generate(
     context: Context,
     output: _Output = None,
     description_format: _DescriptionFormat = "urdf",
+    arm_file: options.Arm = None,
     gripper: options.Gripper = "locked",
     prefix: _Prefix = "",
     parent: _Parent = "",
@@ -149,6 +154,7 @@ def generate(
         "mesh_prefix": MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))],
         "fluid_density": values.fluid_density(fluid),
         "corrections": values.correction_names(corrections),
+        "arm": values.arm_record(arm_file),
     }
 
     made = _FORMATS[description_format]

@@ -22,6 +22,7 @@ def ik(
     y: Annotated[float, Argument(help="(m)", parser=values.metres)],
     z: Annotated[float, Argument(help="(m)", parser=values.metres)],
     wrist: Annotated[float, Option(help="theta_3 (rad).", parser=values.radians)] = 0.0,
+    arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> None:
     """All inverse kinematics solutions of a tcp position.
@@ -30,10 +31,11 @@ def ik(
 
     Example: alpha5 ik 0.25 -0.1 0.05 --wrist 90deg
     """
-    joints = parameters().joints[:4]
+    own = values.arm_record(arm_file)
+    joints = (own or parameters()).joints[:4]
     middle = [(joint.lower + joint.upper) / 2 for joint in joints]
 
-    solutions = inverse_kinematics([x, y, z], wrist)
+    solutions = inverse_kinematics([x, y, z], wrist, arm=own)
     record: dict[str, Any] = {
         "position": [x, y, z],
         "singular": solutions.singular,

@@ -14,6 +14,7 @@ HELP: dict[str, str] = WORDS["help"]
 FLUID = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
 DOWN = "0 0 -9.81"
 
+Arm = Annotated[Path | None, Option("--arm", help=HELP["arm"])]
 Fluid = Annotated[str, Option(help=FLUID)]
 Gravity = Annotated[
     str, Option(help="In base_link (m/s^2); with --mount in the world.")
@@ -21,12 +22,10 @@ Gravity = Annotated[
 Gripper = Annotated[
     str, Option(help="locked (4 joints) or jaws (adds the jaw rod axis_a).")
 ]
-Mount = Annotated[
-    str, Option(help="Roll, pitch, yaw of base_link in the world, z up (rad).")
-]
+Mount = Annotated[str | None, Option(help=HELP["mount"])]
 Payload = Annotated[str | None, Option(help=HELP["payload"])]
 Current = Annotated[str | None, Option(help=HELP["current"])]
-Constants = Annotated[str, Option(help=HELP["constants"])]
+Constants = Annotated[str | None, Option(help=HELP["constants"])]
 Efficiency = Annotated[str, Option(help=HELP["efficiency"])]
 Plot = Annotated[Path | None, Option(help="Write a picture: .png, .pdf or .svg.")]
 Json = Annotated[bool, Option("--json", help="Everything as JSON, in SI units.")]

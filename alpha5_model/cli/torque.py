@@ -41,12 +41,13 @@ def torque(
     fluid: options.Fluid = "sea",
     gravity: options.Gravity = options.DOWN,
     gripper: options.Gripper = "locked",
-    mount: options.Mount = "0 0 0",
+    mount: options.Mount = None,
     payload: options.Payload = None,
     current: options.Current = None,
-    constants: options.Constants = "printed",
+    constants: options.Constants = None,
     efficiency: options.Efficiency = "gearbox",
     plot: Annotated[Path | None, Option(help=options.HELP["plot_current"])] = None,
+    arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> None:
     """Joint torques by cause, motor currents and the load on the mount.
@@ -61,7 +62,8 @@ def torque(
     alpha5 torque --q 3.1 1.2 1.8 0 --current 0 1 0 --plot polar.png
     """
     check_outputs((), plot=(plot, figures.FORMATS))
-    arm = values.arm_in(fluid, gravity, gripper, mount, payload)
+    own = values.arm_record(arm_file)
+    arm = values.arm_in(fluid, gravity, gripper, mount, payload, own)
     water_current = values.current_vector(current)
     closed = arm.limits.lower[4:].tolist()
     state = State(

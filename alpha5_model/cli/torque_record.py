@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.cli.limits import beyond_limits
-from alpha5_model.dynamics.actuators import actuator
+from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import MissingParameterError
 from alpha5_model.numbers.hydrodynamics import LEVELS
 
@@ -34,7 +34,7 @@ class State(NamedTuple):
 class Motors(NamedTuple):
     """Options of the motors; see `alpha5_model.dynamics.actuators.actuator`."""
 
-    constants: str
+    constants: str | None
     efficiency: str
 
 
@@ -76,7 +76,8 @@ def torque_record(
         torque = torque + water.torque[_NOMINAL]
         wrench = wrench + water.wrench[_NOMINAL]
 
-    currents = _motor_currents(arm, motors, torque, state.v)
+    actuators = _actuators(arm, motors)
+    currents = _motor_currents(actuators, torque, state)
     margin = torque_margin(arm, *state)
     columns: dict[str, Iterable[Any]] = {
         "joint": arm.joint_names,
@@ -95,7 +96,7 @@ def torque_record(
         "fluid_density": arm.fluid_density,
         "gravity": arm.model.gravity.linear,
         "water_current": current,
-        "constants": motors.constants,
+        "constants": actuators[0].constants,
         "efficiency": motors.efficiency,
         "joints": _rows(columns),
         "mount": _mount(wrench, water),
@@ -130,23 +131,36 @@ def _water_columns(water: _MovingWater | None) -> dict[str, FloatArray]:
     }
 
 
+def _actuators(arm: Arm, motors: Motors) -> list[Actuator]:
+    return [
+        actuator(
+            joint,
+            motors.constants,
+            efficiency=motors.efficiency,
+            arm=arm.parameters,
+        )
+        for joint in arm.joint_names
+    ]
+
+
 def _motor_currents(
-    arm: Arm, motors: Motors, torque: FloatArray, v: list[float]
+    actuators: Sequence[Actuator], torque: FloatArray, state: State
 ) -> list[_MotorCurrent]:
-    loads = zip(arm.joint_names, torque, v, strict=True)
-    return [_motor_current(name, motors, *load) for name, *load in loads]
+    loads = zip(actuators, torque, state.v, state.a, strict=True)
+    return [_motor_current(*load) for load in loads]
 
 
 def _motor_current(
-    joint: str, motors: Motors, torque: float, speed: float
+    motor: Actuator, torque: float, speed: float, acceleration: float
 ) -> _MotorCurrent:
-    motor = actuator(joint, motors.constants, efficiency=motors.efficiency)
+    turning = None if motor.rotor_inertia is None else acceleration
     try:
         if speed:
-            interval = motor.current_interval(torque, speed)
+            interval = motor.current_interval(torque, speed, turning)
         else:
             interval = motor.holding_current(torque)
-        return _MotorCurrent(value=motor.current(torque, speed), ends=[*interval])
+        current = motor.current(torque, speed, turning)
+        return _MotorCurrent(value=current, ends=[*interval])
     except MissingParameterError:  # the jaw rod's screw lead is not published
         return _MotorCurrent(value=None, ends=None)
 

@@ -50,14 +50,14 @@ def trajectory(
     as_json: options.Json = False,
     fluid: options.Fluid = "sea",
     gravity: options.Gravity = options.DOWN,
-    mount: options.Mount = "0 0 0",
+    mount: options.Mount = None,
     payload: options.Payload = None,
     current: options.Current = None,
     gripper: _Gripper = "auto",
     smoothing: _Smoothing = "spline",
     bandwidth: _Bandwidth = 2.0,
     velocities: _Velocities = "auto",
-    constants: options.Constants = "printed",
+    constants: options.Constants = None,
     efficiency: options.Efficiency = "gearbox",
     supply_voltage: _SupplyVoltage = None,
     current_limit: _CurrentLimit = None,
@@ -84,16 +84,17 @@ def trajectory(
     with printing.progress_bars() as progress:
         motion = library.read_motion(file, progress, topic=topic, prefix=prefix)
         variant = _gripper(gripper, motion)
+        believed = constants or "printed"
         actuators: Mapping[str, Actuator] = {}
         if screw_lead is not None:
-            actuators = _rod_actuator(screw_lead, variant, constants, efficiency)
+            actuators = _rod_actuator(screw_lead, variant, believed, efficiency)
         analysis = library.analyse(
             motion,
             values.arm_in(fluid, gravity, variant, mount, payload),
             method=smoothing,
             bandwidth=bandwidth,
             use_velocity=use_velocity,
-            constants=constants,
+            constants=believed,
             actuators=actuators,
             supply_voltage=supply_voltage,
             current_limit=current_limit,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,6 +21,7 @@ from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
 class _Unit(NamedTuple):
@@ -181,17 +184,44 @@ def names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
+def arm_record(file: Path | None) -> Alpha5Parameters | None:
+    """The record of an arm file; None for no file.
+
+    Raises:
+        Alpha5Error: A file that `arm_file` refuses.
+    """
+    if file is None:
+        return None
+    from alpha5_model.numbers.arm_file import arm_file
+
+    return arm_file(file)
+
+
 def arm_in(
-    fluid: str, gravity: str, gripper: str, mount: str, payload: str | None
+    fluid: str,
+    gravity: str,
+    gripper: str,
+    mount: str | None,
+    payload: str | None,
+    record: Alpha5Parameters | None = None,
 ) -> Arm:
-    """The arm that the texts of these options describe."""
+    """The arm that the texts of these options describe.
+
+    Args:
+        fluid, gravity, gripper, payload: As on the command line.
+        mount: Replaces the mount of the record; None keeps it.
+        record: Of an arm of one's own; None for the catalogue's.
+    """
     from alpha5_model.dynamics.load import load
 
-    rotation = rotation_from_rpy(numbers("mount", mount, (3,), "rad"))
     g: Any = numbers("gravity", gravity, (3,), "m/s^2")
-    if not np.array_equal(rotation, np.eye(3)):
-        g = gravity_in_base(rotation, g)
-    arm = load(fluid_density(fluid), gripper, gravity=g)
+    if mount is not None:
+        rotation = rotation_from_rpy(numbers("mount", mount, (3,), "rad"))
+        if not np.array_equal(rotation, np.eye(3)):
+            g = gravity_in_base(rotation, g)
+        if record is not None:
+            record = replace(record, mount=None)
+    arm = load(fluid_density(fluid), gripper, gravity=g, arm=record)
     return arm if payload is None else _with_payload(arm, payload)
 
 

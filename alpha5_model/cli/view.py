@@ -81,7 +81,7 @@ def view(
     if video is not None and motion is None:
         raise InputError("video", str(video), "a --motion to show in it")
 
-    arm = values.arm_in(fluid, options.DOWN, gripper, "0 0 0", None)
+    arm = values.arm_in(fluid, options.DOWN, gripper, None, None)
     shown = build_scene(
         arm,
         None if pose is None else _position(arm, pose),

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Annotated, Any
 
 from typer import Option
 
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
-from alpha5_model.cli import options, printing
+from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.words import WORDS
 from alpha5_model.dynamics.collision import without_self_collision
+from alpha5_model.errors import InputError
 from alpha5_model.kinematics import workspace as space
 from alpha5_model.kinematics.catalogue_arm import catalogue
 from alpha5_model.studies.uncertainty.effects import reach, sensitivity
@@ -27,13 +30,20 @@ def workspace(
     samples: Annotated[
         int, Option(help="Points that --self-collision tries.")
     ] = 20_000,
+    arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> None:
     """The exact workspace, and how much of the published one is wrong.
 
+    Nothing is published about an arm of your own: it gets the exact one alone.
+
     Example: alpha5 workspace --self-collision --plot collision.pdf
     """
     check_outputs((), plot=(plot, figures.FORMATS))
+    if arm_file is not None:
+        _of_own_arm(arm_file, plot, self_collision, as_json)
+        return
+
     share = None
     if self_collision:
         with printing.spinner("trying points for self-collision"):
@@ -51,6 +61,39 @@ def workspace(
     if share is not None:
         record = {"without_self_collision": share} | record
     printing.show(as_json, record, _text(record), plot)
+
+
+def _of_own_arm(
+    file: Path, plot: Path | None, self_collision: bool, as_json: bool
+) -> None:
+    """The exact workspace of the arm in a file."""
+    for option, given in (("--plot", plot), ("--self-collision", self_collision)):
+        if given:
+            expected = "the catalogue's arm with it, so no --arm"
+            raise InputError(option, given, expected)
+
+    own = values.arm_record(file)
+    record = {
+        "cross_section_area": {
+            side: space.cross_section_area(side, arm=own) for side in space.SIDES
+        },
+        "volume": space.volume(arm=own),
+        "volume_without_limits": space.volume(limits=False, arm=own),
+        "boundary": {side: space.boundary(side, arm=own) for side in space.SIDES},
+        "singular_theta_2": space.singular_elbow_angles(arm=own),
+    }
+    printing.show(as_json, record, _own_text(record))
+
+
+def _own_text(record: dict[str, Any]) -> printing.Lines:
+    area = 1e4 * record["cross_section_area"]["both"]
+    volume = 1e3 * record["volume"]
+    yield f"The arm reaches {area:.2f} cm² of a half-plane, in all {volume:.3f} L."
+    yield (
+        "\nboundary where both poses can turn; "
+        "R from the axis of axis_e, z above base_link"
+    )
+    yield from _boundary(record["boundary"]["both"])
 
 
 def _record() -> dict[str, Any]:
@@ -88,7 +131,7 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         "\nboundary where both poses can turn; "
         "R from the axis of axis_e, z above base_link"
     )
-    yield from _boundary()
+    yield from _boundary(record["boundary"]["both"])
     if "without_self_collision" in record:
         yield _collision(record["without_self_collision"], words["collision"])
 
@@ -104,12 +147,12 @@ def _regions(errors: space.PublishedErrors, names: dict[str, str]) -> list[str]:
     return table(rows)
 
 
-def _boundary() -> list[str]:
+def _boundary(arcs: Iterable[space.Arc]) -> list[str]:
     rows = [
         ["pose", "bounded by", "centre R, z", "radius", "from R, z", "to R, z"],
         ["", "", "mm", "mm", "mm", "mm"],
     ]
-    for arc in space.boundary():
+    for arc in arcs:
         start, end = arc.points([arc.start, arc.end])
         rows.append(
             [

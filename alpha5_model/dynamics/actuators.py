@@ -65,8 +65,9 @@ from alpha5_model._support.checks import (
 )
 from alpha5_model.errors import MissingParameterError
 from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.motors import CONSTANTS
-from alpha5_model.numbers.parameters import ActuatorParameters, parameters
+from alpha5_model.numbers.parameters import ActuatorParameters, Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Whose efficiency Table 4's eta_max is taken for.
@@ -459,29 +460,36 @@ class Actuator:
 
 def actuator(
     joint: str,
-    constants: str = "printed",
+    constants: str | None = None,
     rotor_inertia: float | None = None,
     screw_lead: float | None = None,
     efficiency: str = "gearbox",
+    arm: Alpha5Parameters | None = None,
 ) -> Actuator:
-    """The actuator of a joint, from Table 4.
+    """The actuator of a joint, from Table 4, or from the record of an arm.
 
     Args:
         joint: ``axis_e`` to ``axis_a``.
         constants: Motor constants to believe: ``"printed"``, ``"torque"`` or
-            ``"voltage"``; see the head of this module.
-        rotor_inertia: At the motor shaft [kg m^2].
+            ``"voltage"``; see the head of this module. None for those of the arm's
+            record, ``"printed"`` for the catalogue's.
+        rotor_inertia: At the motor shaft [kg m^2]; None for that of the arm's record.
         screw_lead: Of the jaw rod [m per turn].
         efficiency: Whose efficiency eta_max is: ``"gearbox"`` or ``"motor"``; see the
             head of this module.
+        arm: Record of an arm of your own; None for the catalogue's.
 
     Raises:
         UnknownNameError: No such joint, or choice of constants or efficiency.
         InputError: A rotor inertia below 0, or a screw lead not above 0.
     """
-    record = parameters()
-    names = tuple(known.name for known in record.joints)
-    number = names.index(choice("joint", joint, names))
+    record = chosen_arm(arm)
+    number = JOINT_NAMES.index(choice("joint", joint, JOINT_NAMES))
+    motors = record.motors
+    if constants is None:
+        constants = motors.constants
+    if rotor_inertia is None:
+        rotor_inertia = motors.rotor_inertias[number]
     return Actuator(
         joint=joint,
         parameters=record.actuators[number],

@@ -11,7 +11,7 @@ from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
 
 def chosen_arm(
-    arm: Alpha5Parameters | None, corrections: Iterable[str]
+    arm: Alpha5Parameters | None, corrections: Iterable[str] = DEFAULT_CORRECTIONS
 ) -> Alpha5Parameters:
     """The record of an arm, which already has its corrections.
 

@@ -25,7 +25,6 @@ ENTRY_POINTS = {
     "description.sdf": "a generator",
     "description.srdf": "a generator",
     "description.verification.checks": "verify_urdf",
-    "dynamics.actuators": "actuator",
     "dynamics.arm_model": "Arm without a record",
     "dynamics.collision": "without_self_collision",
     "dynamics.dimensions": "for which arm kernels and drawn bodies were made",
