@@ -16,6 +16,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+
 from alpha5_model._support.checks import FloatArray, flag, instance
 from alpha5_model.codegen.arm_functions import (
     SUMMARIES,
@@ -27,7 +29,11 @@ from alpha5_model.codegen.casadi_functions import folded
 from alpha5_model.codegen.instructions import program
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.kernel_numbers import arm_parameters
+from alpha5_model.dynamics.kernel_numbers import (
+    arm_dimensions,
+    arm_parameters,
+    kernel_name,
+)
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.kinematics.arm_shape import ArmShape
@@ -75,6 +81,7 @@ def load(
     """
     arm = load_arm(**options) if arm is None else instance("arm", arm, Arm)
     base_parameters = arm_parameters(arm)
+    dimensions = arm_dimensions(arm)
     known: dict[str, Any] = {
         "tolerances": DOUBLE,
         "fluid_density": arm.fluid_density,
@@ -89,12 +96,11 @@ def load(
     shape = ArmShape.from_parameters(arm.parameters)
     if shape != shape_of_kernels():
         interpreted.append("inverse_kinematics")
-    # The dimensions are the catalogue's, as in the kernels; the limits are the arm's.
     for name, function in products(arm.parameters).items():
         made = folded(function, **_inputs_to_fold(function, known))
         summary = program(made).documentation(SUMMARIES[name])
         if compiled and name not in interpreted:
-            made = _compiled(made, base_parameters)
+            made = _compiled(made, base_parameters, dimensions)
         made.__doc__ = summary
         setattr(out, name, made)
     return out
@@ -139,7 +145,10 @@ def _inputs_to_fold(function: casadi.Function, known: dict[str, Any]) -> dict[st
 
 
 def _compiled(
-    function: casadi.Function, parameters: FloatArray, kernel: str | None = None
+    function: casadi.Function,
+    parameters: FloatArray,
+    dimensions: FloatArray,
+    kernel: str | None = None,
 ) -> casadi.Function:
     """A Function that calls a kernel.
 
@@ -148,10 +157,13 @@ def _compiled(
     Args:
         function: Whose name, inputs and outputs it has.
         parameters: Base parameters, for the kernel if they are no input.
+        dimensions: Of the arm.
         kernel: Name of the kernel; the function's own if None.
     """
     library = kernels.module().__file__
-    called = casadi.external(f"alpha5_{kernel or function.name()}", library)
+    numbers = np.concatenate([parameters, dimensions])
+    kernel = kernel_name(kernel or function.name(), numbers)
+    called = casadi.external(f"alpha5_{kernel}", library)
     names = function.name_in()
     inputs: list[Any] = [
         casadi.MX.sym(name, function.sparsity_in(name)) for name in names
@@ -160,12 +172,13 @@ def _compiled(
     given = inputs
     derivative = function.jacobian()
     last = called.n_in() - 1
-    takes_parameters = called.size1_in(last) == len(parameters)
-    if takes_parameters and "parameters" not in names:
-        given = [*inputs[:last], parameters]
+    if "parameters" in names:
+        given = [*inputs[:last], casadi.vertcat(inputs[last], dimensions)]
+    elif called.size1_in(last) == len(numbers):
+        given = [*inputs[:last], numbers]
         if function.name() in _DERIVATIVES:
             kernel = _DERIVATIVES[function.name()]
-            derivative = _compiled(derivative, parameters, kernel)
+            derivative = _compiled(derivative, parameters, dimensions, kernel)
 
     outputs: list[Any] = []
     for i, rows in enumerate(called.call(given)):

@@ -27,8 +27,14 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray, instance
 from alpha5_model.codegen.kernels.generated import formulas, products
+from alpha5_model.codegen.kernels.names import own
+from alpha5_model.codegen.payload import slope_by_moments_at_the_tcp
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.kernel_numbers import arm_parameters
+from alpha5_model.dynamics.kernel_numbers import (
+    arm_dimensions,
+    arm_parameters,
+    dimensions_of_kernels,
+)
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import ShapeError, needing
 from alpha5_model.kinematics.catalogue_arm import kinematics_of
@@ -66,7 +72,9 @@ class Solutions(NamedTuple):
 
 
 @partial(
-    register_dataclass, data_fields=("parameters", "fluid_density"), meta_fields=()
+    register_dataclass,
+    data_fields=("parameters", "fluid_density", "dimensions", "payload_slope"),
+    meta_fields=(),
 )
 @dataclass(frozen=True, eq=False)
 class JaxArm:
@@ -80,81 +88,98 @@ class JaxArm:
             A NumPy array is folded into what is compiled; a JAX array is an input like
             any other.
         fluid_density: Around a payload [kg/m^3].
+        dimensions: Lengths, zeros and tool, (24,), see
+            `alpha5_model.codegen.dimensions`; None for the catalogue's.
+        payload_slope: Of the parameters by the moments of a body at the tcp, (41, 32);
+            None for the catalogue's dimensions.
     """
 
     parameters: Any
     fluid_density: Any
+    dimensions: Any = None
+    payload_slope: Any = None
+
+    @property
+    def _numbers(self) -> Any:
+        """The last input of the dynamics: base parameters, then dimensions."""
+        dimensions = self.dimensions
+        if dimensions is None:
+            dimensions = dimensions_of_kernels()
+        parts = self.parameters, dimensions
+        if any(map(_is_for_jax, parts)):
+            return jnp.concatenate([jnp.asarray(part) for part in parts])
+        return np.concatenate(parts)
 
     def forward_kinematics(self, q: Numbers) -> Array:
         """Pose of the tcp in base_link, (4, 4)."""
-        return _only("forward_kinematics", q)
+        return _only(*_kinematics(self, "forward_kinematics", q))
 
     def link_poses(self, q: Numbers) -> Arrays:
         """Poses of link_1 to link_4 in base_link, (4, 4) each."""
-        return _computed("link_poses", q)
+        return _computed(*_kinematics(self, "link_poses", q))
 
     def jacobian(self, q: Numbers) -> Array:
         """Of the tcp in the axes of base_link, (6, 4): linear above angular."""
-        return _only("jacobian", q)
+        return _only(*_kinematics(self, "jacobian", q))
 
     def gravity_torque(self, q: Numbers) -> Array:
         """Torque that holds the weight, (4,) [N m]."""
-        return _only("gravity_torque", q, self.parameters)
+        return _only("gravity_torque", q, self._numbers)
 
     def buoyancy_torque(self, q: Numbers) -> Array:
         """Torque that the water applies, (4,) [N m]."""
-        return _only("buoyancy_torque", q, self.parameters)
+        return _only("buoyancy_torque", q, self._numbers)
 
     def hydrostatic_torque(self, q: Numbers) -> Array:
         """Torque that holds the arm still in the water, (4,) [N m]."""
-        return _only("hydrostatic_torque", q, self.parameters)
+        return _only("hydrostatic_torque", q, self._numbers)
 
     def hydrostatic_torque_derivative(self, q: Numbers) -> Array:
         """With respect to q, (4, 4)."""
-        return _only("hydrostatic_torque_derivative", q, self.parameters)
+        return _only("hydrostatic_torque_derivative", q, self._numbers)
 
     def mass_matrix(self, q: Numbers) -> Array:
         """M(q), (4, 4) [kg m^2]."""
-        return _only("mass_matrix", q, self.parameters)
+        return _only("mass_matrix", q, self._numbers)
 
     def coriolis_matrix(self, q: Numbers, v: Numbers) -> Array:
         """C(q, v), (4, 4)."""
-        return _only("coriolis_matrix", q, v, self.parameters)
+        return _only("coriolis_matrix", q, v, self._numbers)
 
     def nonlinear_effects(self, q: Numbers, v: Numbers) -> Array:
         """``C(q, v) v + hydrostatic_torque(q)``, (4,) [N m]."""
-        return _only("nonlinear_effects", q, v, self.parameters)
+        return _only("nonlinear_effects", q, v, self._numbers)
 
     def inverse_dynamics(self, q: Numbers, v: Numbers, a: Numbers) -> Array:
         """Joint torque for a motion, water included, (4,) [N m]."""
-        return _only("inverse_dynamics", q, v, a, self.parameters)
+        return _only("inverse_dynamics", q, v, a, self._numbers)
 
     def inverse_dynamics_derivatives(
         self, q: Numbers, v: Numbers, a: Numbers
     ) -> Arrays:
         """dtau/dq, dtau/dv, dtau/da = M, (4, 4) each."""
-        return _computed("inverse_dynamics_derivatives", q, v, a, self.parameters)
+        return _computed("inverse_dynamics_derivatives", q, v, a, self._numbers)
 
     def forward_dynamics(self, q: Numbers, v: Numbers, tau: Numbers) -> Array:
         """Joint acceleration under a torque, water included, (4,) [rad/s^2]."""
-        return _only("forward_dynamics", q, v, tau, self.parameters)
+        return _only("forward_dynamics", q, v, tau, self._numbers)
 
     def forward_dynamics_derivatives(
         self, q: Numbers, v: Numbers, tau: Numbers
     ) -> Arrays:
         """da/dq, da/dv, da/dtau = M^-1, (4, 4) each."""
-        return _computed("forward_dynamics_derivatives", q, v, tau, self.parameters)
+        return _computed("forward_dynamics_derivatives", q, v, tau, self._numbers)
 
     def base_wrench(self, q: Numbers, v: Numbers, a: Numbers) -> Array:
         """Force above moment that the arm exerts on its mount, (6,) [N, N m].
 
         Both are at the origin and in the axes of base_link.
         """
-        return _only("base_wrench", q, v, a, self.parameters)
+        return _only("base_wrench", q, v, a, self._numbers)
 
     def base_wrench_derivatives(self, q: Numbers, v: Numbers, a: Numbers) -> Arrays:
         """dw/dq, dw/dv, dw/da, (6, 4) each."""
-        return _computed("base_wrench_derivatives", q, v, a, self.parameters)
+        return _computed("base_wrench_derivatives", q, v, a, self._numbers)
 
     def with_payload(
         self,
@@ -174,9 +199,7 @@ class JaxArm:
             volume: Displaced volume [m^3].
             cob: Centre of buoyancy in tcp, (3,) [m]; None for the COM.
         """
-        parameters = _only(
-            "with_payload",
-            self.parameters,
+        body = (
             mass,
             com,
             np.zeros((3, 3)) if inertia is None else inertia,
@@ -184,6 +207,11 @@ class JaxArm:
             com if cob is None else cob,
             self.fluid_density,
         )
+        if self.dimensions is None:
+            parameters = _only("with_payload", self.parameters, *body)
+        else:
+            moments = _only("moments_of_body", *body)
+            parameters = self.parameters + self.payload_slope @ moments
         return replace(self, parameters=parameters)
 
 
@@ -198,7 +226,12 @@ def load(arm: Arm | None = None, **options: Any) -> JaxArm:
         InputError: The arm's base floats, or its jaws move.
     """
     arm = load_arm(**options) if arm is None else instance("arm", arm, Arm)
-    return JaxArm(parameters=arm_parameters(arm), fluid_density=arm.fluid_density)
+    made = JaxArm(parameters=arm_parameters(arm), fluid_density=arm.fluid_density)
+    dimensions = arm_dimensions(arm)
+    if np.array_equal(dimensions, dimensions_of_kernels()):
+        return made
+    slope = slope_by_moments_at_the_tcp(arm.parameters)
+    return replace(made, dimensions=dimensions, payload_slope=slope)
 
 
 def inverse_kinematics(
@@ -245,6 +278,13 @@ def _without_slope(q: Array, exists: Array, moved: Array) -> Array:
     half = jnp.where(exists, 0.0, largest / 2)[:, None]
     quarter = jnp.where(exists, 0.0, largest / 4)[:, None]
     return q + half * (half * moved) - quarter * (quarter * moved)
+
+
+def _kinematics(arm: JaxArm, name: str, q: Numbers) -> tuple[Any, ...]:
+    """The formula for the arm's dimensions, and its inputs."""
+    if arm.dimensions is None:
+        return name, q
+    return own(name), q, arm._numbers
 
 
 def _only(name: str, *given: Numbers) -> Array:

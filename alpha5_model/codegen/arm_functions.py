@@ -6,11 +6,10 @@ CasADi is needed to generate the code, not to run it.
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
-import numpy as np
-
-from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.regrouping import BASE_PARAMETERS, moments, regrouped
+from alpha5_model.codegen.payload import slope_by_moments_at_the_tcp
+from alpha5_model.codegen.regrouping import BASE_PARAMETERS, moments
 from alpha5_model.errors import needing
 from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.plane import ArmPlane
@@ -22,11 +21,12 @@ with needing("making code of the equations", "pip install casadi"):
     import casadi as casadi  # for alpha5_model.casadi, too
 
 from alpha5_model.codegen.casadi_functions import folded, named, renamed
-from alpha5_model.codegen.chain import turns
 from alpha5_model.codegen.closed_form_ik import inverse_kinematics
+from alpha5_model.codegen.dimensions import Dimensions, twists
+from alpha5_model.codegen.kernels.names import KINEMATICS, own
 from alpha5_model.codegen.moving_water import in_moving_water
 from alpha5_model.codegen.own_arm_ik import own_arm_inverse_kinematics
-from alpha5_model.codegen.still_water import dynamics
+from alpha5_model.codegen.still_water import dynamics, dynamics_of_any_arm
 from alpha5_model.codegen.words import WORDS
 
 #: Name -> meaning of the functions that users get, in order.
@@ -37,15 +37,24 @@ SUMMARIES = WORDS["functions"]
 def functions(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
     """The functions of the kernels, by name.
 
-    Their inputs and outputs have the names of ``words.toml``.
+    Their inputs and outputs have the names of ``words.toml``. The dynamics takes the
+    dimensions of an arm behind its base parameters. The kinematics comes twice: with
+    the dimensions of one arm as constants, which is shorter, and for any arm, see
+    `own`.
 
     Args:
         parameters: The arm's parameters; its dimensions and joint limits become
-            constants of the functions.
+            constants of its kinematics.
     """
+    structure = twists(parameters)
+    of_any_arm = {one.name(): one for one in dynamics_of_any_arm(structure)}
+    kinematics = [of_any_arm.pop(name) for name in KINEMATICS]
+    of_this_arm = dynamics(Dimensions.from_parameters(parameters))
     every = [
-        *dynamics(parameters),
-        *in_moving_water(parameters),
+        *(one for one in of_this_arm if one.name() in KINEMATICS),
+        *of_any_arm.values(),
+        *(renamed(one, own(one.name())) for one in kinematics),
+        *in_moving_water(structure),
         folded(inverse_kinematics_of(parameters), tolerances=DOUBLE),
     ]
     for tool_on_axis in (True, False):
@@ -57,9 +66,10 @@ def functions(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
 def products(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
     """The functions for users of JAX, CasADi and C, named as the methods of an arm.
 
-    The base parameters and the tolerances are inputs.
+    The base parameters and the tolerances are inputs, the dimensions constants.
     """
-    known = functions(parameters) | {
+    dimensions = Dimensions.from_parameters(parameters)
+    known = {one.name(): one for one in dynamics(dimensions)} | {
         "inverse_kinematics": inverse_kinematics_of(parameters),
         "with_payload": _with_payload(parameters),
     }
@@ -87,12 +97,26 @@ def inverse_kinematics_of(parameters: Alpha5Parameters) -> casadi.Function:
 
 
 def _with_payload(parameters: Alpha5Parameters) -> casadi.Function:
-    """The base parameters of an arm that holds a body at its tcp.
-
-    They are linear in the moments of the body.
-    """
+    """The base parameters of an arm that holds a body at its tcp."""
     base_parameters = casadi.SX.sym("parameters", len(BASE_PARAMETERS))
-    body = {
+    body = _body()
+    slope = casadi.DM(slope_by_moments_at_the_tcp(parameters).round(15))
+    added = slope @ _moments(body)
+    return named(
+        "with_payload",
+        {"parameters": base_parameters, **body},
+        {"parameters_with_payload": base_parameters + added},
+    )
+
+
+def moments_of_body() -> casadi.Function:
+    """The moments of a body and of what it displaces, (32,), see `moments`."""
+    body = _body()
+    return named("moments_of_body", body, {"moments": _moments(body)})
+
+
+def _body() -> dict[str, casadi.SX]:
+    return {
         "mass": casadi.SX.sym("mass", 1),
         "com": casadi.SX.sym("com", 3),
         "inertia": casadi.SX.sym("inertia", 3, 3),
@@ -100,24 +124,7 @@ def _with_payload(parameters: Alpha5Parameters) -> casadi.Function:
         "cob": casadi.SX.sym("cob", 3),
         "fluid_density": casadi.SX.sym("fluid_density", 1),
     }
-    moments_of_body = casadi.veccat(*moments(**body, stack=casadi.vertcat))
-    slope = casadi.DM(_slope_by_moments_at_the_tcp(parameters).round(15))
-    return named(
-        "with_payload",
-        {"parameters": base_parameters, **body},
-        {"parameters_with_payload": base_parameters + slope @ moments_of_body},
-    )
 
 
-def _slope_by_moments_at_the_tcp(parameters: Alpha5Parameters) -> FloatArray:
-    """Derivatives of the base parameters by the moments of a body in tcp, (41, 32)."""
-    *_, link_4_to_tcp = turns(casadi.SX.zeros(4), parameters)
-    tcp_in_link_4 = np.array(casadi.evalf(link_4_to_tcp.pose()))
-    nothing = np.zeros((2, 4, 4))
-
-    columns = []
-    for unit in np.eye(32).reshape(32, 2, 4, 4):
-        in_link_4 = tcp_in_link_4 @ unit @ tcp_in_link_4.T
-        links = [nothing, nothing, nothing, nothing, in_link_4]
-        columns.append(regrouped(links, np.zeros(3), parameters))
-    return np.array(columns).T
+def _moments(body: dict[str, casadi.SX]) -> Any:
+    return casadi.veccat(*moments(**body, stack=casadi.vertcat))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import casadi
 from casadi import SX, horzcat, vertcat, vertsplit
 
-from alpha5_model.errors import InputError
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.codegen.dimensions import Dimensions, QuarterTurns
 
 
 class Turn(NamedTuple):
@@ -59,54 +57,47 @@ class Turn(NamedTuple):
         return vertcat(horzcat(*axes, self.origin), last_row)
 
 
-def turns(q: SX, parameters: Alpha5Parameters) -> list[Turn]:
-    """The five steps from base to link 1, from each link to the next, and to the tcp.
+def turns(q: SX, dimensions: Dimensions) -> list[Turn]:
+    """The four steps from base to link 1, and from each link to the next.
 
     Args:
         q: (4, 1).
-        parameters: The arm's parameters; only its dimensions are used.
-
-    Raises:
-        InputError: The arm has another tool than Table 1's.
+        dimensions: Of the arm.
     """
-    if parameters.tool is not None:
-        expected = "the tool point of Table 1, for which equations are generated"
-        raise InputError("tool", parameters.tool.position, expected)
-    angles = [(casadi.cos(angle), casadi.sin(angle)) for angle in vertsplit(q)]
-    angles.append((SX(1.0), SX(0.0)))  # the tcp does not turn
-
+    no_twist = QuarterTurns(cosine=1, sine=0)
+    twists = (no_twist, *dimensions.twists)
+    offsets = zip(dimensions.cosines, dimensions.sines, strict=True)
     steps = []
-    origin = [0.0, 0.0, 0.0]
-    twist = 0.0
-    for row, (cosine, sine) in zip(parameters.dh, angles, strict=True):
+    for angle, offset, origin, twist in zip(
+        vertsplit(q), offsets, dimensions.origins, twists, strict=True
+    ):
         # From cos(q) and sin(q), as q + offset would round large angles.
-        offset_cosine = _exact(math.cos(row.theta_offset))
-        offset_sine = _exact(math.sin(row.theta_offset))
+        cosine = casadi.cos(angle)
+        sine = casadi.sin(angle)
+        offset_cosine, offset_sine = offset
         step = Turn(
-            origin=SX(origin),
+            origin=vertcat(*origin),
             cosine=offset_cosine * cosine - offset_sine * sine,
             sine=offset_sine * cosine + offset_cosine * sine,
-            twist_cosine=round(math.cos(twist)),
-            twist_sine=round(math.sin(twist)),
+            twist_cosine=twist.cosine,
+            twist_sine=twist.sine,
         )
         steps.append(step)
-
-        origin = [row.a, 0.0, row.d]
-        twist = row.alpha
     return steps
 
 
-def _exact(value: float) -> float:
-    """A sine or cosine, exact for multiples of pi/2."""
-    nearest = float(round(value))
-    return nearest if abs(value - nearest) < 1e-15 else value
-
-
-def link_poses(q: SX, parameters: Alpha5Parameters) -> list[SX]:
+def link_poses(q: SX, dimensions: Dimensions) -> list[SX]:
     """Poses in base_link of link 1 to link 4 and of the tcp, (4, 4) each."""
     poses = []
     pose = SX.eye(4)
-    for step in turns(q, parameters):
+    for step in turns(q, dimensions):
         pose = pose @ step.pose()
         poses.append(pose)
-    return poses
+    return [*poses, pose @ tool_pose(dimensions)]
+
+
+def tool_pose(dimensions: Dimensions) -> SX:
+    """Pose of the tcp in link_4, (4, 4)."""
+    tool = dimensions.tool
+    rows = [horzcat(*tool[start : start + 4]) for start in (0, 4, 8)]
+    return vertcat(*rows, SX([[0.0, 0.0, 0.0, 1.0]]))

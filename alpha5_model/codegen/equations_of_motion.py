@@ -22,8 +22,8 @@ import casadi
 from casadi import SX, cross, horzcat, jacobian, vertcat, vertsplit
 
 from alpha5_model.codegen.chain import Turn, turns
+from alpha5_model.codegen.dimensions import Dimensions
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, SECOND
-from alpha5_model.numbers.parameters import Alpha5Parameters
 
 JOINTS = 4
 #: No velocities, or no accelerations.
@@ -110,7 +110,7 @@ def newton_euler(
     v: SX,
     a: SX,
     base_parameters: SX,
-    parameters: Alpha5Parameters,
+    dimensions: Dimensions,
     current: SX | None = None,
     load: Load = without_mass,
 ) -> tuple[SX, SX]:
@@ -122,7 +122,7 @@ def newton_euler(
     Args:
         q, v, a: Joint positions, velocities and accelerations, (4, 1) each.
         base_parameters: `BASE_PARAMETERS`, (41, 1).
-        parameters: The arm's parameters; only its dimensions are used.
+        dimensions: Of the arm.
         current: Velocity of the water in base_link, (3, 1); None for still water.
         load: What the motion of a link takes beside its first and second moments.
 
@@ -140,7 +140,7 @@ def newton_euler(
         gravity=gravity,
     )
 
-    steps = turns(q, parameters)[:JOINTS]
+    steps = turns(q, dimensions)
     loads = []
     for i, step in enumerate(steps):
         motion = motion.beyond(step, v[i], a[i])

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from itertools import accumulate
 
 import casadi
 from casadi import SX, cross, fabs, horzcat, sqrt, vertcat, vertsplit
 
 from alpha5_model.codegen.added_mass_and_drag import STRIPS, WATER_PARAMETERS, StripKind
 from alpha5_model.codegen.casadi_functions import named
+from alpha5_model.codegen.dimensions import DIMENSIONS, Dimensions, QuarterTurns
 from alpha5_model.codegen.equations_of_motion import (
     JOINTS,
     STILL,
@@ -26,40 +28,39 @@ from alpha5_model.codegen.equations_of_motion import (
 )
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, SECOND
 from alpha5_model.numbers.hydrodynamics import gauss_rule
-from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
-def in_moving_water(parameters: Alpha5Parameters) -> tuple[casadi.Function, ...]:
-    """Inverse and forward dynamics.
+def in_moving_water(twists: tuple[QuarterTurns, ...]) -> tuple[casadi.Function, ...]:
+    """Inverse and forward dynamics of arms with any dimensions but these twists.
 
-    Their inputs are those of `alpha5_model.codegen.still_water.dynamics`, and the
-    current. The input ``parameters`` holds the base parameters with what the water adds
-    to them, then `WATER_PARAMETERS`.
+    Their inputs are q, v, a, tau, the current, and ``parameters``: the base parameters
+    with what the water adds to them, then `WATER_PARAMETERS`, then the numbers of the
+    dimensions.
     """
     q = SX.sym("q", JOINTS)
     v = SX.sym("v", JOINTS)
     a = SX.sym("a", JOINTS)
     tau = SX.sym("tau", JOINTS)
     current = SX.sym("current", 3)
-    numbers = SX.sym("parameters", len(BASE_PARAMETERS) + len(WATER_PARAMETERS))
+    sizes = [len(BASE_PARAMETERS), len(WATER_PARAMETERS), DIMENSIONS]
+    parameters = SX.sym("parameters", sum(sizes))
     inputs = {
         "q": q,
         "v": v,
         "a": a,
         "tau": tau,
         "current": current,
-        "parameters": numbers,
+        "parameters": parameters,
     }
 
-    base, water = vertsplit(numbers, [0, len(BASE_PARAMETERS), numbers.shape[0]])
-    by_name = dict(zip(WATER_PARAMETERS, vertsplit(water), strict=True))
-    load = partial(_load, by_name)
+    base, water, numbers = vertsplit(parameters, [0, *accumulate(sizes)])
+    dimensions = Dimensions.from_numbers(vertsplit(numbers), twists)
+    load = partial(_load, dict(zip(WATER_PARAMETERS, vertsplit(water), strict=True)))
 
-    torque, _ = newton_euler(q, v, a, base, parameters, current, load)
-    bias, _ = newton_euler(q, v, STILL, base, parameters, current, load)
-    inertial, _ = newton_euler(
-        q, STILL, a, weightless(base), parameters, SX.zeros(3), load
-    )
+    torque, _ = newton_euler(q, v, a, base, dimensions, current, load)
+    bias, _ = newton_euler(q, v, STILL, base, dimensions, current, load)
+    no_weight = weightless(base)
+    inertial, _ = newton_euler(q, STILL, a, no_weight, dimensions, STILL[:3], load)
     factors = casadi.ldl(mass_matrix(inertial, a), False)
     acceleration = casadi.ldl_solve(tau - bias, *factors)
     return (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.codegen.arm_functions import functions, products
+from alpha5_model.codegen.arm_functions import functions, moments_of_body, products
 from alpha5_model.codegen.compiled_code import kernels
 from alpha5_model.codegen.instructions import program
 from alpha5_model.codegen.javascript_code import javascript
@@ -46,8 +46,10 @@ def generated_sources() -> dict[str, str]:
     every = [program(function) for function in known.values()]
     upright_bodies = [program(upright(known[name])) for name in UPRIGHT]
     one_target = [program(known[name]) for name in _INVERSE_KINEMATICS]
-    on_the_page = [program(known[name]) for name in _ON_THE_PAGE]
+    page = for_users | {"inverse_kinematics": known["inverse_kinematics"]}
+    on_the_page = [program(page[name]) for name in _ON_THE_PAGE]
     own = [program(for_users[name]) for name in ("inverse_kinematics", "with_payload")]
+    own.append(program(moments_of_body()))
     for tool_on_axis in (True, False):
         own.append(program(own_arm_inverse_kinematics(tool_on_axis)))
     files = {

@@ -9,10 +9,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import casadi
-from casadi import SX, horzcat, jacobian, vertcat
+from casadi import SX, horzcat, jacobian, vertcat, vertsplit
 
 from alpha5_model.codegen.casadi_functions import named
 from alpha5_model.codegen.chain import link_poses
+from alpha5_model.codegen.dimensions import DIMENSIONS, Dimensions, QuarterTurns
 from alpha5_model.codegen.equations_of_motion import (
     JOINTS,
     STILL,
@@ -22,47 +23,74 @@ from alpha5_model.codegen.equations_of_motion import (
     weightless,
 )
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS
-from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Name of a function -> name of an output -> its expression.
 Outputs = dict[str, dict[str, SX]]
 
 
 class Inputs(NamedTuple):
-    """The symbols that the functions depend on, with the names of ``words.toml``."""
+    """The symbols that the functions depend on; ``base`` are the base parameters."""
 
     q: SX
     v: SX
     a: SX
     tau: SX
-    parameters: SX
+    base: SX
 
 
-def dynamics(parameters: Alpha5Parameters) -> tuple[casadi.Function, ...]:
-    """Every function; the inputs are among q, v, a, tau and the base parameters."""
+def dynamics(dimensions: Dimensions) -> tuple[casadi.Function, ...]:
+    """Every function, for an arm whose dimensions become constants.
+
+    The inputs are among q, v, a, tau, and the base parameters as ``parameters``.
+    """
+    base = SX.sym("parameters", len(BASE_PARAMETERS))
+    return _functions(base, base, dimensions)
+
+
+def dynamics_of_any_arm(
+    twists: tuple[QuarterTurns, ...],
+) -> tuple[casadi.Function, ...]:
+    """Every function, for arms with any dimensions but these twists.
+
+    The inputs are among q, v, a, tau and ``parameters``: the base parameters, then the
+    numbers of the dimensions.
+    """
+    parameters = SX.sym("parameters", len(BASE_PARAMETERS) + DIMENSIONS)
+    base, numbers = vertsplit(
+        parameters, [0, len(BASE_PARAMETERS), parameters.shape[0]]
+    )
+    dimensions = Dimensions.from_numbers(vertsplit(numbers), twists)
+    return _functions(parameters, base, dimensions)
+
+
+def _functions(
+    parameters: SX, base: SX, dimensions: Dimensions
+) -> tuple[casadi.Function, ...]:
+    """Every function; its input ``parameters`` holds the base parameters."""
     x = Inputs(
         q=SX.sym("q", JOINTS),
         v=SX.sym("v", JOINTS),
         a=SX.sym("a", JOINTS),
         tau=SX.sym("tau", JOINTS),
-        parameters=SX.sym("parameters", len(BASE_PARAMETERS)),
+        base=base,
     )
-    inertial, _ = newton_euler(x.q, STILL, x.a, weightless(x.parameters), parameters)
+    inertial, _ = newton_euler(x.q, STILL, x.a, weightless(x.base), dimensions)
     mass = mass_matrix(inertial, x.a)
 
     functions = {
-        **_kinematics(x, parameters),
-        **_statics(x, parameters),
-        **_terms_of_motion(x, mass, parameters),
-        **_inverse_dynamics(x, mass, parameters),
-        **_forward_dynamics(x, mass, parameters),
+        **_kinematics(x, dimensions),
+        **_statics(x, dimensions),
+        **_terms_of_motion(x, mass, dimensions),
+        **_inverse_dynamics(x, mass, dimensions),
+        **_forward_dynamics(x, mass, dimensions),
     }
-    inputs = x._asdict()
+    inputs = {**x._asdict(), "parameters": parameters}
+    del inputs["base"]
     return tuple(named(name, inputs, outputs) for name, outputs in functions.items())
 
 
-def _kinematics(x: Inputs, parameters: Alpha5Parameters) -> Outputs:
-    *links, tip = link_poses(x.q, parameters)
+def _kinematics(x: Inputs, dimensions: Dimensions) -> Outputs:
+    *links, tip = link_poses(x.q, dimensions)
     axes = horzcat(*(link[:3, 2] for link in links))
     linear = jacobian(tip[:3, 3], x.q)
     return {
@@ -72,9 +100,9 @@ def _kinematics(x: Inputs, parameters: Alpha5Parameters) -> Outputs:
     }
 
 
-def _statics(x: Inputs, parameters: Alpha5Parameters) -> Outputs:
-    holding, _ = newton_euler(x.q, STILL, STILL, x.parameters, parameters)
-    weight, _ = newton_euler(x.q, STILL, STILL, in_air(x.parameters), parameters)
+def _statics(x: Inputs, dimensions: Dimensions) -> Outputs:
+    holding, _ = newton_euler(x.q, STILL, STILL, x.base, dimensions)
+    weight, _ = newton_euler(x.q, STILL, STILL, in_air(x.base), dimensions)
     return {
         "gravity_torque": {"tau": weight},
         "buoyancy_torque": {"tau": weight - holding},
@@ -83,10 +111,10 @@ def _statics(x: Inputs, parameters: Alpha5Parameters) -> Outputs:
     }
 
 
-def _terms_of_motion(x: Inputs, mass: SX, parameters: Alpha5Parameters) -> Outputs:
-    without_weight = weightless(x.parameters)
-    coriolis, _ = newton_euler(x.q, x.v, STILL, without_weight, parameters)
-    bias, _ = newton_euler(x.q, x.v, STILL, x.parameters, parameters)
+def _terms_of_motion(x: Inputs, mass: SX, dimensions: Dimensions) -> Outputs:
+    without_weight = weightless(x.base)
+    coriolis, _ = newton_euler(x.q, x.v, STILL, without_weight, dimensions)
+    bias, _ = newton_euler(x.q, x.v, STILL, x.base, dimensions)
     return {
         "mass_matrix": {"tau_a": mass},
         "coriolis_torque": {"tau": coriolis},
@@ -95,8 +123,8 @@ def _terms_of_motion(x: Inputs, mass: SX, parameters: Alpha5Parameters) -> Outpu
     }
 
 
-def _inverse_dynamics(x: Inputs, mass: SX, parameters: Alpha5Parameters) -> Outputs:
-    torque, wrench = newton_euler(x.q, x.v, x.a, x.parameters, parameters)
+def _inverse_dynamics(x: Inputs, mass: SX, dimensions: Dimensions) -> Outputs:
+    torque, wrench = newton_euler(x.q, x.v, x.a, x.base, dimensions)
     return {
         "inverse_dynamics": {"tau": torque},
         "inverse_dynamics_derivatives": {
@@ -114,14 +142,14 @@ def _inverse_dynamics(x: Inputs, mass: SX, parameters: Alpha5Parameters) -> Outp
     }
 
 
-def _forward_dynamics(x: Inputs, mass: SX, parameters: Alpha5Parameters) -> Outputs:
+def _forward_dynamics(x: Inputs, mass: SX, dimensions: Dimensions) -> Outputs:
     """Accelerations and their derivatives.
 
     The derivatives are ``-M^-1 dtau/dq`` at that acceleration, ``-M^-1 dtau/dv`` and
     ``M^-1``.
     """
-    torque, _ = newton_euler(x.q, x.v, x.a, x.parameters, parameters)
-    bias, _ = newton_euler(x.q, x.v, STILL, x.parameters, parameters)
+    torque, _ = newton_euler(x.q, x.v, x.a, x.base, dimensions)
+    bias, _ = newton_euler(x.q, x.v, STILL, x.base, dimensions)
     factors = casadi.ldl(mass, False)
     acceleration = casadi.ldl_solve(x.tau - bias, *factors)
 

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, count
 from alpha5_model.codegen.kernels import choice as kernels
+from alpha5_model.dynamics.kernel_numbers import kernel_name
 from alpha5_model.dynamics.scratch import Scratch
 from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import KernelError
@@ -54,7 +55,8 @@ def kernel_rows(
         columns: Number of columns of its output.
         threads: How many threads Pinocchio uses at most. The kernels use one, but the
             number is checked in any case.
-        parameters: Parameters of the kernel; None for the arm's base parameters.
+        parameters: Parameters of the kernel; None for the arm's base parameters and
+            dimensions.
         states: q and its rates, by name.
 
     Raises:
@@ -109,7 +111,8 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
     """
     arm._frame(frame)
     if frame == "tcp" and arm._kernel_parameters is not None:
-        poses = kernel_rows(arm, "forward_kinematics", 16, 1, q=q)
+        kernel = kernel_name("forward_kinematics", arm._kernel_parameters)
+        poses = kernel_rows(arm, kernel, 16, 1, q=q)
         return poses[:, 3:12:4].copy()
     (configurations,) = rows(arm._model, q=q)
     origins = [arm.forward_kinematics(row, frame).translation for row in configurations]

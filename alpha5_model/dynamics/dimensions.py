@@ -46,28 +46,35 @@ def has_dimensions(model: pin.Model, tolerance: float = EXACT) -> bool:
 
 
 def check_dimensions(
-    model: pin.Model, needed_for: str, tolerance: float = EXACT
+    model: pin.Model,
+    needed_for: str,
+    tolerance: float = EXACT,
+    arm: Alpha5Parameters | None = None,
 ) -> None:
-    """Check that the joints and the tcp of a model are where the catalogue's are.
+    """Check that the joints and the tcp of a model are where a record has them.
 
     Args:
         model: pin.Model of an arm, on any base and with any gripper.
         needed_for: The computation that needs these dimensions, for the message.
         tolerance: Largest error of a position, also by rotation at the reach [m].
+        arm: The record; None for the catalogue's.
 
     Raises:
         InputError: A joint or the tcp is elsewhere, or not there.
     """
-    name, distance = _farthest(model, made_for())
+    known = made_for()
+    record = known if arm is None else arm
+    name, distance = _farthest(model, record)
     if distance <= tolerance:
         return
 
     missing = np.isinf(distance)
     off = f"{name} {distance * 1e3:.3g} mm off"
+    source = "Table 1" if record is known else "its record"
     raise InputError(
         "arm",
         f"an arm without {name}" if missing else off,
-        f"the dimensions of Table 1, for which {needed_for} was made",
+        f"the dimensions of {source}, for which {needed_for} was made",
     )
 
 

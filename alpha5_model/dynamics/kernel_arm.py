@@ -14,8 +14,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.dynamics.arm import Arm, Forces
 from alpha5_model.dynamics.buoyancy import Displacement
-from alpha5_model.dynamics.dimensions import check_dimensions
-from alpha5_model.dynamics.kernel_numbers import SAME_FRAME
+from alpha5_model.dynamics.kernel_numbers import kernel_name
 from alpha5_model.dynamics.states import state_vectors
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -58,20 +57,21 @@ class KernelArm(Arm):
         super().__init__(model, displacements, fluid_density, parameters=parameters)
         numbers = self._kernel_parameters
         if numbers is None:
-            if not self.floating_base and len(self.joint_names) == 4:
-                check_dimensions(self._model, "the generated kernels", SAME_FRAME)
             expected = "the joints of a Reach Alpha 5 on a fixed base"
             raise InputError("model", model, expected)
 
         bind = kernels.module().bind
-        self._kernels = {name: bind(name, numbers) for name in _INPUTS}
+        names = {method: kernel_name(method, numbers) for method in _INPUTS}
+        self._kernels = {
+            method: bind(kernel, numbers) for method, kernel in names.items()
+        }
         self._kernels["base_wrench"] = bind("base_wrench", numbers)
         # The fallbacks are methods of another object. Methods of this one would make a
         # reference cycle, which keeps its memory until the garbage collector runs.
         plain = object.__new__(type(self))
         plain.__dict__ |= self.__dict__
-        for name in _INPUTS:
-            self.__dict__[name] = bind(name, numbers, getattr(plain, name))
+        for method, kernel in names.items():
+            self.__dict__[method] = bind(kernel, numbers, getattr(plain, method))
 
     def base_wrench(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None

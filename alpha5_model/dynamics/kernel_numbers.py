@@ -1,7 +1,7 @@
-"""The numbers of an arm for the generated kernels: its base parameters.
+"""The numbers of an arm for the generated kernels: base parameters and dimensions.
 
-The kernels know the joints and frames of the Reach Alpha 5 on a fixed base with locked
-jaws. Bodies, payloads included, fluid and gravity are parameters.
+The kernels know the joints of the Reach Alpha 5 on a fixed base with locked jaws.
+Bodies, payloads included, fluid, gravity, lengths, zeros and tool are parameters.
 """
 
 from __future__ import annotations
@@ -12,8 +12,14 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
-from alpha5_model.codegen.regrouping import moments, regrouped
-from alpha5_model.description.frames import joint_placements, tcp_placement
+from alpha5_model.codegen.dimensions import Dimensions, has_known_structure
+from alpha5_model.codegen.kernels.names import KINEMATICS, own
+from alpha5_model.codegen.regrouping import BASE_PARAMETERS, moments, regrouped
+from alpha5_model.description.frames import (
+    base_placement,
+    joint_placements,
+    tcp_placement,
+)
 from alpha5_model.dynamics.dimensions import check_dimensions, made_for
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -32,22 +38,41 @@ def arm_parameters(arm: Any) -> FloatArray:
 
     Raises:
         InputError: The kernels do not know its joints: a floating base, jaws that move,
-            or other dimensions than the catalogue's.
+            or joints that are not where the arm's record has them.
     """
+    return _numbers(arm)[: len(BASE_PARAMETERS)]
+
+
+def arm_dimensions(arm: Any) -> FloatArray:
+    """Numbers of an arm's `alpha5_model.codegen.dimensions.Dimensions`, (24,).
+
+    Raises:
+        InputError: As of `arm_parameters`.
+    """
+    return _numbers(arm)[len(BASE_PARAMETERS) :]
+
+
+def _numbers(arm: Any) -> FloatArray:
+    """A copy of the arm's `kernel_parameters`."""
     if arm._kernel_parameters is None:
         if not arm.floating_base and len(arm.joint_names) == 4:
-            check_dimensions(arm._model, "the generated formulas", SAME_FRAME)
+            needed_for = "the generated formulas"
+            check_dimensions(arm._model, needed_for, SAME_FRAME, arm.parameters)
         raise InputError("arm", arm, "one on a fixed base with its jaws locked")
     return np.array(arm._kernel_parameters)
 
 
 def kernel_parameters(arm: Any) -> FloatArray | None:
-    """Base parameters of an arm in its fluid, (41,); None for unknown joints.
+    """Base parameters of an arm in its fluid, then its dimensions, (65,).
 
-    The kernels know the joints of a Reach Alpha 5 on a fixed base with locked jaws.
+    None for unknown joints: the kernels know those of a Reach Alpha 5 on a fixed base
+    with locked jaws, at the dimensions of the arm's record.
     """
     model = arm._model
-    if not _has_the_joints_of(made_for(), model):
+    record = arm.parameters
+    if not has_known_structure(record, made_for()):
+        return None
+    if not _has_the_joints_of(record, model):
         return None
 
     nowhere = np.zeros(3)
@@ -67,7 +92,28 @@ def kernel_parameters(arm: Any) -> FloatArray | None:
             displaced.cob,
             arm.fluid_density,
         )
-    return regrouped(moments_of_links, model.gravity.linear, arm.parameters)
+    base_parameters = regrouped(moments_of_links, model.gravity.linear, record)
+    dimensions = Dimensions.from_parameters(record)
+    return np.concatenate([base_parameters, dimensions.numbers])
+
+
+def kernel_name(kernel: str, parameters: FloatArray) -> str:
+    """The kernel for an arm: of the catalogue's dimensions, or of any.
+
+    Args:
+        kernel: Name of a method.
+        parameters: The arm's `kernel_parameters`.
+    """
+    if kernel not in KINEMATICS:
+        return kernel
+    dimensions = parameters[len(BASE_PARAMETERS) :]
+    is_known = np.array_equal(dimensions, dimensions_of_kernels())
+    return kernel if is_known else own(kernel)
+
+
+def dimensions_of_kernels() -> FloatArray:
+    """The dimensions that are constants of the kinematics' kernels, (24,)."""
+    return Dimensions.from_parameters(made_for()).numbers
 
 
 def _has_the_joints_of(parameters: Alpha5Parameters, model: pin.Model) -> bool:
@@ -81,8 +127,13 @@ def _has_the_joints_of(parameters: Alpha5Parameters, model: pin.Model) -> bool:
     if np.any([*model.armature, *model.gravity.angular]):
         return False
 
-    placements = [*joint_placements(parameters), tcp_placement(parameters)]
-    ours = [pose(at.xyz, at.rpy) for at in placements]
+    placements = [
+        base_placement(parameters),
+        *joint_placements(parameters),
+        tcp_placement(parameters),
+    ]
+    base, first, *others = (pose(at.xyz, at.rpy) for at in placements)
+    ours = [base @ first, *others]
     theirs = [at.homogeneous for at in list(model.jointPlacements)[1:]]
     theirs.append(model.frames[tip].placement.homogeneous)
     return bool(np.abs(np.subtract(ours, theirs)).max() < SAME_FRAME)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS
-from alpha5_model.dynamics.kernel_numbers import arm_parameters
+from alpha5_model.dynamics.kernel_numbers import arm_dimensions, arm_parameters
 from alpha5_model.dynamics.states import is_one_state, rows
 
 #: Base parameters without the gravity.
@@ -42,7 +42,8 @@ def regressor(arm: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
     numbers = arm_parameters(arm)
     single = is_one_state(q, v, a)
     q, v, a = rows(arm._model, q=q, v=v, a=a)
-    of_joints = regressor_rows(q, v, a, numbers[-3:])[:, :4]
+    dimensions = arm_dimensions(arm)
+    of_joints = regressor_rows(q, v, a, numbers[-3:], dimensions)[:, :4]
     return Regressor(
         matrix=of_joints[0] if single else of_joints,
         parameters=numbers[:-3],
@@ -52,13 +53,18 @@ def regressor(arm: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
 
 
 def regressor_rows(
-    q: FloatArray, v: FloatArray, a: FloatArray, gravity: ArrayLike
+    q: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+    gravity: ArrayLike,
+    dimensions: FloatArray,
 ) -> FloatArray:
     """Matrices of joint torques, then force and moment on the mount, (N, 10, 38).
 
     Args:
         q, v, a: (N, 4) each, checked.
         gravity: In base_link, (3,) [m/s^2].
+        dimensions: Of the arm, see `arm_dimensions`.
 
     Returns:
         Rows 0 to 3 are the joints', rows 4 to 9 the mount's in base_link.
@@ -68,7 +74,7 @@ def regressor_rows(
     wrench = np.empty((len(q), 6))
     for k in range(len(NAMES)):
         only_k = np.arange(len(NAMES)) == k
-        numbers = np.concatenate([only_k, gravity])
+        numbers = np.concatenate([only_k, gravity, dimensions])
         kernels.compute(
             "inverse_dynamics_with_base_wrench", numbers, q, v, a, tau, wrench
         )

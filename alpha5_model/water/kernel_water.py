@@ -43,7 +43,7 @@ def water_kernels(parameters: FloatArray | None) -> WaterKernels:
 def water_kernel_parameters(
     still: Any, bodies: Iterable[JointWater], added_mass: FloatArray
 ) -> FloatArray | None:
-    """Parameters of the kernels, (101,); None if they do not know the arm or its water.
+    """Parameters of the kernels, (125,); None if they do not know the arm or its water.
 
     Args:
         still: The `Arm` in still water.
@@ -66,5 +66,6 @@ def water_kernel_parameters(
     )
     if of_moving_water is None:
         return None
-    added_to_base_parameters, further = of_moving_water
-    return np.concatenate([of_still_water + added_to_base_parameters, further])
+    added, of_water = of_moving_water
+    base_parameters, dimensions = np.split(of_still_water, [len(added)])
+    return np.concatenate([base_parameters + added, of_water, dimensions])

@@ -33,6 +33,7 @@ from typing import Any
 import numpy as np
 
 import alpha5_model as a5
+from alpha5_model.dynamics.kernel_numbers import arm_dimensions
 from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
 from alpha5_model.studies.uncertainty import linear_maps, printed
@@ -78,7 +79,11 @@ def linear(recording: recordings.Recording) -> tuple[np.ndarray, np.ndarray]:
     q = np.ascontiguousarray(recording.motion.position[:, :4])
     gravity = recordings._at(recording.motion.time, recording.time, recording.gravity)
     still = np.zeros_like(q)
-    axes = [regressor_rows(q, still, still, g)[:, 7:9][..., COLUMNS] for g in np.eye(3)]
+    dimensions = arm_dimensions(a5.load())
+    axes = [
+        regressor_rows(q, still, still, g, dimensions)[:, 7:9][..., COLUMNS]
+        for g in np.eye(3)
+    ]
     rows = np.einsum("nk,knij->nij", gravity, axes)
     table, tilt = recordings.signals(recording, rows.reshape(len(q), -1))
     return table.reshape(*table.shape[:2], 2, len(COLUMNS)), tilt

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import own_arm_dynamics as own
 import pytest
 from compilers import ADDRESS_AND_UNDEFINED, builds
 from dynamics_cases import TILTED
@@ -34,6 +35,16 @@ BUILDS = {
     "clang, float, folded": (
         "clang",
         COptions(fluid_density=a5.AIR, corrections=(), real="float"),
+        [],
+    ),
+    "gcc, double, folded, own tool beside the wrist axis": (
+        "gcc",
+        COptions(arm=own.RECORDS[2]),
+        [],
+    ),
+    "gcc, double, struct, own spacer and mount": (
+        "gcc",
+        COptions(parameters="struct", arm=own.RECORDS[9]),
         [],
     ),
 }

@@ -7,15 +7,15 @@ import sys
 
 import numpy as np
 import pytest
+from kernel_inputs import kernel_inputs
 
 from alpha5_model._support.checks import LARGEST
 from alpha5_model.codegen.kernels import choice, numpy_kernels
 from alpha5_model.codegen.kernels.generated.formulas import KERNELS
-from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.numbers.parameters import parameters
 
-PARAMETERS = base_parameters(parameters().links, parameters=parameters())
+PARAMETERS = kernel_inputs(parameters().links)
 
 
 def arrays(name: str, n: int) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:

@@ -26,7 +26,6 @@ import ctypes, sys
 import numpy as np
 import alpha5_model as a5
 from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.dynamics.kernel_numbers import arm_parameters
 
 libm = ctypes.CDLL(sys.argv[1])
 mode, exact = int(sys.argv[2]), sys.argv[3] == "compiled"
@@ -35,7 +34,7 @@ q, v, a = rng.normal(scale=3.0, size=(3, 203, 4))
 q[7] *= 1e6  # sines of libm
 position = rng.uniform(-0.3, 0.3, (203, 3))
 arm = a5.load(backend="kernels")
-parameters = arm_parameters(arm)
+parameters = arm._kernel_parameters
 wet = arm.with_hydrodynamics((0.1, 0.2, 0.0))
 
 def answers():

@@ -26,6 +26,7 @@ import reference
 from casadi import SX
 from dynamics_cases import PAYLOAD, TILTED
 from fk import STRETCHED, fk
+from kernel_inputs import DIMENSIONS, kernel_inputs
 from newton_euler import link_frames, newton_euler, rotation_x
 from reference import LOWER, UPPER
 
@@ -37,6 +38,7 @@ from alpha5_model.codegen.regrouping import BASE_PARAMETERS, base_parameters
 from alpha5_model.codegen.sources import generated_sources
 from alpha5_model.dynamics.buoyancy import Displacement
 from alpha5_model.dynamics.kernel_arm import KernelArm
+from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.numbers.parameters import RigidBody
 
@@ -176,12 +178,8 @@ def test_kernels_are_pinocchio_s_for_any_bodies_fluid_and_gravity(
         states()[: inputs(name)].reshape(-1, SETS, STATES, 4).swapaxes(0, 1)
     ):
         arm, links = random_arm(seed)
-        parameters = base_parameters(
-            links,
-            arm.fluid_density,
-            arm.model.gravity.linear,
-            parameters=a5.parameters(),
-        )
+        gravity = arm.model.gravity.linear
+        parameters = kernel_inputs(links, arm.fluid_density, gravity)
         ours = by_kernel(
             kernels, name, parameters if name != "jacobian" else np.empty(0), *rows
         )
@@ -368,7 +366,7 @@ def test_regrouped_parameters_give_what_all_numbers_of_the_bodies_give() -> None
         links = [body(rng, "link") for _ in range(5)]
         results = function(q, v, a, all_numbers(links, density), gravity)
         expected = flat(tuple(np.array(x) for x in results))
-        grouped = base_parameters(links, density, gravity, parameters=a5.parameters())
+        grouped = kernel_inputs(links, density, gravity)
         got = flat(tuple(np.array(x) for x in ours(q, v, a, grouped)))
         assert np.abs(got - expected).max() < 1e-13 * max(1.0, np.abs(expected).max())
 
@@ -382,7 +380,7 @@ def test_regrouping_saves_operations() -> None:
     gravity = np.array([0.0, 0.0, -9.81])
     full = folded(textbook(), bodies=all_numbers(p.links, 1025.0), gravity=gravity)
     ours = functions(p)
-    grouped = base_parameters(p.links, parameters=p)
+    grouped = kernel_inputs(p.links)
     both = folded(ours["inverse_dynamics_with_base_wrench"], parameters=grouped)
     assert program(both).flops < 0.9 * program(full).flops
     torque = folded(ours["inverse_dynamics"], parameters=grouped)
@@ -397,16 +395,18 @@ def test_no_base_parameter_is_too_many() -> None:
     function = functions(a5.parameters())["inverse_dynamics_with_base_wrench"]
     given = [SX.sym(name, function.size1_in(name)) for name in function.name_in()]
     out = casadi.vertcat(*function(*given))
-    regressor = casadi.Function("r", given, [casadi.jacobian(out, given[-1])])
+    slope = casadi.jacobian(out, given[-1])[:, : len(BASE_PARAMETERS)]
+    regressor = casadi.Function("r", given, [slope])
     rng = np.random.default_rng(9)
     parameters = rng.normal(size=len(BASE_PARAMETERS))
     rows = []
     for _ in range(60):
         q, v, a = rng.normal(size=(3, 4))
         parameters[-3:] = rng.normal(size=3)
-        columns = np.array(regressor(q, v, a, parameters))[:, :-3]
+        numbers = np.append(parameters, DIMENSIONS)
+        columns = np.array(regressor(q, v, a, numbers))[:, :-3]
         rows.append(columns)
-        results = [np.array(x).ravel() for x in function(q, v, a, parameters)]
+        results = [np.array(x).ravel() for x in function(q, v, a, numbers)]
         nonlinear = columns @ parameters[:-3] - np.concatenate(results)
         assert np.abs(nonlinear).max() < 1e-12
     singular = np.linalg.svd(np.concatenate(rows), compute_uv=False)
@@ -418,8 +418,8 @@ def test_parameters_of_the_arm_are_those_of_its_tables_and_payload() -> None:
     by_table = base_parameters(
         a5.parameters().links, 1000.0, TILTED, parameters=a5.parameters()
     )
-    assert np.abs(arm._kernel_parameters - by_table).max() < 1e-15
-    loaded = arm.with_payload(**PAYLOAD)._kernel_parameters
+    assert np.abs(arm_parameters(arm) - by_table).max() < 1e-15
+    loaded = arm_parameters(arm.with_payload(**PAYLOAD))
     change = dict(zip(BASE_PARAMETERS, loaded - by_table, strict=True))
     assert (
         abs(change["link_0.n"] - (PAYLOAD["mass"] - 1000.0 * PAYLOAD["volume"])) < 1e-15

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import own_arm_dynamics as own
@@ -10,8 +11,10 @@ import pinocchio as pin
 import pytest
 
 import alpha5_model as a5
+from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -110,19 +113,95 @@ def test_a_payload_adds_its_weight_at_the_records_tool() -> None:
     assert loaded.parameters is record
 
 
-def test_kernels_take_masses_and_attached_bodies_and_refuse_lengths() -> None:
-    heavier = dataclasses.replace(
-        a5.parameters(), attached=RECORDS[2].attached, links=RECORDS[2].links
+#: Methods of single states -> what they take besides q.
+SINGLE = {
+    "jacobian": (),
+    "mass_matrix": (),
+    "gravity_torque": (),
+    "buoyancy_torque": (),
+    "hydrostatic_torque": (),
+    "hydrostatic_torque_derivative": (),
+    "coriolis_matrix": ("v",),
+    "nonlinear_effects": ("v",),
+    "inverse_dynamics_derivatives": ("v", "a"),
+    "base_wrench_derivatives": ("v", "a"),
+    "forward_dynamics": ("v", "a"),
+    "forward_dynamics_derivatives": ("v", "a"),
+}
+
+
+@every_record
+@pytest.mark.parametrize("module", ["_compiled", "numpy_kernels"])
+def test_the_kernels_know_the_record(
+    record: Alpha5Parameters, module: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen = pytest.importorskip(
+        f"alpha5_model.codegen.kernels.{module}", exc_type=ImportError
     )
-    fast = a5.load(DENSITY, arm=heavier, backend="kernels")
+    monkeypatch.setattr(kernels, "module", lambda: chosen)
+    fast = a5.load(DENSITY, arm=record, backend="kernels")
     assert type(fast).__name__ == "KernelArm"
-    q, v, a = own.states(heavier, 5)
-    torque, _ = own.inverse_dynamics(heavier, q, v, a, DENSITY, GRAVITY)
+    q, v, a = own.states(record, 30)
+    torque, load = own.inverse_dynamics(
+        record, q, v, a, DENSITY, gravity_at_base(record)
+    )
+    assert fast.inverse_dynamics_batch(q, v, a) == pytest.approx(torque, abs=1e-12)
+    assert fast.base_wrench_batch(q, v, a) == pytest.approx(load, abs=1e-11)
+    assert fast.forward_dynamics_batch(q, v, torque) == pytest.approx(a, abs=1e-9)
+    regressor = fast.regressor(q, v, a)
+    assert regressor.matrix @ regressor.parameters == pytest.approx(torque, abs=1e-12)
+    tips = [own.tcp(record, row)[:3, 3] for row in q]
+    assert frame_positions(fast, q) == pytest.approx(np.array(tips), abs=1e-14)
+
     for k in range(5):
         single = fast.inverse_dynamics(q[k], v[k], a[k])
         assert single == pytest.approx(torque[k], abs=1e-12)
-    with pytest.raises(InputError, match=r"dimensions of Table 1.* mm off"):
-        a5.load(arm=RECORDS[2], backend="kernels")
+        wrench = fast.base_wrench(q[k], v[k], a[k]).vector
+        assert wrench == pytest.approx(load[k], abs=1e-11)
+
+
+@every_record
+def test_derivatives_by_kernels_are_pinocchios(record: Alpha5Parameters) -> None:
+    fast = a5.load(DENSITY, arm=record, backend="kernels")
+    arm = a5.load(DENSITY, arm=record)
+    q, v, a = own.states(record, 4)
+    for k in range(4):
+        given = {"v": v[k], "a": a[k]}
+        for method, inputs in SINGLE.items():
+            state = (q[k], *(given[name] for name in inputs))
+            ours = flat(getattr(fast, method)(*state))
+            theirs = flat(getattr(arm, method)(*state))
+            scale = max(1.0, np.abs(theirs).max())
+            assert np.abs(ours - theirs).max() < 1e-11 * scale, method
+
+
+def flat(result: Any) -> np.ndarray:
+    parts = result if isinstance(result, tuple) else (result,)
+    return np.concatenate([np.ravel(part) for part in parts])
+
+
+def test_a_model_that_is_not_its_records_stays_on_pinocchio() -> None:
+    record = RECORDS[2]
+    arm = a5.load(arm=record)
+    model = arm.model
+    model.jointPlacements[3].translation[0] += 1e-6
+    other = a5.Arm(model, arm.displacements, parameters=record)
+    assert other._kernel_parameters is None
+    with pytest.raises(InputError, match=r"the dimensions of its record, .*axis_c"):
+        other.regressor(*(x[0] for x in own.states(record, 1)))
+
+
+def test_a_row_that_no_arm_file_has_stays_on_pinocchio() -> None:
+    """The equations have no d_1; the model is not changed for it."""
+    record = RECORDS[2]
+    rows = list(record.dh)
+    rows[1] = dataclasses.replace(rows[1], d=0.01)
+    odd = dataclasses.replace(record, dh=tuple(rows))
+    arm = arm_of(odd, DENSITY)
+    assert arm._kernel_parameters is None
+    q, v, a = own.states(odd, 5)
+    torque, _ = own.inverse_dynamics(odd, q, v, a, DENSITY, GRAVITY)
+    assert arm.inverse_dynamics_batch(q, v, a) == pytest.approx(torque, abs=1e-12)
 
 
 def test_a_mount_is_the_parent_in_the_urdf_and_tilts_gravity_in_load() -> None:

@@ -212,7 +212,7 @@ def test_a_kernel_that_computes_nothing_raises(kernel_module: Any) -> None:
         with pytest.raises(KernelError, match="inverse_dynamics takes only aligned"):
             kernels.compute("inverse_dynamics", parameters, *arrays)
     with pytest.raises(KernelError):
-        regressor_rows(q, shifted(q), q, np.zeros(3))
+        regressor_rows(q, shifted(q), q, np.zeros(3), parameters[41:])
 
 
 def test_only_one_place_runs_batches() -> None:

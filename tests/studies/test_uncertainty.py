@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from dynamics_cases import PAYLOAD, TILTED
+from kernel_inputs import DIMENSIONS
 from pages import generated_text
 from reference import LOWER, UPPER
 
@@ -274,7 +275,7 @@ def test_base_parameters_of_samples(
         theirs = second.newton_euler(
             q, v, a, 1000.0, TILTED, mass=mass, volume=volume, cob=cob
         )
-        linear = regressor_rows(q, v, a, np.array(TILTED)) @ ours[:-3]
+        linear = regressor_rows(q, v, a, np.array(TILTED), DIMENSIONS) @ ours[:-3]
         np.testing.assert_allclose(linear, np.hstack(theirs), atol=2e-13)
 
 
@@ -512,7 +513,7 @@ def test_bounds_hold_all_samples(alternatives: tuple[str, ...]) -> None:
     ours = u.bounds(q, v, a, arm, alternatives)
     sample = u.sample(20_000, 11, alternatives=alternatives)
     drawn = sample.base_parameters(gravity=TILTED)[:, :38]
-    linear = regressor_rows(q, v, a, np.array(TILTED))
+    linear = regressor_rows(q, v, a, np.array(TILTED), DIMENSIONS)
     bare = a5.load(gravity=TILTED)
     payload = arm.regressor(q, v, a).parameters - bare.regressor(q, v, a).parameters
     load = linear @ payload

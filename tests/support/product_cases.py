@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import own_arm_dynamics as own
 from dynamics_cases import PAYLOAD, TILTED
 from fk import sample
 
@@ -13,6 +14,10 @@ ARMS = {
     "air, tilted": lambda: a5.load(a5.AIR, gravity=TILTED),
     "payload, tilted": lambda: a5.load(gravity=TILTED).with_payload(**PAYLOAD),
     "to the letter": lambda: a5.load(corrections=()),
+    "own, beside the wrist axis": lambda: a5.load(arm=own.RECORDS[2]),
+    "own, with a spacer, mounted, payload": lambda: a5.load(
+        arm=own.RECORDS[9]
+    ).with_payload(**PAYLOAD),
 }
 #: Functions of joint states, which an arm has methods for.
 DYNAMICS = (

@@ -25,7 +25,10 @@ def c_files(options: COptions | None = None) -> dict[str, bytes]:
 
     chosen = options or COptions()
     arm = load(
-        chosen.fluid_density, gravity=chosen.gravity, corrections=chosen.corrections
+        chosen.fluid_density,
+        gravity=chosen.gravity,
+        corrections=chosen.corrections,
+        arm=chosen.arm,
     )
     made = programs(arm, chosen)
     texts = {

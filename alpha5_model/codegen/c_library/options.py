@@ -6,8 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from alpha5_model._support.checks import choice
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 REALS = ("double", "float")
 #: In the code, or in a struct that the functions take.
@@ -20,12 +22,15 @@ class COptions:
 
     Attributes:
         fluid_density: [kg/m^3].
-        gravity: In base_link, (3,) [m/s^2].
+        gravity: As of `alpha5_model.load`, (3,) [m/s^2].
         corrections: Recorded corrections to the document.
+        arm: Record of an arm of your own, which has its corrections already; None for
+            the catalogue's.
         real: Type of all numbers, one of `REALS`.
         parameters: Where the arm's parameters are, one of `PARAMETERS`.
 
     Raises:
+        InputError: An arm together with corrections that it does not have.
         UnknownNameError: No such type, or no such place.
     """
 
@@ -34,6 +39,7 @@ class COptions:
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     real: str = "double"
     parameters: str = "folded"
+    arm: Alpha5Parameters | None = None
 
     @property
     def struct(self) -> bool:
@@ -43,3 +49,5 @@ class COptions:
     def __post_init__(self) -> None:
         choice("real", self.real, REALS)
         choice("parameters", self.parameters, PARAMETERS)
+        if self.arm is not None:
+            chosen_arm(self.arm, self.corrections)

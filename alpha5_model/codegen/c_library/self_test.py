@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -9,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import wrap
 from alpha5_model.codegen.c_library.options import COptions
 from alpha5_model.codegen.c_library.text import numbers, template
 from alpha5_model.codegen.instructions import Program
@@ -221,7 +223,7 @@ def _targets(arm: Arm) -> list[list[Any]]:
     at_limit = rng.random((16, 3)) < 0.5
     q[10:26, 1:] = np.where(at_limit, lower[1:], upper[1:])
     kinematics = ArmKinematics(arm.parameters)
-    q[26:34, 2] = kinematics.singular_elbow_angles()["stretched"]
+    q[26:34, 2] = [_stretched(kinematics, wrist) for wrist in q[26:34, 3]]
 
     rows = []
     for angles in q:
@@ -232,6 +234,16 @@ def _targets(arm: Arm) -> list[list[Any]]:
     for position in rng.uniform(0.3, 0.6, (4, 3)):
         rows.append(_target(kinematics, position, 6.25))
     return rows
+
+
+def _stretched(kinematics: ArmKinematics, wrist: float) -> float:
+    """theta_2 of the stretched arm [rad]; a tool beside the wrist axis changes it."""
+    shape = kinematics.shape
+    if shape.has_tool_on_axis:
+        return kinematics.singular_elbow_angles()["stretched"]
+    along, _ = shape.tool_in_forearm(np.asarray(wrist))
+    stretched = math.pi - shape.gamma_offset(float(along))
+    return float(wrap(stretched - shape.middle[2])) + shape.middle[2]
 
 
 def _target(

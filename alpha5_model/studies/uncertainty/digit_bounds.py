@@ -15,7 +15,11 @@ from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.dynamics.actuators import Interval
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
-from alpha5_model.dynamics.kernel_numbers import arm_parameters
+from alpha5_model.dynamics.kernel_numbers import (
+    SAME_FRAME,
+    arm_dimensions,
+    arm_parameters,
+)
 from alpha5_model.dynamics.load import load
 from alpha5_model.dynamics.regression import regressor_rows
 from alpha5_model.dynamics.states import is_one_state, rows
@@ -75,10 +79,12 @@ def bounds(
     arm = load() if arm is None else instance("arm", arm, Arm)
     one = is_one_state(q, v, a)
     gravity = arm_parameters(arm)[-3:]
+    check_dimensions(arm._model, "the bounds of the printed digits", SAME_FRAME)
+    dimensions = arm_dimensions(arm)
     q, v, a = rows(arm._model, q=q, v=v, a=a)
-    torque_and_wrench = regressor_rows(q, v, a, gravity)
-    kinetic = _kinetic_energy_rows(q, v)
-    potential = _potential_energy_rows(q, gravity)
+    torque_and_wrench = regressor_rows(q, v, a, gravity, dimensions)
+    kinetic = _kinetic_energy_rows(q, v, dimensions)
+    potential = _potential_energy_rows(q, gravity, dimensions)
 
     chosen = printed.believed(alternatives)
     bare = records.parameters(arm.parameters.corrections)
@@ -99,18 +105,22 @@ def bounds(
     )
 
 
-def _kinetic_energy_rows(q: FloatArray, v: FloatArray) -> FloatArray:
+def _kinetic_energy_rows(
+    q: FloatArray, v: FloatArray, dimensions: FloatArray
+) -> FloatArray:
     """Derivative of the kinetic energy by the base parameters, (N, 38).
 
     The energy v^T M v / 2 is half of v times the torque M v, which accelerates the arm
     from rest by v.
     """
     still = np.zeros_like(v)
-    torque = regressor_rows(q, still, v, np.zeros(3))[:, :4]
+    torque = regressor_rows(q, still, v, np.zeros(3), dimensions)[:, :4]
     return np.asarray((v[:, :, None] * torque).sum(axis=1) / 2)
 
 
-def _potential_energy_rows(q: FloatArray, gravity: FloatArray) -> FloatArray:
+def _potential_energy_rows(
+    q: FloatArray, gravity: FloatArray, dimensions: FloatArray
+) -> FloatArray:
     """Derivative of the potential energy by the base parameters, (N, 38).
 
     It follows from the sum of the first moments n r of all links, whose components are
@@ -118,8 +128,8 @@ def _potential_energy_rows(q: FloatArray, gravity: FloatArray) -> FloatArray:
     """
     still = np.zeros_like(q)
     along_x, along_y, _ = np.eye(3)
-    x = regressor_rows(q, still, still, along_x)[:, 7:]
-    y = regressor_rows(q, still, still, along_y)[:, 7:]
+    x = regressor_rows(q, still, still, along_x, dimensions)[:, 7:]
+    y = regressor_rows(q, still, still, along_y, dimensions)[:, 7:]
     first_moments = [y[:, 2], -x[:, 2], x[:, 1]]
     return -np.tensordot(gravity, first_moments, 1)
 

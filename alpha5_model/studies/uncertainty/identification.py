@@ -10,7 +10,12 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, instance, shaped
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.kernel_numbers import arm_parameters
+from alpha5_model.dynamics.dimensions import check_dimensions
+from alpha5_model.dynamics.kernel_numbers import (
+    SAME_FRAME,
+    arm_dimensions,
+    arm_parameters,
+)
 from alpha5_model.dynamics.load import load
 from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.errors import InputError
@@ -101,7 +106,9 @@ def identify(
     chosen = printed.believed(alternatives)
     arm = load() if arm is None else instance("arm", arm, Arm)
     gravity = arm_parameters(arm)[-3:]
-    recording = _recording(motion, gravity, wrench, smoothing)
+    check_dimensions(arm._model, "the identification", SAME_FRAME)
+    dimensions = arm_dimensions(arm)
+    recording = _recording(motion, gravity, dimensions, wrench, smoothing)
 
     corrections = arm.parameters.corrections
     of_bare = records.parameters(corrections)
@@ -133,6 +140,7 @@ class _Recording(NamedTuple):
 def _recording(
     motion: Motion,
     gravity: FloatArray,
+    dimensions: FloatArray,
     wrench: ArrayLike | None,
     smoothing: dict[str, Any],
 ) -> _Recording:
@@ -141,7 +149,7 @@ def _recording(
     q = np.array(smoothed.position[:, :4])
     v = np.array(smoothed.velocity[:, :4])
     a = np.array(smoothed.acceleration[:, :4])
-    both = regressor_rows(q, v, a, gravity)
+    both = regressor_rows(q, v, a, gravity, dimensions)
     if wrench is not None:
         measured = shaped("wrench", wrench, (len(q), 6))
         return _Recording(regressor=both[:, 4:], measured=measured)

@@ -398,6 +398,84 @@ def with_payload(parameters, mass, com, inertia, volume, cob, fluid_density, m):
     return ((r0, r8, r10, r14, r17, r22, r27, r29, r34, r36, r40, r44, r47, r49, r51, r53, r55, r60, r42, r66, r68, r71, r94, r102, r104, r24, r109, r37, r118, r126, r134, r142, r149, r159, r169, r172, r175, r181, r187, r189, r191,),)
 
 
+def moments_of_body(mass, com, inertia, volume, cob, fluid_density, m):
+    r0 = mass[0]
+    r1 = com[0]
+    r4 = inertia[0]
+    r5 = inertia[4]
+    r7 = inertia[8]
+    r14 = com[1]
+    r17 = inertia[3]
+    r20 = com[2]
+    r23 = inertia[6]
+    r28 = inertia[1]
+    r38 = inertia[7]
+    r43 = inertia[2]
+    r46 = inertia[5]
+    r60 = fluid_density[0]
+    r61 = volume[0]
+    r63 = cob[0]
+    r68 = cob[1]
+    r73 = cob[2]
+    r2 = r1 * r1
+    r2 = r0 * r2
+    r6 = r4 + r5
+    r6 = r6 + r7
+    r6 = r6 / 2.0
+    r4 = r6 - r4
+    r4 = r2 + r4
+    r15 = r14 * r1
+    r15 = r0 * r15
+    r17 = r15 - r17
+    r21 = r20 * r1
+    r21 = r0 * r21
+    r23 = r21 - r23
+    r1 = r0 * r1
+    r28 = r15 - r28
+    r31 = r14 * r14
+    r31 = r0 * r31
+    r5 = r6 - r5
+    r5 = r31 + r5
+    r36 = r20 * r14
+    r36 = r0 * r36
+    r38 = r36 - r38
+    r14 = r0 * r14
+    r43 = r21 - r43
+    r46 = r36 - r46
+    r49 = r20 * r20
+    r49 = r0 * r49
+    r7 = r6 - r7
+    r7 = r49 + r7
+    r20 = r0 * r20
+    r61 = r60 * r61
+    r60 = r63 * r63
+    r60 = r61 * r60
+    r2 = r2 - r60
+    r60 = r68 * r63
+    r60 = r61 * r60
+    r60 = r15 - r60
+    r15 = r73 * r63
+    r15 = r61 * r15
+    r21 = r21 - r15
+    r63 = r61 * r63
+    r63 = r1 - r63
+    r15 = r68 * r68
+    r15 = r61 * r15
+    r15 = r31 - r15
+    r31 = r73 * r68
+    r31 = r61 * r31
+    r31 = r36 - r31
+    r68 = r61 * r68
+    r68 = r14 - r68
+    r36 = r73 * r73
+    r36 = r61 * r36
+    r49 = r49 - r36
+    r73 = r61 * r73
+    r73 = r20 - r73
+    r61 = r0 - r61
+    return ((r4, r17, r23, r1, r28, r5, r38, r14, r43, r46, r7, r20, r1, r14, r20, r0, r2, r60, r21, r63, r60, r15, r31, r68, r21, r31, r49, r73, r63, r68, r73, r61,),)
+
+
 def inverse_kinematics_of_lengths(position, wrist, tolerances, parameters, m):
     r0 = tolerances[0]
     r1 = parameters[2]
@@ -1237,6 +1315,7 @@ def inverse_kinematics_of_tool(position, wrist, tolerances, parameters, m):
 KERNELS = {
     "inverse_kinematics": (inverse_kinematics, ((3,), (1,), (7,)), ((4, 4), (4,), (4,), (1,))),
     "with_payload": (with_payload, ((41,), (1,), (3,), (3, 3), (1,), (3,), (1,)), ((41,),)),
+    "moments_of_body": (moments_of_body, ((1,), (3,), (3, 3), (1,), (3,), (1,)), ((32,),)),
     "inverse_kinematics_of_lengths": (inverse_kinematics_of_lengths, ((3,), (1,), (7,), (19,)), ((4, 4), (4,), (4,), (1,))),
     "inverse_kinematics_of_tool": (inverse_kinematics_of_tool, ((3,), (1,), (7,), (19,)), ((4, 4), (4,), (4,), (1,))),
 }

@@ -1,0 +1,20 @@
+"""What the kernels take beside a state: base parameters, then dimensions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import alpha5_model as a5
+from alpha5_model.codegen.dimensions import Dimensions
+from alpha5_model.codegen.regrouping import base_parameters
+
+#: Of the catalogue's arm.
+DIMENSIONS = Dimensions.from_parameters(a5.parameters()).numbers
+
+
+def kernel_inputs(links: Any, *water: Any) -> np.ndarray:
+    """Of bodies on the catalogue's joints; ``water`` is density, then gravity."""
+    base = base_parameters(links, *water, parameters=a5.parameters())
+    return np.append(base, DIMENSIONS)
