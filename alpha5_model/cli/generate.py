@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -18,8 +18,12 @@ from alpha5_model.cli import options, printing, values
 from alpha5_model.codegen.c_library import COptions, c_files
 from alpha5_model.description import committed, mjcf, sdf
 from alpha5_model.description.assets import mesh_assets
+from alpha5_model.description.srdf import srdf
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.errors import InputError, OutputError
+from alpha5_model.numbers.chosen_arm import chosen_arm
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
 class _Format(NamedTuple):
@@ -29,23 +33,67 @@ class _Format(NamedTuple):
         options: Record of its options.
         files: Makes its files, name -> content, from this record.
         main_file: Name of the file that goes to standard output.
+        suffixes: Those that a file of its own may have; empty for a folder.
     """
 
     options: Any
     files: Callable[[Any], Mapping[str, bytes]]
     main_file: str
+    suffixes: tuple[str, ...] = ()
 
     def option_names(self) -> set[str]:
         """The fields of the record of options."""
         return {field.name for field in fields(self.options)}
 
 
+@dataclass(frozen=True)
+class _SrdfOptions:
+    """Options of the SRDF: see `srdf`."""
+
+    gripper: str
+    arm: Alpha5Parameters | None
+
+
+@dataclass(frozen=True)
+class _XacroOptions:
+    """Options of the parameters that plain xacro reads: see `parameter_yaml`."""
+
+    corrections: tuple[str, ...]
+    arm: Alpha5Parameters | None
+
+
 def _urdf_files(variant: Variant) -> dict[str, bytes]:
     return {"alpha5.urdf": urdf(variant).encode()}
 
 
+def _srdf_files(chosen: _SrdfOptions) -> dict[str, bytes]:
+    return {"alpha5.srdf": srdf(chosen.gripper, chosen.arm).encode()}
+
+
+def _xacro_files(chosen: _XacroOptions) -> dict[str, bytes]:
+    record = chosen_arm(chosen.arm, chosen.corrections)
+    return {"parameters.yaml": parameter_yaml(record).encode()}
+
+
 _FORMATS = {
-    "urdf": _Format(options=Variant, files=_urdf_files, main_file="alpha5.urdf"),
+    "urdf": _Format(
+        options=Variant,
+        files=_urdf_files,
+        main_file="alpha5.urdf",
+        suffixes=(".urdf", ".xml"),
+    ),
+    "srdf": _Format(
+        options=_SrdfOptions,
+        files=_srdf_files,
+        main_file="alpha5.srdf",
+        suffixes=(".srdf", ".xml"),
+    ),
+    "xacro": _Format(
+        options=_XacroOptions,
+        files=_xacro_files,
+        main_file="parameters.yaml",
+        suffixes=(".yaml", ".yml"),
+    ),
     "mjcf": _Format(
         options=mjcf.MjcfOptions, files=mjcf.mjcf_files, main_file="alpha5.xml"
     ),
@@ -69,7 +117,9 @@ MESH_URIS = {
 
 # The options of this command.
 _Output = Annotated[Path | None, Option(help="File; for mjcf, sdf and c a folder.")]
-_DescriptionFormat = Annotated[str, Option("--format", help="urdf, mjcf, sdf or c.")]
+_DescriptionFormat = Annotated[
+    str, Option("--format", help="urdf, srdf, xacro, mjcf, sdf or c.")
+]
 _Prefix = Annotated[str, Option(help="Before every link and joint name.")]
 _Parent = Annotated[str, Option(help="Link to mount on; made if given.")]
 _Xyz = Annotated[str, Option(help="Mount in the parent, x y z (m).")]
@@ -125,11 +175,13 @@ def generate(
 ) -> int:
     """Write the description of any variant of the arm.
 
-    urdf, mjcf (a folder for MuJoCo), sdf (a folder for Gazebo) or c (a C99
-    library); without --output the main file goes to standard output. Meshes are
-    copied beside a URDF unless --mesh-uri says where they are. mjcf without
-    gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers follow the jaw
-    rod by mimic. C holds masses and water as numbers, or takes them in a struct.
+    urdf, srdf, xacro (numbers for plain xacro, parameters:=FILE), mjcf (a folder
+    for MuJoCo), sdf (a folder for Gazebo) or c (a C99 library); without --output
+    the main file goes to standard output. --arm describes the arm of a file.
+    Meshes are copied beside a URDF unless --mesh-uri says where they are. mjcf
+    without gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers follow
+    the jaw rod by mimic. C holds masses and water as numbers, or takes them in a
+    struct.
     --check ends with status 1 if a committed file is stale.
 
     At joint position 0, where many tools start, it is out of its limits and in
@@ -167,8 +219,9 @@ def generate(
     elif is_stream(output):
         # A stream gets the description alone, without other files beside it.
         atomic_write_all({output: main_file})
-    elif description_format == "urdf":
-        _write(_urdf_and_meshes(output, main_file, mesh_uri))
+    elif made.suffixes:
+        meshes = description_format == "urdf" and mesh_uri == "relative"
+        _write(_one_file(output, main_file, made, meshes))
     else:
         _write(_in_folder(output, files))
     return 0
@@ -208,15 +261,16 @@ def _refuse_options_of_other_formats(context: Context, description_format: str) 
             raise InputError(_flag(context, name), description_format, expected)
 
 
-def _urdf_and_meshes(
-    output: Path, description: bytes, mesh_uri: str
+def _one_file(
+    output: Path, description: bytes, made: _Format, meshes: bool
 ) -> dict[Path, bytes]:
+    """The file, with the meshes beside it if they are wanted."""
     if not output.suffix:
-        raise OutputError(output, "give a file name, such as alpha5.urdf")
-    check_outputs((), output=(output, (".urdf", ".xml")))
+        raise OutputError(output, f"give a file name, such as {made.main_file}")
+    check_outputs((), output=(output, made.suffixes))
 
     files = {output: description}
-    if mesh_uri == "relative":
+    if meshes:
         for name, mesh in mesh_assets(".obj", ".mtl").items():
             files[output.parent / "meshes" / name] = mesh
     return files

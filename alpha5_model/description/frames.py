@@ -8,15 +8,44 @@ to the next joint.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from alpha5_model._support.spatial import Placement, Triple, rpy_from_rotation
-from alpha5_model.errors import PublishedDataError
+from alpha5_model.errors import InputError, PublishedDataError
+from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import Alpha5Parameters, DHParameters
 
 
 def base_placement(parameters: Alpha5Parameters) -> Placement:
     """Pose of link_0 in base_link, DH frame {0}."""
     return Placement("base_link", rpy=(0.0, 0.0, parameters.base_yaw))
+
+
+def own_mount(parameters: Alpha5Parameters, taken: Iterable[str]) -> Placement | None:
+    """Pose of base_link in the parent of the arm's own mount; None without one.
+
+    Args:
+        parameters: The arm's parameters.
+        taken: Names that the parent cannot have beside the arm.
+
+    Raises:
+        InputError: The parent has one of these names.
+    """
+    mount = parameters.mount
+    if mount is None:
+        return None
+    if mount.parent in taken:
+        expected = "a name that no link of the arm has"
+        raise InputError("mount.parent", mount.parent, expected)
+    return mount_placement(mount)
+
+
+def mount_placement(mount: Mount) -> Placement:
+    """Pose of base_link in the parent of a mount."""
+    x, y, z = mount.position.tolist()
+    return Placement(
+        parent=mount.parent, xyz=(x, y, z), rpy=rpy_from_rotation(mount.rotation)
+    )
 
 
 def joint_placements(parameters: Alpha5Parameters) -> tuple[Placement, ...]:

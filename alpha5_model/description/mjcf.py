@@ -11,24 +11,25 @@ from alpha5_model._support.checks import choice, flag
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
-from alpha5_model.description.frames import tcp_placement
+from alpha5_model.description.frames import own_mount, tcp_placement
 from alpha5_model.description.mjcf_actuators import (
     ACTUATORS,
     add_actuators,
     add_keyframes,
 )
 from alpha5_model.description.mjcf_bodies import DILUTION, INERTIA, BodyWriter
+from alpha5_model.description.moving_water import arm_water
 from alpha5_model.description.origin import provenance
-from alpha5_model.description.srdf import UNCHECKED_PAIRS
+from alpha5_model.description.srdf import unchecked_pairs
 from alpha5_model.description.urdf import COLLISIONS
 from alpha5_model.description.xml import Value, add, document, serialized
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.materials import MATERIALS
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
-from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
-from alpha5_model.numbers.parameters import JointRange, parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
 BUOYANCIES = ("bodies", "none")
 #: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s] [ITTC 7.5-02-01-03].
@@ -50,7 +51,11 @@ class MjcfOptions:
         buoyancy: ``bodies``, or ``none`` for tools without ``gravcomp``, such as brax.
         corrections: Recorded corrections to apply.
         hydrodynamics: Adds drag by strips, which is estimated, not published; instead
-            of ``drag``.
+            of ``drag``. The strips are those of the catalogue's arm: see `arm_water`.
+        arm: Record of an arm of your own, which has its corrections already; None for
+            the catalogue's. Its name is the model's, and its mount is a body that
+            carries ``base_link``, or the pose of ``base_link`` if the parent is
+            ``world``. What is attached to a link is part of its inertial and volume.
     """
 
     gripper: str = "locked"
@@ -61,6 +66,7 @@ class MjcfOptions:
     buoyancy: str = "bodies"
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     hydrodynamics: bool = False
+    arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
         flag("hydrodynamics", self.hydrodynamics)
@@ -72,6 +78,9 @@ class MjcfOptions:
         choice("buoyancy", self.buoyancy, BUOYANCIES)
         density_of(self.fluid_density)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
+        record = chosen_arm(self.arm, self.corrections)
+        if self.hydrodynamics:
+            arm_water(record, self.gripper)
 
 
 def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
@@ -102,7 +111,7 @@ def _readme(options: MjcfOptions) -> str:
         moving_water = template("mjcf_moving_water.md")
         drag = "estimated strips"
 
-    source = provenance(parameters(options.corrections))
+    source = provenance(chosen_arm(options.arm, options.corrections))
     jaws = template(f"mjcf_gripper_{options.gripper}.md").rstrip()
     words = {
         **vars(options),
@@ -125,26 +134,27 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
             out.
     """
     chosen = options or MjcfOptions()
-    arm = parameters(chosen.corrections)
+    arm = chosen_arm(chosen.arm, chosen.corrections)
     bodies = arm_bodies(arm, chosen.gripper, meshes)
     joints = [body.joint for body in bodies if body.joint is not None]
     writer = BodyWriter(
         fluid_density=chosen.fluid_density,
         buoyancy=chosen.buoyancy == "bodies",
         collisions=chosen.collision == "primitives",
-        water=hydrodynamics(chosen.gripper) if chosen.hydrodynamics else {},
+        water=arm_water(arm, chosen.gripper) if chosen.hydrodynamics else {},
     )
 
-    root = document(arm, "mujoco", model="alpha5")
+    root = document(arm, "mujoco", model=arm.name)
     compiler, visual, defaults = ET.fromstring(template("model.xml"))
     root.append(compiler)
     _add_option(root, chosen)
     root.append(visual)
     root.append(defaults)
     _add_assets(root, bodies)
-    writer.add_worldbody(root, bodies, tcp_placement(arm))
+    mount = own_mount(arm, taken=["base_link", *(body.name for body in bodies)])
+    writer.add_worldbody(root, bodies, tcp_placement(arm), mount)
     if chosen.collision == "primitives":
-        _add_contact(root, bodies)
+        _add_contact(root, bodies, arm)
     if chosen.gripper == "jaws":
         _add_equality(root, joints)
     add_actuators(root, joints, chosen.actuators)
@@ -179,11 +189,13 @@ def _add_assets(root: ET.Element, bodies: Iterable[Body]) -> None:
             add(asset, "mesh", name=mesh, file=f"{mesh}.obj")
 
 
-def _add_contact(root: ET.Element, bodies: Iterable[Body]) -> None:
+def _add_contact(
+    root: ET.Element, bodies: Iterable[Body], arm: Alpha5Parameters
+) -> None:
     """Pairs of bodies whose contact is not checked."""
     contact = add(root, "contact")
     names = {body.name for body in bodies}
-    for pairs in UNCHECKED_PAIRS.values():
+    for pairs in unchecked_pairs(arm).values():
         for one, other in pairs:
             if one in names and other in names:
                 add(contact, "exclude", body1=one, body2=other)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
-from alpha5_model.description.srdf import NAMED_POSES
+from alpha5_model.description.srdf import named_poses
 from alpha5_model.description.xml import Value, add
 from alpha5_model.numbers.jaws import FingerJoint
 from alpha5_model.numbers.parameters import JointRange
@@ -71,7 +71,7 @@ def add_keyframes(root: ET.Element, joints: Sequence[JointRange], kind: str) -> 
     """
     keyframe = add(root, "keyframe")
     driven = [joint.name for joint in _driven(joints)]
-    for name, pose in sorted(NAMED_POSES.items()):
+    for name, pose in sorted(named_poses(joints).items()):
         # The jaws are closed at their lower limits.
         positions = {joint.name: joint.lower for joint in joints}
         positions |= zip(positions, pose, strict=False)

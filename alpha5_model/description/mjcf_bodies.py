@@ -55,11 +55,15 @@ class BodyWriter:
     water: Mapping[str, BodyHydrodynamics]
 
     def add_worldbody(
-        self, root: ET.Element, bodies: Iterable[Body], tcp: Placement
+        self,
+        root: ET.Element,
+        bodies: Iterable[Body],
+        tcp: Placement,
+        mount: Placement | None,
     ) -> None:
-        """Add base_link, the bodies that it carries, and the TCP as a site."""
+        """Add base_link on its mount, the bodies that it carries, and the TCP."""
         world = add(root, "worldbody")
-        base = add(world, "body", name="base_link", childclass="alpha5")
+        base = _add_base(world, mount)
         elements = {"base_link": base}
         for body in bodies:
             parent = elements[body.placement.parent]
@@ -141,6 +145,17 @@ class BodyWriter:
             diaginertia=[INERTIA] * 3,
         )
         add(child, "geom", "no_drag")
+
+
+def _add_base(world: ET.Element, mount: Placement | None) -> ET.Element:
+    """Add base_link: to the parent of the mount, which is a body, or to the world."""
+    carrier = world
+    pose: dict[str, Value] = {}
+    if mount is not None:
+        pose = _pose(mount)
+        if mount.parent != "world":
+            carrier = add(world, "body", name=mount.parent)
+    return add(carrier, "body", name="base_link", childclass="alpha5", **pose)
 
 
 def _add_joint(element: ET.Element, joint: JointRange) -> None:

@@ -19,10 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice, flag
-from alpha5_model._support.spatial import Placement
+from alpha5_model._support.spatial import Placement, rpy_from_rotation
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
-from alpha5_model.description.frames import tcp_placement
+from alpha5_model.description.frames import own_mount, tcp_placement
+from alpha5_model.description.moving_water import arm_water
 from alpha5_model.description.sdf_water import added_mass, drag
 from alpha5_model.description.xml import (
     XML_HEAD,
@@ -34,11 +35,12 @@ from alpha5_model.description.xml import (
     text_of,
 )
 from alpha5_model.geometry.materials import material_of
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
-from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, parameters
+from alpha5_model.numbers.mount import Mount
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
 #: 1.9 is the newest version that Debian's libsdformat reads. 1.11 has ``mimic`` and
 #: ``fluid_added_mass``.
@@ -56,7 +58,13 @@ class SdfOptions:
         corrections: Recorded corrections to apply.
         hydrodynamics: Adds drag and added mass, which are estimated, not published; in
             SDF 1.11.
+            The numbers are those of the catalogue's arm: see `arm_water`.
         sdf_version: ``1.9`` or ``1.11``, in which the fingers follow the rod.
+        arm: Record of an arm of your own, which has its corrections already; None for
+            the catalogue's. Its name is the model's. The parent of its mount is the
+            frame by which the model is placed; if that is ``world``, the mount is the
+            model's pose. What is attached to a link is part of its inertial and
+            volume.
     """
 
     gripper: str = "locked"
@@ -64,6 +72,7 @@ class SdfOptions:
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     hydrodynamics: bool = False
     sdf_version: str = SDF_VERSIONS[0]
+    arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
         flag("hydrodynamics", self.hydrodynamics)
@@ -71,6 +80,9 @@ class SdfOptions:
         choice("SDF version", self.sdf_version, SDF_VERSIONS)
         density_of(self.fluid_density)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
+        record = chosen_arm(self.arm, self.corrections)
+        if self.hydrodynamics:
+            arm_water(record, self.gripper)
 
     @property
     def version(self) -> str:
@@ -89,7 +101,8 @@ def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
     """
     chosen = options or SdfOptions()
     meshes = mesh_assets(".obj", ".mtl")
-    config = template("model.config").format(version=chosen.version)
+    arm = chosen_arm(chosen.arm, chosen.corrections)
+    config = template("model.config").format(name=arm.name, version=chosen.version)
     return {
         "model.sdf": sdf(chosen, meshes).encode(),
         "model.config": config.encode(),
@@ -107,7 +120,7 @@ def sdf(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
             out.
     """
     chosen = options or SdfOptions()
-    arm = parameters(chosen.corrections)
+    arm = chosen_arm(chosen.arm, chosen.corrections)
     root = _empty_document(chosen, arm)
     root.append(_model(chosen, arm, meshes))
     return XML_HEAD + serialized(root)
@@ -120,9 +133,10 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
     `sdf`.
     """
     chosen = options or SdfOptions()
-    arm = parameters(chosen.corrections)
+    arm = chosen_arm(chosen.arm, chosen.corrections)
     density = text_of(chosen.fluid_density)
-    world = ET.fromstring(template("world.sdf").format(density=density))
+    text = template("world.sdf").format(name=arm.name, density=density)
+    world = ET.fromstring(text)
     mount = world[-1]
     mount.insert(0, _model(chosen, arm, meshes))
 
@@ -153,15 +167,23 @@ def _model(
 
     base_link and tcp have no mass, so they are frames: a simulated link needs a mass.
     """
+    bodies = arm_bodies(arm, options.gripper, meshes)
     model = ET.Element(
-        "model", name="alpha5", canonical_link="link_0", placement_frame="base_link"
+        "model", name=arm.name, canonical_link="link_0", placement_frame="base_link"
     )
+    mount = own_mount(arm, taken=_names(bodies))
+    if mount is not None and mount.parent == "world":
+        fill(model, pose=_pose(mount))
     # Adding zero turns a negative zero into zero.
     base_yaw = -arm.base_yaw + 0.0
     _add_frame(model, "base_link", Placement("link_0", rpy=(0.0, 0.0, base_yaw)))
+    if arm.mount is not None and arm.mount.parent != "world":
+        # Whoever places the model places the frame that carries the arm.
+        model.set("placement_frame", arm.mount.parent)
+        _add_frame(model, arm.mount.parent, _carrier(arm.mount))
 
-    water = hydrodynamics(options.gripper) if options.hydrodynamics else {}
-    for body in arm_bodies(arm, options.gripper, meshes):
+    water = arm_water(arm, options.gripper) if options.hydrodynamics else {}
+    for body in bodies:
         inertial = _add_link(model, body, arm)
         if body.joint is not None:
             _add_joint(model, body.joint, body, options.version)
@@ -172,6 +194,25 @@ def _model(
             _add_hydrodynamics(model, body.name, damping)
     _add_frame(model, "tcp", tcp_placement(arm))
     return model
+
+
+def _carrier(mount: Mount) -> Placement:
+    """Pose in base_link of the frame that carries the arm."""
+    turned_back = mount.rotation.T
+    x, y, z = (-turned_back @ mount.position).tolist()
+    return Placement(
+        parent="base_link", xyz=(x, y, z), rpy=rpy_from_rotation(turned_back)
+    )
+
+
+def _names(bodies: Iterable[Body]) -> list[str]:
+    """Names of all frames of the model, which must differ."""
+    names = ["base_link", "tcp"]
+    for body in bodies:
+        names.append(body.name)
+        if body.joint is not None:
+            names.append(body.joint.name)
+    return names
 
 
 def _add_frame(model: ET.Element, name: str, placement: Placement) -> None:

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 
 from alpha5_model._support.checks import FloatArray, choice, frozen
 from alpha5_model.description.xml import XML_HEAD, add, serialized
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.numbers.parameters import JointParameters, parameters
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    JointParameters,
+    JointRange,
+    parameters,
+)
 from alpha5_model.numbers.tables import BODY_NAMES
 
 #: Joint positions axis_e, axis_d, axis_c, axis_b [rad].
@@ -42,38 +48,82 @@ NEVER_PAIRS: Pairs = (
     ("link_3", "finger_1"),
     ("link_3", "finger_2"),
 )
-#: All of them: reason in the words of SRDF -> pairs.
-UNCHECKED_PAIRS = {
-    "Adjacent": ADJACENT_PAIRS,
-    "Default": CLOSING_PAIRS,
-    "Never": NEVER_PAIRS,
-}
+#: Sum of the changes of lengths with which `NEVER_PAIRS` cannot meet either [m]: with
+#: Table 1's lengths they are more than this apart.
+_KEPT_APART = 0.04
 
 
-def named_pose(name: str) -> FloatArray:
+def named_pose(name: str, arm: Alpha5Parameters | None = None) -> FloatArray:
     """A named pose as read-only array (4,) [rad].
+
+    Args:
+        name: ``stow``, ``home`` or ``reach``.
+        arm: Record of an arm of your own, whose limits the pose keeps; None for the
+            catalogue's. An angle beyond a limit becomes the limit.
 
     Raises:
         UnknownNameError: No pose of this name.
+        InputError: ``arm`` is no record.
     """
-    return frozen(NAMED_POSES[choice("pose", name, tuple(NAMED_POSES))])
+    choice("pose", name, tuple(NAMED_POSES))
+    return frozen(named_poses(chosen_arm(arm).joints)[name])
 
 
-def srdf(gripper: str = "locked") -> str:
+def named_poses(joints: Sequence[JointRange]) -> dict[str, tuple[float, ...]]:
+    """The named poses within the limits of an arm.
+
+    Args:
+        joints: The arm's, of which ``axis_e`` to ``axis_b`` come first.
+
+    Returns:
+        Name -> joint positions [rad]. An angle beyond a limit becomes the limit.
+    """
+    poses = {}
+    for name, pose in NAMED_POSES.items():
+        positions = []
+        for joint, position in zip(joints, pose, strict=False):
+            positions.append(min(max(position, joint.lower), joint.upper))
+        poses[name] = tuple(positions)
+    return poses
+
+
+def unchecked_pairs(arm: Alpha5Parameters) -> dict[str, Pairs]:
+    """Pairs of links whose contact is not checked, by the reason in the words of SRDF.
+
+    A change of a length moves links against each other by no more than itself. If the
+    changes add up to 40 mm or more, the pairs that never meet are checked, too.
+    """
+    pairs = {"Adjacent": ADJACENT_PAIRS, "Default": CLOSING_PAIRS}
+    change = 0.0
+    for own, printed in zip(arm.dh[:3], parameters().dh, strict=False):
+        change += abs(own.a - printed.a) + abs(own.d - printed.d)
+    if change < _KEPT_APART:
+        pairs["Never"] = NEVER_PAIRS
+    return pairs
+
+
+def srdf(gripper: str = "locked", arm: Alpha5Parameters | None = None) -> str:
     """Text of the SRDF that belongs to the URDF with this gripper.
+
+    Args:
+        gripper: ``locked`` or ``jaws``.
+        arm: Record of an arm of your own, whose name and limits it has; None for the
+            catalogue's.
 
     Raises:
         UnknownNameError: Another gripper than ``locked`` or ``jaws``.
+        InputError: ``arm`` is no record.
     """
     choice("gripper", gripper, GRIPPERS)
-    *arm, rod = parameters(()).joints
-    root = ET.Element("robot", name="alpha5")
+    record = chosen_arm(arm)
+    *turning, rod = record.joints
+    root = ET.Element("robot", name=record.name)
     add(add(root, "group", name="arm"), "chain", base_link="base_link", tip_link="tcp")
     if gripper == "jaws":
         _add_gripper_group(root, rod)
 
-    arm_names = [joint.name for joint in arm]
-    for name, pose in NAMED_POSES.items():
+    arm_names = [joint.name for joint in turning]
+    for name, pose in named_poses(turning).items():
         positions = dict(zip(arm_names, pose, strict=True))
         _add_state(root, name, "arm", positions)
     if gripper == "jaws":
@@ -82,7 +132,7 @@ def srdf(gripper: str = "locked") -> str:
         add(root, "passive_joint", name="finger_1_joint")
         add(root, "passive_joint", name="finger_2_joint")
 
-    for reason, pairs in UNCHECKED_PAIRS.items():
+    for reason, pairs in unchecked_pairs(record).items():
         kept = pairs if gripper == "jaws" else _without_fingers(pairs)
         for one, other in kept:
             add(root, "disable_collisions", link1=one, link2=other, reason=reason)

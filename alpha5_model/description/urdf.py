@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,6 @@ import numpy as np
 
 from alpha5_model._support.checks import choice, flag, float_array
 from alpha5_model._support.paths import XACRO_PATH
-from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.description.xml import text_of
@@ -117,8 +116,6 @@ def urdf(variant: Variant | None = None) -> str:
     """
     chosen = variant or Variant()
     arm = chosen_arm(chosen.arm, chosen.corrections)
-    if not chosen.parent:
-        chosen = _on_own_mount(chosen, arm)
     numbers = parameter_yaml(arm)
     with tempfile.TemporaryDirectory() as folder:
         # The committed YAML may be stale, so a fresh one is written.
@@ -126,25 +123,11 @@ def urdf(variant: Variant | None = None) -> str:
         file.write_text(numbers, encoding="utf-8")
         text = expand_xacro(XACRO_PATH, _xacro_arguments(chosen, file))
 
-    # xacro cannot name the root element by the YAML, which it reads later.
-    text = text.replace('<robot name="alpha5"', f'<robot name="{arm.name}"', 1)
-    if chosen.parent and text.count(f'<link name="{chosen.parent}"') > 1:
-        raise InputError("parent", chosen.parent, "a name that no link of the arm has")
-    return text
-
-
-def _on_own_mount(variant: Variant, arm: Alpha5Parameters) -> Variant:
-    """The variant on the mount of the arm's record, if it has one."""
     mount = arm.mount
-    if mount is None:
-        return variant
-    x, y, z = mount.position.tolist()
-    return replace(
-        variant,
-        parent=mount.parent,
-        xyz=(x, y, z),
-        rpy=rpy_from_rotation(mount.rotation),
-    )
+    parent = chosen.parent or (mount.parent if mount is not None else "")
+    if parent and text.count(f'<link name="{parent}"') > 1:
+        raise InputError("parent", parent, "a name that no link of the arm has")
+    return text
 
 
 def _xacro_arguments(variant: Variant, parameter_file: Path) -> dict[str, str]:

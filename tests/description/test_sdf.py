@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference import COM, INERTIA, LOWER, MASS, UPPER, dh_frames, inertial_frames
+from sdf_reading import gazebo_buoyancy, link_poses, numbers, pose
 from water_reference import COB, VOLUME
 
 from alpha5_model._support.paths import URDF_PATH
@@ -20,51 +21,6 @@ from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files, sdf_world
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import parameters
-
-
-def numbers(element: ET.Element | None) -> np.ndarray:
-    return np.array([float(x) for x in element.text.split()])
-
-
-def pose(element: ET.Element) -> np.ndarray:
-    """Element's pose: x y z, then rotations about the fixed x, y and z axes."""
-    found = element.find("pose")
-    x, y, z, roll, pitch, yaw = numbers(found) if found is not None else np.zeros(6)
-    (sr, sp, sy), (cr, cp, cy) = np.sin([roll, pitch, yaw]), np.cos([roll, pitch, yaw])
-    rx = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
-    ry = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-    rz = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
-    out = np.eye(4)
-    out[:3, :3], out[:3, 3] = rz @ ry @ rx, (x, y, z)
-    return out
-
-
-def gazebo_buoyancy(text: str) -> dict[str, tuple[float, np.ndarray]]:
-    """Volume and centre of buoyancy of each link, as gz-sim's Buoyancy system has them.
-
-    ``volume = sum V_i``, ``centre = sum V_i p_i / volume`` over the link's collisions,
-    with the volume of the shape and the position of the collision's pose (gz-sim,
-    ``Buoyancy.cc``, CheckForNewEntities).
-    """
-    found = {}
-    for link in ET.fromstring(text).iter("link"):
-        volume, moment = 0.0, np.zeros(3)
-        for collision in link.findall("collision"):
-            (shape,) = collision.find("geometry")
-            if shape.tag == "box":
-                size = math.prod(numbers(shape.find("size")))
-            elif shape.tag == "cylinder":
-                radius, length = (
-                    float(shape.find(n).text) for n in ("radius", "length")
-                )
-                size = math.pi * radius**2 * length
-            else:
-                size = 4 / 3 * math.pi * float(shape.find("radius").text) ** 3
-            volume += size
-            moment += size * pose(collision)[:3, 3]
-        if volume > 0:
-            found[link.get("name")] = volume, moment / volume
-    return found
 
 
 def test_gazebos_rule_gives_table_3():
@@ -117,25 +73,6 @@ def test_jaws_displace_the_same_water_together():
     assert "jaw_rod" not in found
     assert volume * 1000 == pytest.approx(VOLUME["link_4"], rel=1e-12)
     np.testing.assert_allclose(moment / volume * 1000, COB["link_4"], atol=1e-11)
-
-
-def link_poses(root: ET.Element, q: np.ndarray) -> dict[str, np.ndarray]:
-    """Poses of the links in base_link: each link's pose at zero, then its joint."""
-    model = root.find("model")
-    base = next(f for f in model.findall("frame") if f.get("name") == "base_link")
-    poses = {"link_0": np.linalg.inv(pose(base))}
-    angles = iter(q)
-    for joint in model.findall("joint"):
-        child = model.find(f"link[@name='{joint.find('child').text}']")
-        parent = joint.find("parent").text
-        assert child.find("pose").get("relative_to") == parent
-        assert joint.find("axis/xyz").text == "0 0 1"
-        assert joint.find("pose") is None  # the joint stands in its child
-        turn = np.eye(4)
-        c, s = math.cos(angle := next(angles)), math.sin(angle)
-        turn[:2, :2] = [[c, -s], [s, c]]
-        poses[child.get("name")] = poses[parent] @ pose(child) @ turn
-    return poses
 
 
 def test_frames_are_those_of_table_1():

@@ -182,11 +182,23 @@ def inverse_dynamics(
     gravity: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Torques (N, 4), and force and moment of the arm on its mount, (N, 6)."""
-    rotations, origins = link_frames(record, q)
+    frames = link_frames(record, q)
+    return of_bodies(bodies_of(record), frames, v, a, density, gravity)
+
+
+def of_bodies(
+    bodies: list[list[ne.Body]],
+    frames: tuple[np.ndarray, np.ndarray],
+    v: np.ndarray,
+    a: np.ndarray,
+    density: float,
+    gravity: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same for bodies on links with these rotations and origins."""
+    rotations, origins = frames
     motions = ne.link_motions(v, a, rotations, origins)
-    bodies = bodies_of(record)
-    force, moment = np.zeros((len(q), 3)), np.zeros((len(q), 3))
-    tau = np.zeros((len(q), 4))
+    force, moment = np.zeros((len(v), 3)), np.zeros((len(v), 3))
+    tau = np.zeros((len(v), 4))
     for i in (4, 3, 2, 1, 0):
         if i < 4:
             moment = moment + np.cross(origins[i + 1] - origins[i], force)

@@ -1,0 +1,568 @@
+"""Every description of an arm of your own is that arm."""
+
+from __future__ import annotations
+
+import dataclasses
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import newton_euler as ne
+import numpy as np
+import own_arm_dynamics as own
+import pinocchio as pin
+import pytest
+import sdf_reading
+import yaml
+from arm_keys import WHOLE, changes
+
+import alpha5_model as a5
+from alpha5_model._support.paths import XACRO_PATH
+from alpha5_model.cli import main
+from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
+from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files, sdf_world
+from alpha5_model.description.srdf import (
+    NAMED_POSES,
+    NEVER_PAIRS,
+    named_pose,
+    srdf,
+)
+from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.description.xacro_parameters import parameter_yaml
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.mount import Mount
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+
+DENSITY = 1025.0
+GRAVITY = np.array([0.0, 0.0, -9.81])
+RECORDS = own.RECORDS
+every_record = pytest.mark.parametrize("record", RECORDS, ids=range(len(RECORDS)))
+
+
+def plain_xacro(folder: Path, record: Alpha5Parameters, *arguments: str) -> str:
+    """What the program ``xacro`` makes of a record's YAML, without this package."""
+    file = folder / "my_arm.yaml"
+    file.write_text(parameter_yaml(record), encoding="utf-8")
+    program = [sys.executable, "-c", "import xacro; xacro.main()"]
+    done = subprocess.run(
+        [*program, XACRO_PATH, f"parameters:={file}", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        check=True,
+    )
+    return done.stdout
+
+
+def same_elements(one: str, other: str) -> bool:
+    return ET.canonicalize(one, strip_text=True) == ET.canonicalize(
+        other, strip_text=True
+    )
+
+
+@pytest.mark.parametrize("seed", [1, 2, 8, 9])
+def test_plain_xacro_makes_the_urdf_of_the_record(seed: int, tmp_path: Path) -> None:
+    record = RECORDS[seed]
+    locked = plain_xacro(tmp_path, record, "dh_frames:=true")
+    assert same_elements(locked, urdf(Variant(arm=record, dh_frames=True)))
+    jaws = plain_xacro(tmp_path, record, "gripper:=jaws", "ros2_control:=true")
+    ours = urdf(Variant(arm=record, gripper="jaws", ros2_control=True))
+    assert same_elements(jaws, ours)
+
+
+def test_plain_xacro_mounts_on_another_parent_where_it_is_given(tmp_path: Path) -> None:
+    record = RECORDS[9]
+    place = ("parent:=table", "xyz:=0.1 0.0 0.0", "rpy:=0.0 0.0 0.0")
+    text = plain_xacro(tmp_path, record, *place)
+    variant = Variant(arm=record, parent="table", xyz=(0.1, 0.0, 0.0))
+    assert same_elements(text, urdf(variant))
+    assert "bluerov" not in text
+    assert 'xyz="0.1 0.0 0.0"' in text
+
+
+def test_a_mount_named_as_a_link_of_the_arm_is_refused() -> None:
+    record = RECORDS[9]
+    assert record.mount is not None
+    taken = Mount("tcp", record.mount.position, record.mount.rotation)
+    with pytest.raises(InputError, match="parent: expected a name that no link"):
+        urdf(Variant(arm=dataclasses.replace(record, mount=taken)))
+
+
+def test_the_catalogues_parameters_name_no_robot_and_no_mount() -> None:
+    text = parameter_yaml(parameters())
+    assert "\nname:" not in text
+    assert "\nmount:" not in text
+
+
+@every_record
+def test_ros2_control_has_the_limits_of_the_record(record: Alpha5Parameters) -> None:
+    variant = Variant(arm=record, gripper="jaws", ros2_control=True)
+    root = ET.fromstring(urdf(variant)).find("ros2_control")
+    assert root is not None
+    for joint in record.joints:
+        element = root.find(f"joint[@name='{joint.name}']")
+        assert element is not None
+
+        def number(path: str, inside: ET.Element = element) -> float:
+            return float(inside.findtext(path, "nan"))
+
+        position = "command_interface[@name='position']/param"
+        velocity = "command_interface[@name='velocity']/param"
+        assert number(f"{position}[@name='min']") == joint.lower
+        assert number(f"{position}[@name='max']") == joint.upper
+        assert number(f"{velocity}[@name='min']") == -joint.velocity
+        assert number(f"{velocity}[@name='max']") == joint.velocity
+        start = number("state_interface[@name='position']/param")
+        assert joint.lower <= start <= joint.upper
+
+
+# --- the same arm in each: poses, masses, torques -------------------------------------
+
+
+def mount_pose(record: Alpha5Parameters) -> np.ndarray:
+    """Pose of base_link in what carries it, (4, 4)."""
+    pose = np.eye(4)
+    if record.mount is not None:
+        pose[:3, :3] = record.mount.rotation
+        pose[:3, 3] = record.mount.position
+    return pose
+
+
+def expected_torque(
+    record: Alpha5Parameters, states: tuple[np.ndarray, ...], density: float
+) -> np.ndarray:
+    gravity = mount_pose(record)[:3, :3].T @ GRAVITY
+    q, v, a = states
+    return own.inverse_dynamics(record, q, v, a, density, gravity)[0]
+
+
+@every_record
+def test_the_urdf_is_the_record_on_its_mount(record: Alpha5Parameters) -> None:
+    model = pin.buildModelFromXML(urdf(Variant(arm=record)))
+    data = model.createData()
+    q, v, a = own.states(record, 8)
+    torque = expected_torque(record, (q, v, a), 0.0)
+    for k in range(8):
+        assert pin.rnea(model, data, q[k], v[k], a[k]) == pytest.approx(
+            torque[k], abs=1e-12
+        )
+        pin.crba(model, data, q[k])
+        masses = np.triu(data.M) + np.triu(data.M, 1).T
+        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-12)
+        pin.framesForwardKinematics(model, data, q[k])
+        tip = data.oMf[model.getFrameId("tcp")].homogeneous
+        expected = mount_pose(record) @ own.tcp(record, q[k])
+        assert tip == pytest.approx(expected, abs=1e-12)
+    lower, upper = model.lowerPositionLimit, model.upperPositionLimit
+    for i, joint in enumerate(record.joints[:4]):
+        assert (lower[i], upper[i]) == (joint.lower, joint.upper)
+        assert model.velocityLimit[i] == joint.velocity
+        assert model.effortLimit[i] == joint.effort
+
+
+def free_mujoco(text: str) -> tuple[Any, Any]:
+    """A model in which nothing but inertia, weight and water acts."""
+    mujoco = pytest.importorskip("mujoco", minversion="3.5")
+    model = mujoco.MjModel.from_xml_string(text)
+    for name in ("LIMIT", "CONTACT", "EQUALITY", "ACTUATION"):
+        model.opt.disableflags |= getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
+    return model, mujoco.MjData(model)
+
+
+@every_record
+def test_the_mujoco_model_is_the_record_in_water(record: Alpha5Parameters) -> None:
+    mujoco = pytest.importorskip("mujoco", minversion="3.5")
+    model, data = free_mujoco(mjcf(MjcfOptions(arm=record, fluid_density=DENSITY)))
+    q, v, a = own.states(record, 8)
+    torque = expected_torque(record, (q, v, a), DENSITY)
+    for k in range(8):
+        data.qpos, data.qvel, data.qacc = q[k], v[k], a[k]
+        mujoco.mj_inverse(model, data)
+        assert data.qfrc_inverse == pytest.approx(torque[k], abs=1e-12)
+        masses = np.zeros((4, 4))
+        for row, unit in zip(masses, np.eye(4), strict=True):
+            mujoco.mj_mulM(model, data, row, unit)
+        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-12)
+        tip = np.eye(4)
+        tip[:3, :3] = data.site("tcp").xmat.reshape(3, 3)
+        tip[:3, 3] = data.site("tcp").xpos
+        expected = mount_pose(record) @ own.tcp(record, q[k])
+        assert tip == pytest.approx(expected, abs=1e-12)
+    for joint in record.joints[:4]:
+        assert model.joint(joint.name).range.tolist() == [joint.lower, joint.upper]
+        force = model.actuator(joint.name).forcerange.tolist()
+        assert force == [-joint.effort, joint.effort]
+
+
+@every_record
+def test_closed_jaws_in_mujoco_are_the_record(record: Alpha5Parameters) -> None:
+    mujoco = pytest.importorskip("mujoco", minversion="3.5")
+    options = MjcfOptions(arm=record, gripper="jaws", fluid_density=DENSITY)
+    model, data = free_mujoco(mjcf(options))
+    q, v, a = own.states(record, 4)
+    torque = expected_torque(record, (q, v, a), DENSITY)
+    rest = np.zeros(3)
+    for k in range(4):
+        # The rod is at its lower limit, and the fingers at zero.
+        data.qpos = [*q[k], record.joints[4].lower, 0.0, 0.0]
+        data.qvel, data.qacc = np.r_[v[k], rest], np.r_[a[k], rest]
+        mujoco.mj_inverse(model, data)
+        assert data.qfrc_inverse[:4] == pytest.approx(torque[k], abs=1e-12)
+
+
+def sdf_bodies(text: str) -> list[list[ne.Body]]:
+    """The bodies of the links, with Gazebo's volumes and centres of buoyancy."""
+    root = ET.fromstring(text)
+    floating = sdf_reading.gazebo_buoyancy(text)
+    bodies = []
+    for i in range(5):
+        link = root.find(f".//link[@name='link_{i}']")
+        assert link is not None
+        numbers = {
+            moment.tag: float(moment.text or "nan")
+            for moment in link.iterfind("inertial/inertia/*")
+        }
+        tensor = np.array(
+            [
+                [numbers["ixx"], numbers["ixy"], numbers["ixz"]],
+                [numbers["ixy"], numbers["iyy"], numbers["iyz"]],
+                [numbers["ixz"], numbers["iyz"], numbers["izz"]],
+            ]
+        )
+        place = sdf_reading.numbers(link.find("inertial/pose"))
+        assert not place[3:].any()
+        volume, cob = floating[f"link_{i}"]
+        mass = float(link.findtext("inertial/mass", "nan"))
+        bodies.append([ne.Body(mass, place[:3], tensor, volume, cob)])
+    return bodies
+
+
+def placed_by(root: ET.Element) -> np.ndarray:
+    """Pose of base_link in the frame by which the model is placed, times its pose."""
+    model = root.find("model")
+    assert model is not None
+    pose = sdf_reading.pose(model)
+    name = model.get("placement_frame")
+    if name == "base_link":
+        return pose
+    frame = model.find(f"frame[@name='{name}']")
+    assert frame is not None
+    assert frame.get("attached_to") == "base_link"
+    return np.asarray(pose @ np.linalg.inv(sdf_reading.pose(frame)))
+
+
+def sdf_frames(root: ET.Element, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotations (5, N, 3, 3) and origins (5, N, 3) of the links in base_link."""
+    poses = [sdf_reading.link_poses(root, angles) for angles in q]
+    names = [f"link_{i}" for i in range(5)]
+    frames = np.array([[pose[name] for pose in poses] for name in names])
+    return frames[..., :3, :3], frames[..., :3, 3]
+
+
+@every_record
+def test_the_gazebo_model_is_the_record_in_water(record: Alpha5Parameters) -> None:
+    text = sdf(SdfOptions(arm=record, fluid_density=DENSITY))
+    root = ET.fromstring(text)
+    q, v, a = own.states(record, 8)
+    gravity = placed_by(root)[:3, :3].T @ GRAVITY
+    bodies = sdf_bodies(text)
+    frames = sdf_frames(root, q)
+    found, _ = own.of_bodies(bodies, frames, v, a, DENSITY, gravity)
+    expected = expected_torque(record, (q, v, a), DENSITY)
+    assert found == pytest.approx(expected, abs=1e-12)
+
+    for k in range(8):
+        same = sdf_frames(root, np.tile(q[k], (4, 1)))
+        rest, units = np.zeros((4, 4)), np.eye(4)
+        masses, _ = own.of_bodies(bodies, same, rest, units, 0.0, np.zeros(3))
+        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-12)
+
+
+@every_record
+def test_the_gazebo_model_has_the_tool_and_the_limits(record: Alpha5Parameters) -> None:
+    root = ET.fromstring(sdf(SdfOptions(arm=record)))
+    tcp = root.find(".//frame[@name='tcp']")
+    assert tcp is not None
+    for q in own.states(record, 8)[0]:
+        wrist = sdf_reading.link_poses(root, q)["link_4"]
+        tip = placed_by(root) @ wrist @ sdf_reading.pose(tcp)
+        expected = mount_pose(record) @ own.tcp(record, q)
+        assert tip == pytest.approx(expected, abs=1e-12)
+    for joint in record.joints[:4]:
+        limit = root.find(f".//joint[@name='{joint.name}']/axis/limit")
+        assert limit is not None
+        assert {each.tag: float(each.text or "nan") for each in limit} == {
+            "lower": joint.lower,
+            "upper": joint.upper,
+            "effort": joint.effort,
+            "velocity": joint.velocity,
+        }
+
+
+def test_an_arm_on_the_world_stands_there_in_mujoco_and_gazebo() -> None:
+    mount = own.random_mount(3)
+    on_world = Mount("world", mount.position, mount.rotation)
+    record = dataclasses.replace(RECORDS[2], mount=on_world)
+    root = ET.fromstring(mjcf(MjcfOptions(arm=record)))
+    body = root.find("worldbody/body")
+    assert body is not None
+    assert body.get("name") == "base_link"
+    assert body.get("quat") is not None
+    gazebo = ET.fromstring(sdf(SdfOptions(arm=record)))
+    assert placed_by(gazebo) == pytest.approx(mount_pose(record), abs=1e-12)
+    assert gazebo.find(".//frame[@name='world']") is None
+
+
+@pytest.mark.parametrize("parent", ["link_2", "base_link"])
+def test_a_carrier_named_as_the_arm_is_refused(parent: str) -> None:
+    mount = own.random_mount(3)
+    taken = Mount(parent, mount.position, mount.rotation)
+    record = dataclasses.replace(RECORDS[2], mount=taken)
+    for write in (
+        lambda: mjcf(MjcfOptions(arm=record)),
+        lambda: sdf(SdfOptions(arm=record)),
+    ):
+        with pytest.raises(InputError, match=r"mount\.parent: expected a name that no"):
+            write()
+
+
+# --- names, poses and pairs -----------------------------------------------------------
+
+
+def states_of(text: str) -> dict[str, dict[str, float]]:
+    return {
+        str(state.get("name")): {
+            str(joint.get("name")): float(joint.get("value", "nan")) for joint in state
+        }
+        for state in ET.fromstring(text).iter("group_state")
+    }
+
+
+@every_record
+def test_named_poses_lie_within_the_limits(record: Alpha5Parameters) -> None:
+    mujoco = pytest.importorskip("mujoco", minversion="3.5")
+    lower = np.array([joint.lower for joint in record.joints[:4]])
+    upper = np.array([joint.upper for joint in record.joints[:4]])
+    states = states_of(srdf("jaws", record))
+    model = mujoco.MjModel.from_xml_string(mjcf(MjcfOptions(arm=record)))
+    for name, pose in NAMED_POSES.items():
+        expected = np.clip(pose, lower, upper)
+        assert list(states[name].values()) == expected.tolist()
+        assert model.key(name).qpos.tolist() == expected.tolist()
+        assert named_pose(name, arm=record).tolist() == expected.tolist()
+    rod = record.joints[4]
+    assert states["closed"] == {"axis_a": rod.lower}
+    assert states["open"] == {"axis_a": rod.upper}
+
+
+def test_own_limits_cut_a_named_pose() -> None:
+    record = RECORDS[0]
+    narrow = dataclasses.replace(record.joints[1], lower=0.9, upper=1.2)
+    joints = (record.joints[0], narrow, *record.joints[2:])
+    cut = dataclasses.replace(record, joints=joints)
+    assert states_of(srdf(arm=cut))["home"]["axis_d"] == 0.9
+    assert states_of(srdf(arm=cut))["reach"]["axis_d"] == 1.2
+
+
+def test_all_descriptions_have_the_arms_name() -> None:
+    record = RECORDS[1]
+    assert '<robot name="lab_1">' in urdf(Variant(arm=record))
+    assert '<robot name="lab_1">' in srdf(arm=record)
+    assert '<mujoco model="lab_1">' in mjcf(MjcfOptions(arm=record))
+    files = sdf_files(SdfOptions(arm=record))
+    assert b'<model name="lab_1"' in files["model.sdf"]
+    assert b"<name>lab_1</name>" in files["model.config"]
+    world = ET.fromstring(sdf_world(SdfOptions(arm=record)))
+    assert world.findtext(".//joint[@name='mount']/child") == "lab_1::base_link"
+    readme = mjcf_files(MjcfOptions(arm=record))["README.md"].decode()
+    assert "changed for the arm lab_1" in readme
+
+
+def never(text: str) -> set[tuple[str, str]]:
+    return {
+        (str(pair.get("link1")), str(pair.get("link2")))
+        for pair in ET.fromstring(text).iter("disable_collisions")
+        if pair.get("reason") == "Never"
+    }
+
+
+def excluded(text: str) -> set[tuple[str, str]]:
+    return {
+        (str(pair.get("body1")), str(pair.get("body2")))
+        for pair in ET.fromstring(text).iter("exclude")
+    }
+
+
+@pytest.mark.parametrize(("change", "kept"), [(-0.039, True), (-0.041, False)])
+def test_pairs_that_never_meet_are_checked_for_other_lengths(
+    change: float, kept: bool
+) -> None:
+    arm = parameters()
+    row = dataclasses.replace(arm.dh[1], a=arm.dh[1].a + change)
+    record = dataclasses.replace(arm, dh=(arm.dh[0], row, *arm.dh[2:]))
+    pairs = set(NEVER_PAIRS) if kept else set()
+    assert never(srdf("jaws", record)) == pairs
+    options = MjcfOptions(arm=record, gripper="jaws")
+    assert excluded(mjcf(options)) & set(NEVER_PAIRS) == pairs
+
+
+def test_estimated_water_is_of_the_catalogues_lengths() -> None:
+    """The strips stay where they are in the links."""
+    heavier = dataclasses.replace(parameters(), links=RECORDS[2].links)
+    for options, write in ((MjcfOptions, mjcf), (SdfOptions, sdf)):
+        ours = ET.fromstring(write(options(hydrodynamics=True)))
+        theirs = ET.fromstring(write(options(hydrodynamics=True, arm=heavier)))
+        for tag in ("geom[@class='strip']", "plugin", "fluid_added_mass"):
+            found = [ET.tostring(each) for each in theirs.iterfind(f".//{tag}")]
+            assert found == [ET.tostring(each) for each in ours.iterfind(f".//{tag}")]
+        with pytest.raises(InputError, match=r"hydrodynamics: .*a_0 differs by"):
+            options(hydrodynamics=True, arm=RECORDS[2])
+        spaced = dataclasses.replace(parameters(), attached=RECORDS[1].attached)
+        with pytest.raises(InputError, match=r"hydrodynamics: .*the spacer differs by"):
+            options(hydrodynamics=True, arm=spaced)
+
+
+# --- each key of an arm file ----------------------------------------------------------
+
+
+def described(arm: Alpha5Parameters) -> dict[str, Any]:
+    """Each description as plain data, without comments."""
+    robot = ET.fromstring(urdf(Variant(arm=arm, gripper="jaws", ros2_control=True)))
+    control = robot.find("ros2_control")
+    assert control is not None
+    robot.remove(control)
+    numbers = yaml.safe_load(parameter_yaml(arm))
+    del numbers["provenance"]
+    in_mujoco = MjcfOptions(arm=arm, gripper="jaws", actuators="velocity")
+    in_gazebo = SdfOptions(arm=arm, gripper="jaws")
+    return {
+        "urdf": ET.tostring(robot),
+        "ros2_control": ET.tostring(control),
+        "xacro": numbers,
+        "srdf": srdf("jaws", arm),
+        "mjcf": ET.canonicalize(mjcf(in_mujoco)),
+        "sdf": ET.canonicalize(sdf(in_gazebo)),
+    }
+
+
+#: Those with bodies and joints.
+ROBOTS = {"urdf", "xacro", "mjcf", "sdf"}
+
+
+def concerned(key: str) -> set[str]:
+    """Descriptions that a key concerns."""
+    table, _, name = key.partition(".")
+    if key == "name":
+        return {*ROBOTS, "srdf"}
+    if table == "motors" or key == "attached.name":
+        # Descriptions have no motors, and attached bodies are part of their links.
+        return set()
+    if name.endswith(("volume", "cob")):
+        return {"mjcf", "sdf"}
+    if table == "joint_limits":
+        return limit_concerns(key)
+    return ROBOTS
+
+
+def limit_concerns(key: str) -> set[str]:
+    _, joint, limit = key.split(".")
+    found = ROBOTS if limit == "max_effort" else {*ROBOTS, "ros2_control"}
+    if joint == "axis_a" and limit.endswith("position"):
+        # Open and closed are the ends of the rod's range.
+        return {*found, "srdf"}
+    cuts = {
+        ("axis_e", "max_position"),  # 3 rad cuts all poses, which are at pi
+        ("axis_c", "max_position"),  # and reach
+        ("axis_d", "min_position"),  # 0.101 rad cuts stow
+        ("axis_c", "min_position"),
+    }
+    if (joint, limit) in cuts:
+        return {*found, "srdf"}
+    return found
+
+
+@pytest.fixture(scope="module")
+def arm_of_text(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    file = tmp_path_factory.mktemp("arms") / "my_arm.toml"
+
+    def read(text: str) -> Alpha5Parameters:
+        file.write_text(f"format = 1\n{text}", encoding="utf-8")
+        return a5.arm_file(file)
+
+    return read
+
+
+@pytest.fixture(scope="module")
+def defaults(arm_of_text: Any) -> dict[str, dict[str, Any]]:
+    """With and without an attached body: the descriptions of an unchanged file."""
+    return {text: described(arm_of_text(text)) for text in ("", WHOLE)}
+
+
+KEYS = {
+    key: text
+    for key, text in changes(WHOLE)
+    # One joint's motors are enough.
+    if not (key.startswith("motors.") and key.endswith(("_d", "_c", "_b", "_a")))
+}
+
+
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+@pytest.mark.parametrize("key", KEYS)
+def test_each_key_alone_changes_what_it_concerns(
+    key: str, arm_of_text: Any, defaults: dict[str, dict[str, Any]]
+) -> None:
+    before = defaults[WHOLE if key.startswith("attached.") else ""]
+    after = described(arm_of_text(KEYS[key]))
+    changed = {name for name in after if after[name] != before[name]}
+    assert changed == concerned(key)
+
+
+# --- the command ----------------------------------------------------------------------
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["srdf", "--gripper", "jaws"], lambda arm: srdf("jaws", arm)),
+        (["xacro"], parameter_yaml),
+        (
+            ["mjcf", "--gripper", "jaws"],
+            lambda arm: mjcf_files(MjcfOptions("jaws", arm=arm))["alpha5.xml"].decode(),
+        ),
+        (["sdf"], lambda arm: sdf_files(SdfOptions(arm=arm))["model.sdf"].decode()),
+    ],
+)
+def test_generate_writes_the_arm_of_a_file(
+    words: list[str], expected: Any, capsys: Any
+) -> None:
+    assert main(["generate", "--arm", str(EXAMPLE), "--format", *words]) == 0
+    assert capsys.readouterr().out == expected(a5.arm_file(EXAMPLE))
+
+
+def test_generate_writes_one_file_for_xacro_and_srdf(
+    tmp_path: Path, capsys: Any
+) -> None:
+    numbers = tmp_path / "mine.yaml"
+    arm = ["--arm", str(EXAMPLE)]
+    assert main(["generate", "--format", "xacro", *arm, "--output", str(numbers)]) == 0
+    poses = tmp_path / "mine.srdf"
+    assert main(["generate", "--format", "srdf", *arm, "--output", str(poses)]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.yaml", "mine.srdf"}
+    assert numbers.read_text("utf-8") == parameter_yaml(a5.arm_file(EXAMPLE))
+
+    capsys.readouterr()
+    wrong = ["generate", "--format", "srdf", "--output", str(tmp_path / "mine.urdf")]
+    assert main(wrong) == 2
+    assert ".srdf" in capsys.readouterr().err
+    assert main(["generate", "--format", "xacro", "--output", "folder"]) == 2
+    assert "give a file name, such as parameters.yaml" in capsys.readouterr().err
+
+
+def test_generate_without_an_arm_writes_the_committed_parameters(capsys: Any) -> None:
+    assert main(["generate", "--format", "xacro"]) == 0
+    committed = Path(XACRO_PATH).with_name("parameters.yaml")
+    assert capsys.readouterr().out == committed.read_text("utf-8")
