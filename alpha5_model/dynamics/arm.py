@@ -133,8 +133,8 @@ class Arm(ArmModel):
             position: tcp in ``base_link``, (..., 3) [m].
 
         Raises:
-            InputError: Also an arm with other dimensions or limits than the
-                catalogue's.
+            InputError: Also an arm whose model has other dimensions or limits than its
+                record, or whose tool point is beside the wrist axis.
         """
         return self._kinematics.approach_directions(position)
 
@@ -539,10 +539,12 @@ class Arm(ArmModel):
     ) -> HydrodynamicArm:
         """The same arm in moving water: with added mass and drag.
 
-        They are estimated, not published.
+        They are estimated, not published, for the bodies of the catalogue. Of an arm of
+        your own, they are in the frames of its links; what is attached adds none.
 
         Args:
-            current: Velocity of the water, uniform, in the world, (3,) [m/s].
+            current: Velocity of the water, uniform, in the world, (3,) [m/s]. The world
+                is base_link if the base is fixed, also with a mount.
             level: ``low``, ``nominal`` or ``high`` end of the numbers' interval.
             numbers: ``estimated`` (our own), or ``supplementary`` (strip theory that
                 circulates; worse).
@@ -550,9 +552,8 @@ class Arm(ArmModel):
         Raises:
             UnknownNameError: No such level or numbers, or a model without the arm's
                 links.
-            InputError: An arm with other dimensions than the catalogue's, for which the
-                numbers hold. Make one with numbers of your own:
-                ``HydrodynamicArm(arm, bodies, current)``.
+            InputError: A model with other dimensions than its record. Make an arm with
+                numbers of your own: ``HydrodynamicArm(arm, bodies, current)``.
 
         Warns:
             ImplausibleWarning: A current that no water has.
@@ -580,13 +581,12 @@ class Arm(ArmModel):
 
     @cached_property
     def _kinematics(self) -> ArmKinematics:
-        """The arm's kinematics.
+        """The kinematics of the arm's record.
 
         Raises:
-            InputError: Dimensions or limits other than the catalogue's, for which the
-                inverse kinematics was made.
+            InputError: Dimensions or limits other than the record's.
         """
         needed_for = "the inverse kinematics"
-        check_dimensions(self._model, needed_for)
-        check_limits(self._model, needed_for)
+        check_dimensions(self._model, needed_for, arm=self.parameters)
+        check_limits(self._model, needed_for, self.parameters)
         return ArmKinematics(self.parameters)

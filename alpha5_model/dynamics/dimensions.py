@@ -1,6 +1,7 @@
-"""Checks that an arm has the catalogue's dimensions and limits.
+"""Checks that a model has the dimensions and limits of a record.
 
-Computations that were made for the catalogue's arm refuse other arms with them.
+Computations that were made for the catalogue's arm, or from the record of an arm,
+refuse other models with them.
 """
 
 from __future__ import annotations
@@ -78,13 +79,13 @@ def check_dimensions(
     )
 
 
-def check_limits(model: pin.Model, needed_for: str) -> None:
-    """Check that axis_e to axis_b have the catalogue's limits.
+def check_limits(model: pin.Model, needed_for: str, arm: Alpha5Parameters) -> None:
+    """Check that axis_e to axis_b have the limits of a record.
 
     Raises:
         InputError: One of them has others.
     """
-    for joint in made_for().joints[:4]:
+    for joint in arm.joints[:4]:
         at = model.joints[model.getJointId(joint.name)].idx_q
         lower = model.lowerPositionLimit[at]
         upper = model.upperPositionLimit[at]
@@ -92,7 +93,7 @@ def check_limits(model: pin.Model, needed_for: str) -> None:
             raise InputError(
                 "arm",
                 f"{joint.name} from {lower:.6g} to {upper:.6g} rad",
-                f"the catalogue's limits, for which {needed_for} was made",
+                f"the limits of its record, for which {needed_for} was made",
             )
 
 

@@ -68,7 +68,8 @@ def in_moving_water(
     """An arm in moving water: see `Arm.with_hydrodynamics`."""
     gripper = "jaws" if "finger_1" in arm._frames else "locked"
     links = hydrodynamics(gripper, level, numbers)
-    check_dimensions(arm._model, "the moving water at its links", DRAWN)
+    needed_for = "the moving water at its links"
+    check_dimensions(arm._model, needed_for, DRAWN, arm.parameters)
     bodies = [joint_water(arm, link, data) for link, data in links.items()]
     velocity = array("current", current, 3)
     plausibility.check("current", velocity, plausibility.CURRENT)
