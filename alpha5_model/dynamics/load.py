@@ -221,6 +221,7 @@ def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> 
     )
 
 
+@lru_cache(maxsize=_ARMS)
 def _urdf(gripper: str, parameters: Alpha5Parameters) -> str:
     """Text of the URDF: the shipped one, or generated for another record.
 
