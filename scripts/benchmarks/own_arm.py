@@ -1,14 +1,16 @@
-"""Inverse kinematics of arms with their own lengths and tools, against the catalogue's.
+"""Arms with their own lengths and tools, against the catalogue's.
 
-The catalogue's kernel holds its numbers as constants; the others receive an arm's. Each
-kernel solves positions that its arm reaches, in the C code alone: one target at a time
-without and with the processor's vectors, and in a batch. Own lengths should cost at
-most 1.25, a tool beside the wrist axis at most 1.5 times the catalogue's arm.
+In the inverse kinematics, the catalogue's kernel holds its numbers as constants; the
+others receive an arm's. Each kernel solves positions that its arm reaches, in the C
+code alone: one target at a time without and with the processor's vectors, and in a
+batch. Own lengths should cost at most 1.25, a tool beside the wrist axis at most 1.5
+times the catalogue's arm. The kernels of the dynamics receive any arm's numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -43,7 +45,28 @@ def rows() -> list[Row]:
         kernels.width(8)
     measured += _rows("one target", FEW)
     measured += _rows("100 000 targets", TARGETS)
+    measured += _dynamics_rows()
     return measured
+
+
+def _dynamics_rows() -> list[Row]:
+    """Inverse dynamics of many states, by kernels in one thread."""
+    printed = a5.parameters()
+    rows = list(printed.dh)
+    rows[1] = replace(rows[1], a=rows[1].a + 0.01)
+    arms = {
+        CATALOGUE: a5.load(),
+        "own lengths": a5.load(arm=replace(printed, dh=tuple(rows))),
+    }
+    q, v, a = np.random.default_rng(7).uniform(0.3, 2.0, (3, TARGETS, 4))
+    calls: dict[str, Callable[[], Any]] = {}
+    for name, arm in arms.items():
+        calls[name] = partial(arm.inverse_dynamics_batch, q, v, a)
+    seconds = measure(calls, per_call=TARGETS, rounds=41)
+    work = "inverse dynamics of any arm: 100 000 states"
+    return [
+        Row(work=work, candidate=name, seconds=time) for name, time in seconds.items()
+    ]
 
 
 def _arms() -> dict[str, tuple[str, ArmShape]]:

@@ -119,6 +119,13 @@ def test_mujoco_in_water(capsys: pytest.CaptureFixture[str]) -> None:
     assert after < before
 
 
+def test_my_arm_in_mujoco(capsys: pytest.CaptureFixture[str]) -> None:
+    mine, catalogue = said("my_arm_in_mujoco", capsys).splitlines()
+    assert numbers(mine)[-1] < 0.01
+    # The guide says so.
+    assert numbers(catalogue)[-1] == pytest.approx(59, abs=0.5)
+
+
 def test_predictive_control(capsys: pytest.CaptureFixture[str]) -> None:
     *misses, limits = said("predictive_control", capsys).splitlines()
     off = [numbers(line)[1] for line in misses]
