@@ -267,11 +267,12 @@ class Arm(ArmModel):
         """Whether the arm touches itself at q, (nq,).
 
         The bodies are primitives that enclose the drawn ones within 3 mm; links that
-        turn against each other at a joint are not compared, and a payload has no body.
+        turn against each other at a joint are not compared. A payload has no body, and
+        neither has what is attached to the arm's record. With other lengths, the bodies
+        of the links stay in their frames; a spacer moves those of the jaws.
 
         Raises:
-            InputError: Also an arm with other dimensions than the catalogue's, whose
-                bodies they are.
+            InputError: Also an arm with other dimensions than those of its record.
         """
         return self._scratch.collisions.in_collision(self._clean_q(q))
 

@@ -3,6 +3,9 @@
 The bodies are primitives. Pairs of links that turn against each other at a joint are
 left out, as in ``urdf/alpha5.srdf``.
 
+An arm of your own has the bodies of the catalogue's links, each in the frame of its
+link; a spacer moves those of the jaws. What is attached has no body.
+
 `without_self_collision` checks many joint positions, each at several wrist angles. The
 wrist turns the hand about an axis through the tcp and does not move the tcp, so the arm
 reaches a point without self-collision if any wrist angle is free of it.
@@ -15,8 +18,8 @@ References:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import coal
@@ -34,11 +37,15 @@ from alpha5_model._support.checks import (
 from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.description.srdf import srdf
+from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
-from alpha5_model.numbers.parameters import JointParameters, parameters
+from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Wrist angles that are tried, evenly over the range of axis_b: one every 15 degrees.
 WRISTS = 25
+#: Arms whose pairs of bodies are kept.
+_ARMS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,16 +74,17 @@ class CollisionModel:
         data: pin.GeometryData.
     """
 
-    def __init__(self, model: pin.Model) -> None:
+    def __init__(self, model: pin.Model, arm: Alpha5Parameters | None = None) -> None:
         """Collect the primitives of a model's links.
 
         Args:
             model: pin.Model of the arm; with frames ``finger_1`` and ``finger_2`` the
                 jaws move, without them they are closed and part of link_4.
+            arm: Record of the arm that the model is of; None for the catalogue's.
         """
         self._model = model
         self._data = model.createData()
-        self.geometry = collision_geometry(model)
+        self.geometry = collision_geometry(model, arm)
         self.data = self.geometry.createData()
         # Pinocchio starts each search from the result of the last one, so the distance
         # at q would depend on the last call by a micrometre. coal's own request starts
@@ -128,53 +136,82 @@ class CollisionModel:
         return str(self._model.frames[frame].name)
 
 
-def collision_geometry(model: pin.Model) -> pin.GeometryModel:
+def collision_geometry(
+    model: pin.Model, arm: Alpha5Parameters | None = None
+) -> pin.GeometryModel:
     """Primitives of the links of a pin.Model, with the pairs to be checked.
 
     Pinocchio reads both from the URDF and the SRDF with the model's gripper.
+
+    Args:
+        model: pin.Model of the arm.
+        arm: Record of the arm that the model is of; None for the catalogue's.
 
     Returns:
         pin.GeometryModel.
 
     Raises:
-        InputError: A model with other dimensions than those that the bodies are drawn
-            for.
+        InputError: ``arm`` is no record, or the model has other dimensions.
     """
-    check_dimensions(model, "its bodies", DRAWN)
+    record = chosen_arm(arm)
+    check_dimensions(model, "its bodies", DRAWN, None if is_catalogue(record) else arm)
     gripper = "jaws" if model.existFrame("finger_1") else "locked"
     geometry = pin.buildGeomFromUrdfString(
-        model, _urdf(gripper), pin.GeometryType.COLLISION
+        model, _urdf_of_bodies(gripper, record), pin.GeometryType.COLLISION
     )
     geometry.addAllCollisionPairs()
-    pin.removeCollisionPairsFromXML(model, geometry, srdf(gripper))
+    pin.removeCollisionPairsFromXML(model, geometry, srdf(gripper, record))
     return geometry
 
 
-def _urdf(gripper: str) -> str:
+def _urdf_of_bodies(gripper: str, arm: Alpha5Parameters) -> str:
+    """Text of a URDF with the bodies of an arm, each in the frame of its link.
+
+    The shipped one has them. Only a spacer moves some in their link: closed fingers.
+    """
+    if arm.spacer and gripper == "locked":
+        return _urdf(gripper, arm)
+    return _shipped_urdf(gripper)
+
+
+def _urdf(gripper: str, arm: Alpha5Parameters) -> str:
+    """Text of the URDF of an arm, on its base_link."""
+    if is_catalogue(arm):
+        return _shipped_urdf(gripper)
+    return urdf(Variant(gripper=gripper, arm=replace(arm, mount=None)))
+
+
+def _shipped_urdf(gripper: str) -> str:
     path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
     return read_named(path, "the generated URDF (alpha5 generate)").decode()
 
 
-def without_self_collision(q: ArrayLike, wrists: int = WRISTS) -> BoolArray:
+def without_self_collision(
+    q: ArrayLike, wrists: int = WRISTS, arm: Alpha5Parameters | None = None
+) -> BoolArray:
     """Whether some wrist angle is free of self-collision, with the jaws closed.
 
     Args:
         q: (..., 4) [rad]; theta_3 is the first wrist angle that is tried.
         wrists: Number of further wrist angles, evenly over the range of axis_b. A free
             window narrower than their distance can be missed.
+        arm: Record of an arm of your own; None for the catalogue's. As ``accept`` of
+            `alpha5_model.reachable`, use
+            ``functools.partial(without_self_collision, arm=arm)``.
 
     Returns:
         (...) bool.
 
     Raises:
         InputError: Not finite real numbers of that shape, or no whole number of wrist
-            angles.
+            angles; ``arm`` is no record.
     """
     position = float_array("q", q, (4,))
-    wrist = parameters().joints[3]
+    record = chosen_arm(arm)
+    wrist = record.joints[3]
     angles = np.linspace(wrist.lower, wrist.upper, count("wrists", wrists))
     rows = position.reshape(-1, 4).copy()
-    pairs = _wrist_pairs(wrist)
+    pairs = _wrist_pairs(record)
 
     free = np.zeros(len(rows), np.bool_)
     left = np.flatnonzero(~_collides(pairs.model, pairs.before_wrist, rows))
@@ -203,14 +240,14 @@ class _WristPairs(NamedTuple):
     with_wrist: Any
 
 
-@cache
-def _wrist_pairs(joint: JointParameters) -> _WristPairs:
-    """The pairs of bodies of the shipped arm, split by whether the wrist moves them."""
-    model = pin.buildModelFromXML(_urdf("locked"))
-    wrist = model.getJointId(joint.name)
+@lru_cache(maxsize=_ARMS)
+def _wrist_pairs(arm: Alpha5Parameters) -> _WristPairs:
+    """The pairs of bodies of an arm, split by whether the wrist moves them."""
+    model = pin.buildModelFromXML(_urdf("locked", arm))
+    wrist = model.getJointId(arm.joints[3].name)
 
-    before_wrist = collision_geometry(model)
-    with_wrist = collision_geometry(model)
+    before_wrist = collision_geometry(model, arm)
+    with_wrist = collision_geometry(model, arm)
     for pair in _pairs(before_wrist):
         geometry = before_wrist if _moved_by(wrist, pair, before_wrist) else with_wrist
         geometry.removeCollisionPair(pair)

@@ -9,6 +9,7 @@ from typing import Any
 import pinocchio as pin
 
 from alpha5_model.dynamics.collision import CollisionModel
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
 class Scratch(threading.local):
@@ -22,7 +23,12 @@ class Scratch(threading.local):
     """
 
     def __init__(
-        self, model: pin.Model, fluid: pin.Model, net: pin.Model, callers: pin.Model
+        self,
+        model: pin.Model,
+        fluid: pin.Model,
+        net: pin.Model,
+        callers: pin.Model,
+        parameters: Alpha5Parameters,
     ) -> None:
         """Make the memory of a thread.
 
@@ -31,6 +37,7 @@ class Scratch(threading.local):
             fluid: pin.Model of the displaced fluid.
             net: pin.Model of weight less buoyancy.
             callers: pin.Model for the caller, `Arm.model`.
+            parameters: The arm's.
         """
         self.data = model.createData()
         self.fluid_data = fluid.createData()
@@ -38,6 +45,7 @@ class Scratch(threading.local):
         self.placements = [self.data.oMf[i] for i in range(model.nframes)]
         self._model = model
         self._callers = callers
+        self._parameters = parameters
         self._pools: dict[int, Any] = {}
 
     @cached_property
@@ -48,7 +56,7 @@ class Scratch(threading.local):
     @cached_property
     def collisions(self) -> CollisionModel:
         """The collision bodies, made on first use."""
-        return CollisionModel(self._model)
+        return CollisionModel(self._model, self._parameters)
 
     def pool(self, model: pin.Model, threads: int = 1) -> pin.ModelPool:
         """pin.ModelPool of a model for at least this number of threads.

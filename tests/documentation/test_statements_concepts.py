@@ -38,7 +38,7 @@ def touching(geometry: Any, q: np.ndarray, margin: float) -> np.ndarray:
     """Whether any pair of bodies is closer than a margin [m], by coal pair by pair,
     (N,).
     """
-    model = _wrist_pairs(a5.parameters().joints[3]).model
+    model = _wrist_pairs(a5.parameters()).model
     data, objects = model.createData(), geometry.createData()
     request = coal.CollisionRequest()
     request.security_margin = margin
@@ -67,7 +67,7 @@ def only_touching(margin: float) -> np.ndarray:
     margin [m].
     """
     points, q, owner = reached()
-    _, before_wrist, with_wrist = _wrist_pairs(a5.parameters().joints[3])
+    _, before_wrist, with_wrist = _wrist_pairs(a5.parameters())
     free = np.zeros(len(q), bool)
     left = np.flatnonzero(~touching(before_wrist, q, margin))
     for wrist in np.linspace(LOWER[3], UPPER[3], 25):

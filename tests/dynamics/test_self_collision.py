@@ -51,7 +51,7 @@ def test_free_at_some_wrist_angle_by_distances(arm: Any) -> None:
 def test_close_to_contact_the_quick_answer_is_that_of_the_distance(arm: Any) -> None:
     from alpha5_model.dynamics.collision import _collides, _wrist_pairs
 
-    model, before, moved = _wrist_pairs(a5.parameters().joints[3])
+    model, before, moved = _wrist_pairs(a5.parameters())
     q = sample(300, seed=91)
     hit = np.array([arm.in_collision(row) for row in q])
     free = q[~hit][: hit.sum()].copy()
@@ -80,7 +80,7 @@ def test_the_pairs_are_split_by_what_the_wrist_moves() -> None:
             for pair in geometry.collisionPairs
         ]
 
-    model, before_wrist, with_wrist = _wrist_pairs(a5.parameters().joints[3])
+    model, before_wrist, with_wrist = _wrist_pairs(a5.parameters())
     before = link_pairs(before_wrist)
     moved = link_pairs(with_wrist)
     hand = {"link_4", "tcp"}  # what hangs on axis_b

@@ -25,7 +25,6 @@ ENTRY_POINTS = {
     "description.srdf": "for which lengths links never meet",
     "description.verification.checks": "verify_urdf",
     "dynamics.arm_model": "Arm without a record",
-    "dynamics.collision": "without_self_collision",
     "dynamics.dimensions": "for which arm kernels and drawn bodies were made",
     "geometry.collision_shapes": "bodies that are drawn for the catalogue's arm",
     "geometry.drawing": "bodies that are drawn for the catalogue's arm",
