@@ -18,7 +18,6 @@ from alpha5_model.description.mjcf_actuators import (
     add_keyframes,
 )
 from alpha5_model.description.mjcf_bodies import DILUTION, INERTIA, BodyWriter
-from alpha5_model.description.moving_water import arm_water
 from alpha5_model.description.origin import provenance
 from alpha5_model.description.srdf import unchecked_pairs
 from alpha5_model.description.urdf import COLLISIONS
@@ -28,6 +27,7 @@ from alpha5_model.geometry.materials import MATERIALS
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
+from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
@@ -51,7 +51,7 @@ class MjcfOptions:
         buoyancy: ``bodies``, or ``none`` for tools without ``gravcomp``, such as brax.
         corrections: Recorded corrections to apply.
         hydrodynamics: Adds drag by strips, which is estimated, not published; instead
-            of ``drag``. The strips are those of the catalogue's arm: see `arm_water`.
+            of ``drag``. The strips are the catalogue's, in the frames of the links.
         arm: Record of an arm of your own, which has its corrections already; None for
             the catalogue's. Its name is the model's, and its mount is a body that
             carries ``base_link``, or the pose of ``base_link`` if the parent is
@@ -78,9 +78,7 @@ class MjcfOptions:
         choice("buoyancy", self.buoyancy, BUOYANCIES)
         density_of(self.fluid_density)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
-        record = chosen_arm(self.arm, self.corrections)
-        if self.hydrodynamics:
-            arm_water(record, self.gripper)
+        chosen_arm(self.arm, self.corrections)
 
 
 def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
@@ -141,7 +139,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         fluid_density=chosen.fluid_density,
         buoyancy=chosen.buoyancy == "bodies",
         collisions=chosen.collision == "primitives",
-        water=arm_water(arm, chosen.gripper) if chosen.hydrodynamics else {},
+        water=hydrodynamics(chosen.gripper) if chosen.hydrodynamics else {},
     )
 
     root = document(arm, "mujoco", model=arm.name)

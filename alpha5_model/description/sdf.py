@@ -23,7 +23,6 @@ from alpha5_model._support.spatial import Placement, rpy_from_rotation
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.frames import own_mount, tcp_placement
-from alpha5_model.description.moving_water import arm_water
 from alpha5_model.description.sdf_water import added_mass, drag
 from alpha5_model.description.xml import (
     XML_HEAD,
@@ -38,6 +37,7 @@ from alpha5_model.geometry.materials import material_of
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
+from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
 from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
@@ -57,8 +57,7 @@ class SdfOptions:
         fluid_density: Of the world [kg/m^3]; 0 is air.
         corrections: Recorded corrections to apply.
         hydrodynamics: Adds drag and added mass, which are estimated, not published; in
-            SDF 1.11.
-            The numbers are those of the catalogue's arm: see `arm_water`.
+            SDF 1.11. They are the catalogue's, in the frames of the links.
         sdf_version: ``1.9`` or ``1.11``, in which the fingers follow the rod.
         arm: Record of an arm of your own, which has its corrections already; None for
             the catalogue's. Its name is the model's. The parent of its mount is the
@@ -80,9 +79,7 @@ class SdfOptions:
         choice("SDF version", self.sdf_version, SDF_VERSIONS)
         density_of(self.fluid_density)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
-        record = chosen_arm(self.arm, self.corrections)
-        if self.hydrodynamics:
-            arm_water(record, self.gripper)
+        chosen_arm(self.arm, self.corrections)
 
     @property
     def version(self) -> str:
@@ -182,7 +179,7 @@ def _model(
         model.set("placement_frame", arm.mount.parent)
         _add_frame(model, arm.mount.parent, _carrier(arm.mount))
 
-    water = arm_water(arm, options.gripper) if options.hydrodynamics else {}
+    water = hydrodynamics(options.gripper) if options.hydrodynamics else {}
     for body in bodies:
         inertial = _add_link(model, body, arm)
         if body.joint is not None:

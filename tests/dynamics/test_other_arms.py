@@ -178,8 +178,8 @@ ANSWERED = {
 }
 
 
-#: Methods whose results are not compared entry by entry. Its bodies are at other places,
-#: but not those that are nearest to each other at Q: test_own_arm_collision.py.
+#: Methods whose results are not compared entry by entry. For those of bodies see
+#: test_own_arm_collision.py: the bodies that are nearest at Q do not move with a_1.
 NO_NUMBERS = {
     "approach_directions",
     "buoyancy_wrenches",

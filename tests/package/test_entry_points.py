@@ -21,7 +21,6 @@ ENTRY_POINTS = {
     "cli.workspace": "a command",
     "codegen.sources": "a generator; the kernels are the catalogue's arm",
     "description.committed": "a generator",
-    "description.moving_water": "for which arm the water was estimated",
     "description.srdf": "for which lengths links never meet",
     "description.verification.checks": "verify_urdf",
     "dynamics.arm_model": "Arm without a record",
