@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from alpha5_model.numbers.hydrodynamics import DragStrip
     from alpha5_model.numbers.parameters import parameters
     from alpha5_model.numbers.printed import published
+    from alpha5_model.numbers.record_writing import arm_file_text
     from alpha5_model.proofs.audit import audit
     from alpha5_model.proofs.comparison import compare
     from alpha5_model.studies import uncertainty
@@ -67,6 +68,7 @@ __all__ = [
     "__version__",
     "actuators",
     "arm_file",
+    "arm_file_text",
     "audit",
     "backend",
     "compare",
@@ -100,6 +102,7 @@ _NAMES = {
     "published": "numbers.printed",
     "parameters": "numbers.parameters",
     "arm_file": "numbers.arm_file",
+    "arm_file_text": "numbers.record_writing",
     "SEA_WATER": "numbers.fluids",
     "FRESH_WATER": "numbers.fluids",
     "AIR": "numbers.fluids",

@@ -42,8 +42,7 @@ from alpha5_model.numbers.parameters import (
 from alpha5_model.numbers.tables import BODY_NAMES, JOINT_NAMES
 from alpha5_model.numbers.tool import ToolPose, printed_tool
 
-#: Of the file: the version of its keys, its largest size, its most attached bodies.
-FORMAT = 1
+#: Of the file: its largest size, its most attached bodies.
 MOST_BYTES = 64 * 1024
 MOST_ATTACHED = 32
 #: Difference of orientations that is rounding.
@@ -285,9 +284,11 @@ def _decimal(text: str) -> Decimal:
 def _check_format(given: dict[str, Any]) -> None:
     """Refuse a file of another format."""
     if "format" not in given:
-        raise ArmFileError("format", f"missing; write format = {FORMAT}")
-    if type(given["format"]) is not int or given["format"] != FORMAT:
-        problem = f"{shown(given['format'])}; this version reads format = {FORMAT}"
+        raise ArmFileError("format", f"missing; write format = {schema.FORMAT}")
+    if type(given["format"]) is not int or given["format"] != schema.FORMAT:
+        problem = (
+            f"{shown(given['format'])}; this version reads format = {schema.FORMAT}"
+        )
         raise ArmFileError("format", problem)
 
 

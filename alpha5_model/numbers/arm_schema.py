@@ -112,6 +112,8 @@ DRIVES: Mapping[str, Key] = {
 }
 SUPPLY_VOLTAGE = _positive("voltage", "of all motors")
 
+#: The version of the keys.
+FORMAT = 1
 #: The tables and keys of a file.
 TOP = (
     "format",

@@ -67,12 +67,6 @@ def test_a_tool_as_published_changes_nothing() -> None:
     assert own_turn == pytest.approx(rotation_from_rpy(published.rpy), abs=1e-15)
 
 
-def test_generated_equations_refuse_a_tool() -> None:
-    chain = pytest.importorskip("alpha5_model.codegen.chain")
-    with pytest.raises(InputError, match="the tool point of Table 1"):
-        chain.turns(chain.SX.zeros(4), RECORD)
-
-
 def test_the_plane_of_the_arm_has_a_tool_on_the_wrist_axis() -> None:
     on_axis = dataclasses.replace(TOOL, position=[0.0, 0.0, -0.245])
     plane = ArmPlane.from_parameters(dataclasses.replace(RECORD, tool=on_axis))
