@@ -29,6 +29,7 @@ def check(
     urdf: Annotated[
         Path | None, Option(help="Check this file alone.", metavar="FILE")
     ] = None,
+    arm_file: options.Arm = None,
     corrections: Annotated[str | None, Option(help=options.HELP["corrections"])] = None,
     verbose: Annotated[
         bool, Option("--verbose", "-v", "--all", help=options.HELP["all"])
@@ -40,17 +41,23 @@ def check(
     Where the document differs from itself that is a finding: an error, a matter
     of reading, or one of transcription. The exit status is 1 only if a generated
     file (or the one given) fails. --verbose also shows what agrees, and the
-    claims' words.
+    claims' words. --arm compares the file given with the arm of an arm file.
 
     Example: alpha5 check --urdf my_arm.urdf
     """  # noqa: E501 (a line of the help)
     if urdf is None and corrections is not None:
         raise InputError("corrections", corrections, "a file to check, --urdf FILE")
+    if urdf is None and arm_file is not None:
+        raise InputError("arm", str(arm_file), "a file to check, --urdf FILE")
 
     names = values.correction_names(corrections)
     with printing.spinner("checking"):
         claims = audit() if urdf is None else ()
-        files = verify_generated() if urdf is None else verify_urdf(urdf, names)
+        own = values.arm_record(arm_file)
+        if urdf is None:
+            files = verify_generated()
+        else:
+            files = verify_urdf(urdf, names, arm=own)
     failed = any(row.verdict == "failed" for row in files)
 
     record = {"document": claims, "files": files, "passed": not failed}

@@ -172,7 +172,9 @@ def test_what_is_printed(
     monkeypatch.setattr(
         check, "verify_generated", lambda: check.verify_urdf("arm.urdf", None)
     )
-    monkeypatch.setattr(check, "verify_urdf", lambda path, _: verify_urdf(path))
+    monkeypatch.setattr(
+        check, "verify_urdf", lambda path, _, arm=None: verify_urdf(path, arm=arm)
+    )
     for module, function in (
         (check, "verify_urdf"),
         (measure, "compare"),

@@ -22,7 +22,6 @@ ENTRY_POINTS = {
     "codegen.sources": "a generator; the kernels are the catalogue's arm",
     "description.committed": "a generator",
     "description.srdf": "for which lengths links never meet",
-    "description.verification.checks": "verify_urdf",
     "dynamics.arm_model": "Arm without a record",
     "dynamics.dimensions": "for which arm kernels and drawn bodies were made",
     "geometry.collision_shapes": "bodies that are drawn for the catalogue's arm",

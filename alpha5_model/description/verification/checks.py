@@ -23,11 +23,16 @@ from alpha5_model.description.verification.jaws import (
     check_closed_jaws,
     jaw_limit_differences,
 )
+from alpha5_model.description.verification.own_arm import (
+    mount_differences,
+    own_inertial_differences,
+)
 from alpha5_model.description.verification.subject import FileCheck, Subject, Verdict
 from alpha5_model.description.verification.values import CHECKS, Finder
 from alpha5_model.errors import FileFormatError, MissingFileError
+from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 SAMPLES = 2000
 
@@ -70,14 +75,17 @@ def verify_urdf(
     path: str | os.PathLike[str],
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
     samples: int = SAMPLES,
+    arm: Alpha5Parameters | None = None,
 ) -> tuple[FileCheck, ...]:
-    """Check a URDF of the arm against the printed tables.
+    """Check a URDF of the arm against the printed tables, or against a record.
 
     Args:
         path: The file. It may have jaws, and a prefix of its names.
         corrections: Recorded corrections that it was generated with.
         samples: Number of random joint positions within the limits, in addition to the
             limits.
+        arm: Record of an arm of your own, which has its corrections already; None for
+            the catalogue's.
 
     Returns:
         One row per check.
@@ -85,10 +93,13 @@ def verify_urdf(
     Raises:
         MissingFileError, FileFormatError: The file cannot be read as a URDF at all.
         UnknownNameError: A correction that is not recorded.
+        InputError: ``arm`` is no record, or has other corrections.
     """
-    text = Subject.read(path, parameters(corrections))
+    record = chosen_arm(arm, corrections)
+    text = Subject.read(path, record)
+    checks = CHECKS if is_catalogue(record) else _checks_of_own(record)
     rows = []
-    for check, (find, claim) in CHECKS.items():
+    for check, (find, claim) in checks.items():
         rows.append(_check_values(text, check, find, claim))
     rows.append(_check_urdf(text))
 
@@ -103,6 +114,16 @@ def verify_urdf(
         claim = "rod and finger limits agree"
         rows.append(_check_values(text, "jaw limits", jaw_limit_differences, claim))
     return tuple(rows)
+
+
+def _checks_of_own(arm: Alpha5Parameters) -> dict[str, tuple[Finder, str]]:
+    """The checks of values for an arm of your own."""
+    checks = dict(CHECKS)
+    claim = "masses, COMs and tensors are the arm's, with what is attached"
+    checks["inertias"] = (own_inertial_differences, claim)
+    if arm.mount is not None:
+        checks["mount"] = (mount_differences, "base_link is on the arm's mount")
+    return checks
 
 
 def _check_values(text: Subject, check: str, find: Finder, claim: str) -> FileCheck:

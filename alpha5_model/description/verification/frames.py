@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import transform
 from alpha5_model.description.verification.subject import FileCheck, Subject
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
@@ -90,7 +91,7 @@ def dh_product(p: Alpha5Parameters, q: FloatArray) -> dict[str, FloatArray]:
     """Poses in base_link of all frames, from Table 1 and Section 2, as products of A_j.
 
     Args:
-        p: Table 1 in SI units.
+        p: Table 1 in SI units, or the record of an arm of your own.
         q: (N, 4) [rad].
 
     Returns:
@@ -111,6 +112,9 @@ def dh_product(p: Alpha5Parameters, q: FloatArray) -> dict[str, FloatArray]:
         pose = pose @ dh_transform(angle, row.d, row.a, row.alpha)
         frames[f"dh_{i + 1}"] = pose
     frames["tcp"] = pose
+    if p.tool is not None:
+        tool = transform(p.tool.rotation, p.tool.position)
+        frames["tcp"] = frames["link_4"] @ tool
     return frames
 
 
