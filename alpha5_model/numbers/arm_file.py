@@ -30,6 +30,7 @@ from alpha5_model.numbers.arm_values import (
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
 from alpha5_model.numbers.inertia import inconsistencies
+from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.motors import CONSTANTS, Motors
 from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.names import plain_name
@@ -109,8 +110,18 @@ def arm_of_tables(given: dict[str, Any]) -> Alpha5Parameters:
         name=_checked("name", given.get("name", base.name)),
     )
     own = replace(own, tool=reader.tool(own), measurements=tuple(reader.measurements))
+    _check_wrist(own)
     warn_of_oddities(own, base, set(reader.keys))
     return own
+
+
+def _check_wrist(arm: Alpha5Parameters) -> None:
+    """Refuse a link 4 that is no possible body without the jaws."""
+    try:
+        split_link_4(arm)
+    except InputError as error:
+        problem = f"{error.value}; expected {error.expected}"
+        raise ArmFileError("links.link_4", problem) from None
 
 
 class _Reader:

@@ -25,6 +25,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray, frozen
 from alpha5_model._support.spatial import moved, pose
+from alpha5_model.errors import InputError
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.inertia import combine, rotate_tensor
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
@@ -107,6 +108,9 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     Returns:
         The bodies. Without attached bodies, their sum with closed jaws is
         ``parameters.links[4]`` up to rounding.
+
+    Raises:
+        InputError: A link 4 that leaves no possible wrist.
     """
     rod = _rod(parameters)
     # Finger 1 sits at -x and turns about +y of link_4, finger 2 mirrors it: both open
@@ -217,15 +221,32 @@ def _remainder(link: RigidBody, moving: list[JawBody]) -> JawBody:
         taken_moment += body.volume * moved(_closed_pose(body), body.cob)
     volume = link.volume - taken_volume
     cob = (link.volume * link.cob - taken_moment) / volume
-    return JawBody(
-        name="link_4",
-        mass=mass,
-        com=frozen(com),
-        inertia=frozen((inertia + inertia.T) / 2),
-        volume=volume,
-        cob=frozen(cob),
-        roll=0.0,
-        origin=frozen([0.0, 0.0, 0.0]),
+    try:
+        return JawBody(
+            name="link_4",
+            mass=mass,
+            com=frozen(com),
+            inertia=frozen((inertia + inertia.T) / 2),
+            volume=volume,
+            cob=frozen(cob),
+            roll=0.0,
+            origin=frozen([0.0, 0.0, 0.0]),
+        )
+    except InputError:
+        raise _no_wrist(link, moving) from None
+
+
+def _no_wrist(link: RigidBody, moving: list[JawBody]) -> InputError:
+    """That a link 4 is too light, too small or too slender for what is in it."""
+    moments = ", ".join(f"{moment:.4g}" for moment in np.diag(link.inertia))
+    volume = f"{link.volume:.4g} m^3"
+    given = f"{link.mass:.4g} kg, {volume}, moments {moments} kg m^2"
+    mass = sum(body.mass for body in moving)
+    return InputError(
+        "link_4",
+        given,
+        "a body that leaves a possible wrist if rod and fingers, which are estimated "
+        f"at {mass:.3g} kg, are taken out of it",
     )
 
 

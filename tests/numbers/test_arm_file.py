@@ -350,6 +350,11 @@ WRONG = {
     "[links.link_2]\ninertia = [[1e-4, 1e-5, 0], [0, 1e-4, 0], [0, 0, 1e-4]]": ", "
     "links.link_2.inertia: [[0.0001, 0.00001, 0], [0, 0.0001, 0], [0, 0, 0.0001]] "
     "kg m^2; expected a symmetric tensor",
+    "[links.link_4]\nmass = 0.03": (
+        ", links.link_4: 0.03 kg, 0.000134 m^3, moments 0.0006159, 0.0006253, "
+        "6.257e-05 kg m^2; expected a body that leaves a possible wrist if rod and "
+        "fingers, which are estimated at 0.0422 kg, are taken out of it"
+    ),
     "[links.link_9]\nmass = 1": ", links: unknown 'link_9', did you mean 'link_4'?",
     '[attached]\nname = "s"': ", attached: {'name': 's'}; expected at most 32 tables "
     "[[attached]]",

@@ -11,7 +11,7 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
-from alpha5_model.errors import Alpha5Error, ImplausibleWarning
+from alpha5_model.errors import Alpha5Error, ImplausibleWarning, InputError
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.loaded_links import loaded_links
@@ -240,3 +240,11 @@ def test_the_jaws_of_a_loaded_link_add_up_to_it(spacer: float) -> None:
     ):
         shift = body.origin - printed.origin
         assert shift == pytest.approx([0, 0, -spacer], abs=1e-16)
+
+
+def test_a_link_4_without_room_for_the_jaws_is_named() -> None:
+    """It is a possible body, but not with rod and fingers inside."""
+    slender = dataclasses.replace(ARM.links[4], inertia=np.diag([3e-4, 3e-4, 2e-4]))
+    own = dataclasses.replace(ARM, links=(*ARM.links[:4], slender))
+    with pytest.raises(InputError, match="link_4: expected a body that leaves a poss"):
+        split_link_4(own)
