@@ -16,6 +16,7 @@ from alpha5_model.cli import options, printing, values
 from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 from alpha5_model.trajectory.time_series import FORMATS
 from alpha5_model.viewer import figures
@@ -62,6 +63,7 @@ def trajectory(
     supply_voltage: _SupplyVoltage = None,
     current_limit: _CurrentLimit = None,
     screw_lead: _ScrewLead = None,
+    arm_file: options.Arm = None,
 ) -> None:
     """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
 
@@ -71,7 +73,8 @@ def trajectory(
     slope of its positions. With --supply-voltage and --current-limit the answer
     says what is left to the motors' limits, with --screw-lead the jaw rod's
     current. Table 4's K_t and K_v of one motor should agree and do not: printed
-    takes K_t for torque and K_v for voltage, and powers do not balance.
+    takes K_t for torque and K_v for voltage, and powers do not balance. With
+    --arm, limits, motors and mount are those of your arm; options win over them.
 
     Example: alpha5 trajectory recording.csv --output torques.csv --plot page.png
     """  # noqa: E501 (a line of the help)
@@ -81,21 +84,21 @@ def trajectory(
     water_current = values.current_vector(current)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
 
+    own = values.arm_record(arm_file)
+
     with printing.progress_bars() as progress:
-        motion = library.read_motion(file, progress, topic=topic, prefix=prefix)
+        motion = library.read_motion(
+            file, progress, topic=topic, prefix=prefix, arm=own
+        )
         variant = _gripper(gripper, motion)
-        believed = constants or "printed"
-        actuators: Mapping[str, Actuator] = {}
-        if screw_lead is not None:
-            actuators = _rod_actuator(screw_lead, variant, believed, efficiency)
         analysis = library.analyse(
             motion,
-            values.arm_in(fluid, gravity, variant, mount, payload),
+            values.arm_in(fluid, gravity, variant, mount, payload, own),
             method=smoothing,
             bandwidth=bandwidth,
             use_velocity=use_velocity,
-            constants=believed,
-            actuators=actuators,
+            constants=constants,
+            actuators=_rod_actuator(variant, screw_lead, constants, efficiency, own),
             supply_voltage=supply_voltage,
             current_limit=current_limit,
             progress=progress,
@@ -118,10 +121,18 @@ def _gripper(choice_of_user: str, motion: library.Motion) -> str:
 
 
 def _rod_actuator(
-    screw_lead: float, gripper: str, constants: str, efficiency: str
+    gripper: str,
+    screw_lead: float | None,
+    constants: str | None,
+    efficiency: str,
+    own: Alpha5Parameters | None,
 ) -> Mapping[str, Actuator]:
-    """The jaw rod's actuator, with the screw lead that is not published."""
-    rod = actuator("axis_a", constants, screw_lead=screw_lead, efficiency=efficiency)
+    """The jaw rod's actuator, if its screw lead is given: that is not published."""
+    if screw_lead is None:
+        return {}
+    rod = actuator(
+        "axis_a", constants, screw_lead=screw_lead, efficiency=efficiency, arm=own
+    )
     if gripper != "jaws":
         expected = "no value: the jaw rod is not part of the motion"
         raise InputError("screw-lead", screw_lead, expected)

@@ -40,9 +40,11 @@ def made_for() -> Alpha5Parameters:
     return parameters()
 
 
-def has_dimensions(model: pin.Model, tolerance: float = EXACT) -> bool:
+def has_dimensions(
+    model: pin.Model, tolerance: float = EXACT, arm: Alpha5Parameters | None = None
+) -> bool:
     """Whether `check_dimensions` passes."""
-    _, distance = _farthest(model, made_for())
+    _, distance = _farthest(model, made_for() if arm is None else arm)
     return distance <= tolerance
 
 

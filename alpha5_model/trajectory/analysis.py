@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, choice, frozen, real
-from alpha5_model.dynamics.actuators import Actuator, Interval
+from alpha5_model.dynamics.actuators import Actuator, Interval, actuator
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.trajectory import smoothing
@@ -66,13 +66,15 @@ class Analysis:
         tcp: TCP in base_link, (N, 3) [m].
         torque_limits: Lower and upper (N, n) limits from supply voltage and current
             limit; None without them.
-        supply_voltage, current_limit: Limits of the motors' drives, as given [V], [A];
-            None if not.
+        supply_voltage, current_limit: Limits of the motors' drives [V], [A]; None if
+            they are not given, or if the motors' current limits differ.
         warnings: Warnings about the motion, including velocities that contradict the
             positions.
         moving_water: What a water current adds, (N, 3, n) with all numbers low, nominal
             and high. ``torque``, ``base_wrench`` and all that follows from them include
             the nominal values. None if no water current was given.
+        current_limits: Limit of the current of each motor, (n,) [A]; None for one that
+            is not known.
     """
 
     motion: Motion
@@ -98,6 +100,7 @@ class Analysis:
     current_limit: float | None
     warnings: tuple[MotionWarning, ...]
     moving_water: WaterTerms | None = None
+    current_limits: tuple[float | None, ...] = ()
 
     def causes(self) -> dict[str, FloatArray]:
         """Torques by cause, (N, n) each; the last, ``friction``, is at the motor."""
@@ -120,7 +123,7 @@ def analyse(
     method: str = "spline",
     bandwidth: float = smoothing.DEFAULT_BANDWIDTH,
     use_velocity: bool | None = None,
-    constants: str = "printed",
+    constants: str | None = None,
     actuators: Mapping[str, Actuator] | None = None,
     supply_voltage: float | None = None,
     current_limit: float | None = None,
@@ -135,15 +138,18 @@ def analyse(
         motion: From `read_motion` or `motion`.
         arm: The model; its joints decide whether the jaw rod is used. None loads the
             jaws variant in sea water if the motion has ``axis_a``, and the one with
-            locked jaws otherwise.
+            locked jaws otherwise. The arm of a record of your own has the motors,
+            supply voltage and current limits of that record.
         method, bandwidth, use_velocity: See `alpha5_model.trajectory.smoothing.smooth`.
         constants: Which of the contradicting motor constants to use
-            (`alpha5_model.dynamics.actuators`).
+            (`alpha5_model.dynamics.actuators`); None for those of the arm's record,
+            ``"printed"`` for the catalogue's.
         actuators: Motors by joint name, in place of the arm's own, for example with a
             rotor inertia.
         supply_voltage: Of the motors [V]; with ``current_limit`` it adds the
-            speed-torque limits. Not published.
-        current_limit: Electric current limit of the motors' drives [A]; not published.
+            speed-torque limits. Not published; None for the arm's record.
+        current_limit: Electric current limit of the motors' drives [A]; not published,
+            None for those of the arm's record.
         threads: Of Pinocchio; None for all that this process may use.
         progress: Called with a stage's name and the part done, 0 to 1.
         current: Water current, not a motor's: velocity of the water in base_link, (3,)
@@ -163,7 +169,7 @@ def analyse(
     if arm is None:
         arm = arm_loads.default_arm(motion)
     motion = arm_loads.motion_for_arm(motion, arm)
-    drive = _drive(supply_voltage, current_limit)
+    drive = _drive(arm.parameters, motion.joints, supply_voltage, current_limit)
     motors = _motors(arm.parameters, motion.joints, constants, efficiency)
     motors = _replaced(motors, actuators or {})
 
@@ -201,14 +207,20 @@ def analyse(
         tcp=frozen(loads.tcp),
         torque_limits=limits,
         supply_voltage=None if drive is None else drive.supply_voltage,
-        current_limit=None if drive is None else drive.current_limit,
+        current_limit=None if drive is None else _shared(drive.current_limits),
         warnings=(*motion.warnings, *_velocity_warnings(motion, arm.parameters)),
         moving_water=loads.moving_water,
+        current_limits=() if drive is None else drive.current_limits,
     )
 
 
-def _drive(supply_voltage: float | None, current_limit: float | None) -> Drive | None:
-    """The limits of the motors' drive; None if none are given.
+def _drive(
+    parameters: Alpha5Parameters,
+    joints: Sequence[str],
+    supply_voltage: float | None,
+    current_limit: float | None,
+) -> Drive | None:
+    """The limits of the motors' drives; None if none are known.
 
     Raises:
         InputError: One limit without the other, or a limit that is no number.
@@ -218,28 +230,37 @@ def _drive(supply_voltage: float | None, current_limit: float | None) -> Drive |
     if current_limit is not None:
         current_limit = real("current_limit", current_limit)
 
+    known = parameters.motors
+    limits = known.current_limits[: len(joints)]
+    if current_limit is not None:
+        limits = (current_limit,) * len(joints)
+    supply = known.supply_voltage if supply_voltage is None else supply_voltage
+
+    limited = any(limit is not None for limit in limits)
+    if supply is not None and limited:
+        return Drive(supply_voltage=supply, current_limits=limits)
     if supply_voltage is None and current_limit is None:
         return None
-    if supply_voltage is None or current_limit is None:
-        given = (supply_voltage, current_limit)
-        name = "supply_voltage and current_limit"
-        raise InputError(name, given, "both or neither")
-    return Drive(supply_voltage=supply_voltage, current_limit=current_limit)
+    given = (supply_voltage, current_limit)
+    name = "supply_voltage and current_limit"
+    raise InputError(name, given, "both or neither")
+
+
+def _shared(limits: Sequence[float | None]) -> float | None:
+    """The current limit of all motors; None if they differ."""
+    return limits[0] if len({*limits}) == 1 else None
 
 
 def _motors(
     parameters: Alpha5Parameters,
     joints: Sequence[str],
-    constants: str,
+    constants: str | None,
     efficiency: str,
 ) -> tuple[Actuator, ...]:
     """The arm's own motor of each joint."""
-    rows = parameters.actuators[: len(joints)]
     return tuple(
-        Actuator(
-            joint=joint, parameters=row, constants=constants, efficiency=efficiency
-        )
-        for joint, row in zip(joints, rows, strict=True)
+        actuator(joint, constants, efficiency=efficiency, arm=parameters)
+        for joint in joints
     )
 
 

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, float_array, listed, named
 from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.chosen_arm import chosen_arm
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory.checks import ArrayOrigin, checked
 from alpha5_model.trajectory.motions import Motion
@@ -20,6 +21,7 @@ def motion(
     velocity: ArrayLike | None = None,
     joints: Sequence[str] | None = None,
     effort: ArrayLike | None = None,
+    arm: Alpha5Parameters | None = None,
 ) -> Motion:
     """A motion from arrays, with the same checks as one from a file.
 
@@ -30,6 +32,8 @@ def motion(
         velocity: (N, n), optional.
         joints: Names of the columns, in any order; base to tip if None.
         effort: Recorded joint torques, (N, n) [N m], jaw rod [N], optional.
+        arm: Record of an arm of your own, for its ranges and rated speeds; None for the
+            catalogue's.
 
     Raises:
         InputError: Time runs back, a joint is missing or named twice, too few samples,
@@ -60,7 +64,7 @@ def motion(
         velocity=None if v is None else v[:, order],
         effort=None if tau is None else tau[:, order],
     )
-    return checked(raw, parameters(), ArrayOrigin())
+    return checked(raw, chosen_arm(arm), ArrayOrigin())
 
 
 def _listed_joints(joints: Sequence[str]) -> tuple[str, ...]:

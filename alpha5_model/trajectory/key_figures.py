@@ -9,7 +9,8 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.text import plain
-from alpha5_model.numbers.parameters import JointRange
+from alpha5_model.numbers.chosen_arm import is_catalogue
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 from alpha5_model.trajectory.analysis import Analysis
 from alpha5_model.trajectory.checks import LIMIT_SLACK
 from alpha5_model.trajectory.smoothing import SmoothMotion
@@ -77,6 +78,7 @@ def _ranges(arm: Arm) -> list[JointRange]:
 def _model(a: Analysis) -> dict[str, Any]:
     """The arm and the water around it."""
     model: dict[str, Any] = {
+        **_own_arm(a.arm.parameters),
         "gripper": "jaws" if "axis_a" in a.smooth.joints else "locked",
         "fluid_density": a.arm.fluid_density,
         "gravity": a.arm.model.gravity.linear,
@@ -84,6 +86,11 @@ def _model(a: Analysis) -> dict[str, Any]:
     if a.moving_water is not None:
         model["water_current"] = a.moving_water.current
     return model
+
+
+def _own_arm(record: Alpha5Parameters) -> dict[str, Any]:
+    """Name of an arm of one's own; nothing for the catalogue's."""
+    return {} if is_catalogue(record) else {"arm": record.name}
 
 
 def _smoothing(motion: SmoothMotion) -> dict[str, Any]:
@@ -97,13 +104,21 @@ def _smoothing(motion: SmoothMotion) -> dict[str, Any]:
 
 def _motors(a: Analysis) -> dict[str, Any]:
     """The assumptions about the motors and their drive."""
-    return {
+    motors: dict[str, Any] = {
         "constants": a.actuators[0].constants,
         "constants_ratio": {m.joint: m.constants_ratio for m in a.actuators},
         "efficiency": a.actuators[0].efficiency,
         "supply_voltage": a.supply_voltage,
         "current_limit": a.current_limit,
     }
+    if not is_catalogue(a.arm.parameters):
+        # Limits that are not complete, and so have no margins, are named, too.
+        own = a.arm.parameters.motors
+        limits = a.current_limits or own.current_limits
+        motors["supply_voltage"] = a.supply_voltage or own.supply_voltage
+        motors["current_limits"] = dict(zip(a.smooth.joints, limits, strict=False))
+        motors["rotor_inertias"] = {m.joint: m.rotor_inertia for m in a.actuators}
+    return motors
 
 
 def _energy(a: Analysis) -> dict[str, Any]:
@@ -207,7 +222,7 @@ def _joint(a: Analysis, k: int, joint: JointRange) -> dict[str, Any]:
         "torque_peak": _peak(torque, time),
         "smoothing_deviation": a.smooth.deviation[k],
         "torque_rms": _rms(torque, time),
-        # Against the effort that every public model copies; no rating is published.
+        # The catalogue's effort is what public models copy; no rating is published.
         "torque_margin": joint.effort - np.abs(torque).max(),
         "causes_peak": _causes_peak(a, k),
         "effort": _effort(a, k),
@@ -252,7 +267,8 @@ def _motor(a: Analysis, k: int) -> dict[str, Any]:
 def _drive_margins(a: Analysis, k: int) -> dict[str, Any]:
     """Margins to the drive's limits at joint k; None without limits or motor."""
     known = k in _known_motors(a)
-    if not (a.torque_limits and a.current_limit and a.supply_voltage and known):
+    limit = a.current_limits[k] if a.current_limits else None
+    if not (a.torque_limits and limit and a.supply_voltage and known):
         return {
             "current_margin": None,
             "voltage_margin": None,
@@ -267,7 +283,7 @@ def _drive_margins(a: Analysis, k: int) -> dict[str, Any]:
     reserve = np.minimum(to_upper, to_lower)
     possible = reserve[np.isfinite(reserve)]
     return {
-        "current_margin": a.current_limit - np.abs(ends).max(),
+        "current_margin": limit - np.abs(ends).max(),
         "voltage_margin": a.supply_voltage - np.abs(a.voltage[:, k]).max(),
         "drive_torque_margin": possible.min() if possible.size else None,
         "beyond_drive_limits": np.count_nonzero(~(reserve >= 0)),

@@ -29,11 +29,11 @@ class Drive(NamedTuple):
 
     Attributes:
         supply_voltage: [V].
-        current_limit: [A].
+        current_limits: Of each motor, (n,) [A]; None for one that is not known.
     """
 
     supply_voltage: float
-    current_limit: float
+    current_limits: tuple[float | None, ...]
 
 
 class _JointState(NamedTuple):
@@ -75,6 +75,8 @@ def drive_limits(
 ) -> Interval:
     """Torques that a drive can give in motion and hold at rest, (N, n) each.
 
+    They are NaN for a motor without a current limit.
+
     Args:
         motors: Of the n joints.
         motion: Of the same joints.
@@ -86,9 +88,12 @@ def drive_limits(
     """
     lower = np.full(torque.shape, np.nan)
     upper = np.full(torque.shape, np.nan)
-    for k, motor in enumerate(motors):
+    for k, (motor, limit) in enumerate(zip(motors, drive.current_limits, strict=True)):
+        if limit is None:
+            continue
         with suppress(MissingParameterError):  # the jaw rod without a screw lead
-            limits = _limits(motor, _state(motion, torque, k), drive)
+            state = _state(motion, torque, k)
+            limits = _limits(motor, state, drive.supply_voltage, limit)
             lower[:, k] = limits.lower
             upper[:, k] = limits.upper
     return Interval(frozen(lower), frozen(upper))
@@ -130,13 +135,13 @@ def _current(motor: Actuator, state: _JointState) -> FloatArray:
     return np.where(state.at_rest, least, moving)
 
 
-def _limits(motor: Actuator, state: _JointState, drive: Drive) -> Interval:
+def _limits(
+    motor: Actuator, state: _JointState, supply_voltage: float, current_limit: float
+) -> Interval:
     """Torques that the drive of a motor can give while it moves and hold at rest."""
-    moving = motor.torque_limits(
-        state.velocity, drive.supply_voltage, drive.current_limit
-    )
-    stalled = drive.supply_voltage / motor.parameters.resistance
-    most = min(drive.current_limit, stalled)
+    moving = motor.torque_limits(state.velocity, supply_voltage, current_limit)
+    stalled = supply_voltage / motor.parameters.resistance
+    most = min(current_limit, stalled)
     return Interval(
         lower=np.where(state.at_rest, motor.holding_torque(-most).lower, moving.lower),
         upper=np.where(state.at_rest, motor.holding_torque(most).upper, moving.upper),

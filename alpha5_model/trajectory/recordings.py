@@ -10,7 +10,8 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.chosen_arm import chosen_arm
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.trajectory.bag_table import BagTable
 from alpha5_model.trajectory.checks import Origin, checked
 from alpha5_model.trajectory.csv_table import CsvTable
@@ -31,6 +32,7 @@ def read_motion(
     *,
     topic: str | None = None,
     prefix: str | None = None,
+    arm: Alpha5Parameters | None = None,
 ) -> Motion:
     """Read joint motion from a CSV or Parquet file, or from a ROS bag.
 
@@ -69,6 +71,8 @@ def read_motion(
             for names without a prefix, or else for the only prefix. If you give it,
             columns whose prefix says command, or nothing known, are read as positions.
             Torques never are.
+        arm: Record of an arm of your own, for its ranges and rated speeds; None for the
+            catalogue's.
 
     Raises:
         InputError: Not a path, fewer than 5 samples, a topic for a file that is no bag,
@@ -95,9 +99,9 @@ def read_motion(
 
     roles = find_roles(path, table, prefix)
     origin = _FileOrigin(path, table, roles)
-    catalogue = parameters()
-    raw = _recorded(path, table, roles, catalogue)
-    return checked(raw, catalogue, origin)
+    record = chosen_arm(arm)
+    raw = _recorded(path, table, roles, record)
+    return checked(raw, record, origin)
 
 
 class _FileOrigin(Origin):

@@ -133,7 +133,7 @@ def text(record: dict[str, Any]) -> str:
     lines = [
         *_head(record),
         *_joint_table("peaks", joints, _PEAKS),
-        *_digits(joints),
+        *_digits(joints, own="arm" in record["model"]),
         *_joint_table("left to the limits, negative beyond them", joints, _MARGINS),
         *_joint_table("largest torque by cause", joints, _causes(joints)),
         *_effort(joints),
@@ -155,24 +155,26 @@ def _head(record: _Record) -> list[str]:
     width = "" if bandwidth is None else f", {bandwidth:.3g} Hz (-3 dB)"
     unit = record["time_unit_of_file"]
     column = "" if unit == "s" else f" (time column in {unit})"
+    own = f"{model['arm']}, " if "arm" in model else ""
     return [
         f"{record['source']}: {record['samples']} samples, "
         f"{record['duration_s']:.2f} s{column}",
-        f"  model: {model['gripper']} gripper, "
+        f"  model: {own}{model['gripper']} gripper, "
         f"fluid {model['fluid_density']:g} kg/m^3, gravity ({gravity}) m/s^2",
         f"  smoothing: {smoothing['method']}{width}; "
         f"derivatives from {smoothing['derivatives_from']}",
     ]
 
 
-def _digits(joints: Mapping[str, _Record]) -> list[str]:
+def _digits(joints: Mapping[str, _Record], own: bool) -> list[str]:
     """How far the tables' digits leave the arm's torques open, if that is known."""
     arm = [*joints.values()][:4]
     intervals = [joint["torque_peak"].get("interval") for joint in arm]
     if not all(intervals):
         return []
     halves = ", ".join(f"{(high - low) / 2:.1g}" for low, high in intervals)
-    return [f"  digits of Tables 2, 3: torque peaks ±({halves}) N m"]
+    source = "half widths of the arm file, else digits" if own else "digits"
+    return [f"  {source} of Tables 2, 3: torque peaks ±({halves}) N m"]
 
 
 def _causes(joints: Mapping[str, _Record]) -> list[_Column]:
@@ -285,6 +287,8 @@ def _warnings(warnings: Sequence[_Record]) -> list[str]:
 def _notes(record: _Record) -> list[str]:
     """The assumptions behind the figures."""
     motors = record["motors"]
+    own = record["model"].get("arm")
+    whose = "the motors'" if own else "Table 4's"
     ratios = ", ".join(
         f"{joint} {ratio:.3f}" for joint, ratio in motors["constants_ratio"].items()
     )
@@ -299,16 +303,21 @@ def _notes(record: _Record) -> list[str]:
         "friction holds it, its motor helps with the least current",
         "friction, at the motor, is a cause of its own; "
         "it is in the current, not in the torque",
-        "torque limits are the 9 N m (jaw rod 10 N) of most public models; "
+        f"torque limits are those of {own}"
+        if own
+        else "torque limits are the 9 N m (jaw rod 10 N) of most public models; "
         "no rating is published",
-        f"Table 4's constants contradict each other (K_t/K_v: {ratios}); "
+        f"{whose} constants contradict each other (K_t/K_v: {ratios}); "
         f"used here: {used}",
         "Table 4 does not say whose efficiency eta_max is; "
         f"taken here for that of the {motors['efficiency']}",
     ]
-    if motors["supply_voltage"] is None:
+    limits = motors.get("current_limits", {})
+    without_limits = own and not any(limits.values())
+    if motors["supply_voltage"] is None or without_limits:
+        where = f", here or in {own}'s file" if own else ""
         notes.append(
-            "current limits need --supply-voltage and --current-limit; "
+            f"current limits need --supply-voltage and --current-limit{where}; "
             "neither is published"
         )
     return [f"  note: {note}" for note in notes]

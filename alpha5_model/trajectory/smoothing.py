@@ -37,7 +37,8 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice, frozen, real
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.chosen_arm import chosen_arm
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.trajectory.filters import (
     Fit,
     interpolating_spline,
@@ -103,6 +104,7 @@ def smooth(
     method: str = "spline",
     bandwidth: float = DEFAULT_BANDWIDTH,
     use_velocity: bool | None = None,
+    arm: Alpha5Parameters | None = None,
 ) -> SmoothMotion:
     """Smooth positions and their derivatives at the motion's own sample times.
 
@@ -114,12 +116,14 @@ def smooth(
             motion instead of its positions; None does so if there are any. Recordings
             hold each position for about 0.1 s, which makes its second derivative
             useless.
+        arm: Record of an arm of your own, for its rated speeds, below which a joint is
+            at rest; None for the catalogue's.
 
     Raises:
         UnknownNameError: No such method.
         InputError: A bandwidth that the samples cannot carry, or no velocities to use.
     """
-    return smooth_for(parameters(), motion, method, bandwidth, use_velocity)
+    return smooth_for(chosen_arm(arm), motion, method, bandwidth, use_velocity)
 
 
 def smooth_for(

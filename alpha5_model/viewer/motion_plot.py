@@ -177,21 +177,24 @@ def _draw_causes(axes: Axes, analysis: Analysis, k: int) -> None:
 def _draw_digits(axes: Axes, analysis: Analysis, k: int) -> None:
     """The band of torques that the printed digits allow."""
     from alpha5_model.dynamics.dimensions import has_dimensions
+    from alpha5_model.numbers.chosen_arm import is_catalogue
     from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
-    if not has_dimensions(analysis.arm._model):
+    arm = analysis.arm
+    if not has_dimensions(arm._model, arm=arm.parameters):
         return
     smooth = analysis.smooth
     step = -(-len(smooth.time) // _BAND_POINTS)
     margin = torque_margin(
-        analysis.arm,
+        arm,
         smooth.position[::step],
         smooth.velocity[::step],
         smooth.acceleration[::step],
     )
     low, high = analysis.torque[::step, k] + margin[..., k]
     look: dict[str, Any] = {"color": _GRAY, "linewidth": 0}
-    axes.fill_between(smooth.time[::step], low, high, **look, label="printed digits")
+    label = "printed digits" if is_catalogue(arm.parameters) else "digits, half widths"
+    axes.fill_between(smooth.time[::step], low, high, **look, label=label)
 
 
 def _draw_current(axes: Axes, analysis: Analysis, k: int) -> None:
@@ -213,8 +216,9 @@ def _draw_current(axes: Axes, analysis: Analysis, k: int) -> None:
     _band(axes, analysis, analysis.current_lower[:, k], analysis.current_upper[:, k])
     _curve(axes, analysis, current, color=Color.BLUE)
     _mark(axes, analysis.smooth.time, current)
-    if analysis.current_limit is not None:
-        _bounds(axes, -analysis.current_limit, analysis.current_limit)
+    limit = analysis.current_limits[k] if analysis.current_limits else None
+    if limit is not None:
+        _bounds(axes, -limit, limit)
 
 
 # ---- the whole arm

@@ -37,6 +37,7 @@ from alpha5_model.dynamics.kernel_numbers import arm_dimensions
 from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
 from alpha5_model.studies.uncertainty import linear_maps, printed
+from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
 
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
@@ -53,12 +54,17 @@ SHOWN = 0.2
 UNSEEN = 100.0
 
 
+def moments(sets: np.ndarray, alternatives: tuple[str, ...] = ()) -> np.ndarray:
+    """The eight net first moments in fresh water of printed numbers, (..., 8)."""
+    of_arm = arm_numbers(a5.parameters(), alternatives)
+    by_moments = of_arm.grouping(a5.FRESH_WATER)
+    return linear_maps.groups(of_arm.bodies(sets), by_moments)[..., COLUMNS]
+
+
 def numbers(corrections: tuple[str, ...] = ()) -> np.ndarray:
     """The eight net first moments in fresh water, (8,) [kg m]."""
     middle, _ = printed.intervals(corrections)
-    parameters = a5.parameters()
-    every = linear_maps.groups(middle, corrections, a5.FRESH_WATER, parameters)
-    return every[COLUMNS]
+    return moments(middle, corrections)
 
 
 def by_digits() -> np.ndarray:
@@ -66,8 +72,7 @@ def by_digits() -> np.ndarray:
     middle, half = printed.intervals(())
     # The standard deviation of an even distribution over the digits' interval.
     sets = middle + np.diag(half) * 3**-0.5
-    every = linear_maps.groups(sets, (), a5.FRESH_WATER, a5.parameters())
-    return every[:, COLUMNS] - numbers()
+    return moments(sets) - numbers()
 
 
 def linear(recording: recordings.Recording) -> tuple[np.ndarray, np.ndarray]:

@@ -19,7 +19,6 @@ from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions, check_limi
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError
-from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 from alpha5_model.theory.dh import DHChain, DHLink
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.motion_plot import motion_figure
@@ -121,8 +120,6 @@ def test_its_batches_are_its_single_calls() -> None:
 REFUSED: dict[str, Callable[[], Any]] = {
     "with_hydrodynamics, floating": lambda: afloat().with_hydrodynamics(),
     "a collision model": lambda: CollisionModel(arm().model),
-    "bounds": lambda: a5.uncertainty.bounds(Q, V, A, arm()),
-    "margin": lambda: torque_margin(arm(), Q, V, A),
     "scene": lambda: build_scene(arm()),
     "approach_directions, floating": lambda: afloat().approach_directions(
         [0.3, 0.0, 0.1]

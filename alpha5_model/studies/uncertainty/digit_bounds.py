@@ -5,6 +5,7 @@ The docstring of the package explains the method.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,23 +16,17 @@ from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.dynamics.actuators import Interval
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
-from alpha5_model.dynamics.kernel_numbers import (
-    SAME_FRAME,
-    arm_dimensions,
-    arm_parameters,
-)
+from alpha5_model.dynamics.kernel_numbers import arm_dimensions, arm_parameters
 from alpha5_model.dynamics.load import load
 from alpha5_model.dynamics.regression import regressor_rows
 from alpha5_model.dynamics.states import is_one_state, rows
-from alpha5_model.numbers import parameters as records
 from alpha5_model.numbers.fluids import SEA_WATER
-from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty import printed
+from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
 from alpha5_model.studies.uncertainty.linear_maps import (
     SYMMETRIC,
     LinkNumbers,
-    grouping,
-    link_map,
+    groups,
     split,
 )
 from alpha5_model.studies.uncertainty.printed import Names
@@ -65,21 +60,25 @@ def bounds(
 ) -> Bounds:
     """Bounds that no numbers which round to the printed ones can exceed.
 
+    For an arm of your own, the values with a half width in its file lie within it, and
+    its other numbers keep the half width of the printed digits. Lengths, zeros, mount
+    and tool are taken as known, and so are place, turn and spacer of attached bodies
+    except for a half width of ``at``.
+
     Args:
         q, v, a: (4,) each, or (N, 4); one row is used for all states.
         arm: On a fixed base. Its fluid, gravity, payload and corrections are taken as
             known; None for the bare arm in sea water.
-        alternatives: Names of `ALTERNATIVES` to believe.
+        alternatives: Names of `ALTERNATIVES` to believe, of the catalogue's arm.
 
     Raises:
         InputError: As of `Arm.inverse_dynamics_batch`, or an arm on a floating base or
-            with jaws that move.
+            with jaws that move. Also alternatives for an arm of your own.
         UnknownNameError: An alternative that is not recorded.
     """
     arm = load() if arm is None else instance("arm", arm, Arm)
     one = is_one_state(q, v, a)
     gravity = arm_parameters(arm)[-3:]
-    check_dimensions(arm._model, "the bounds of the printed digits", SAME_FRAME)
     dimensions = arm_dimensions(arm)
     q, v, a = rows(arm._model, q=q, v=v, a=a)
     torque_and_wrench = regressor_rows(q, v, a, gravity, dimensions)
@@ -87,12 +86,11 @@ def bounds(
     potential = _potential_energy_rows(q, gravity, dimensions)
 
     chosen = printed.believed(alternatives)
-    bare = records.parameters(arm.parameters.corrections)
-    known = payload(arm, bare)
+    numbers = arm_numbers(arm.parameters, chosen)
+    known = payload(arm, numbers)
 
     def interval(linear: FloatArray) -> Interval:
-        density = arm.fluid_density
-        lower, upper = extremes(linear, known, density, chosen, bare)
+        lower, upper = extremes(linear, known, arm.fluid_density, numbers)
         return Interval(
             lower=lower[0] if one else lower, upper=upper[0] if one else upper
         )
@@ -154,21 +152,22 @@ def torque_bounds(
 def torque_margin(arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatArray:
     """How far the digits can move the torques of any arm on a fixed base.
 
-    Payload, moving water, and the jaws that are taken out of link 4 count as known.
+    Payload, moving water, and the jaws that are taken out of link 4 count as known. The
+    half widths of an arm of your own replace those of the digits, see `bounds`.
 
     Returns:
         Lowest and highest difference, (2, nv) or (2, N, nv).
 
     Raises:
-        InputError: An arm with other dimensions than the catalogue's, whose digits they
-            are.
+        InputError: An arm with other dimensions than those of its record, whose digits
+            they are.
     """
-    check_dimensions(arm._model, "the margin of the printed digits")
-    bare = load(
-        arm.fluid_density,
-        gravity=arm.model.gravity.linear,
-        corrections=arm.parameters.corrections,
-    )
+    record = arm.parameters
+    check_dimensions(arm._model, "the margin of the printed digits", arm=record)
+    gravity = arm.model.gravity.linear
+    # In base_link already, so not to be turned by a mount.
+    unmounted = record if record.mount is None else replace(record, mount=None)
+    bare = load(arm.fluid_density, gravity=gravity, arm=unmounted)
     out = np.zeros((2, *np.shape(q)))
     q, v, a = (np.asarray(x)[..., :4] for x in (q, v, a))
     nominal = bare.inverse_dynamics_batch(q, v, a).reshape(q.shape)
@@ -176,46 +175,45 @@ def torque_margin(arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatAr
     return out
 
 
-def payload(arm: Arm, parameters: Alpha5Parameters) -> FloatArray:
-    """An arm's base parameters minus those of the bare arm, (38,).
+def payload(arm: Arm, numbers: ArmNumbers) -> FloatArray:
+    """What an arm carries beside the bodies of its numbers, as base parameters, (38,).
 
     Args:
         arm: On a fixed base, with its jaws locked.
-        parameters: Of the bare arm, with the same corrections.
+        numbers: Of its record.
     """
-    bare = base_parameters(parameters.links, arm.fluid_density, parameters=parameters)
-    return (arm_parameters(arm) - bare)[:-3]
+    density = arm.fluid_density
+    if numbers.offset is None:
+        record = numbers.arm
+        bare = base_parameters(record.links, density, parameters=record)[:-3]
+    else:
+        bodies = numbers.bodies(numbers.middle)
+        bare = groups(bodies, numbers.grouping(density))
+    return np.asarray(arm_parameters(arm)[:-3] - bare)
 
 
 def extremes(
-    linear: FloatArray,
-    known: FloatArray,
-    density: float,
-    alternatives: tuple[str, ...],
-    parameters: Alpha5Parameters,
+    linear: FloatArray, known: FloatArray, density: float, numbers: ArmNumbers
 ) -> FloatArray:
     """Lowest and highest values of quantities that are linear in the base parameters.
 
     Args:
         linear: (N, ..., 38).
-        known: Base parameters to add to those of the printed numbers, (38,).
+        known: Base parameters to add to those of the numbers, (38,).
         density: Of the fluid [kg/m^3].
-        alternatives: Checked names of `ALTERNATIVES`.
-        parameters: Of the bare arm; only dimensions and corrections are used.
+        numbers: Of the arm.
 
     Returns:
         (2, N, ...).
     """
-    to_links = link_map(alternatives, parameters.corrections)
-    middles, half_widths = printed.intervals(alternatives)
-    middle = split(np.tensordot(middles, to_links, 1))
-    half_width = split(np.tensordot(half_widths, np.abs(to_links), 1))
-    by_moments = np.tensordot(linear, grouping(density, parameters), (-1, -1))
-    slope = split(by_moments)  # of (N, ..., 5, 14)
+    middle = split(numbers.bodies(numbers.middle))
+    half_width = split(np.tensordot(numbers.half_width, np.abs(numbers.to_bodies), 1))
+    by_moments = np.tensordot(linear, numbers.grouping(density), (-1, -1))
+    slope = split(by_moments)  # of (N, ..., B, 14)
 
     terms = (
         _mass_terms(slope, middle, half_width),
-        _tensor_terms(slope, to_links, middles, half_widths),
+        _tensor_terms(slope, numbers),
         _volume_terms(slope, middle, half_width),
     )
     rounding = _rounding(terms)
@@ -245,21 +243,20 @@ def _mass_terms(
     return np.asarray(extremes_of_links.sum(axis=-1))
 
 
-def _tensor_terms(
-    slope: LinkNumbers,
-    to_links: FloatArray,
-    middles: FloatArray,
-    half_widths: FloatArray,
-) -> FloatArray:
+def _tensor_terms(slope: LinkNumbers, numbers: ArmNumbers) -> FloatArray:
     """Extremes of the sum of w . I, (2, N, ...).
 
     A printed number of a tensor is part of several second moments, so the extremes are
     taken over the printed numbers.
     """
-    to_second = split(to_links).second
+    to_second = split(numbers.to_bodies).second
     by_numbers = np.tensordot(slope.second, to_second, ((-2, -1), (1, 2)))
-    spread = np.multiply.outer((-1, 1), np.abs(by_numbers) @ half_widths)
-    return np.asarray(np.tensordot(by_numbers, middles, 1) + spread)
+    spread = np.multiply.outer((-1, 1), np.abs(by_numbers) @ numbers.half_width)
+    middle = np.tensordot(by_numbers, numbers.middle, 1)
+    if numbers.offset is not None:
+        offset = split(numbers.offset).second
+        middle = middle + np.tensordot(slope.second, offset, 2)
+    return np.asarray(middle + spread)
 
 
 def _volume_terms(

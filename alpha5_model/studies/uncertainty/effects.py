@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, count, float_array
 from alpha5_model.errors import InputError
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty import printed
+from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
 from alpha5_model.studies.uncertainty.printed import Names
 from alpha5_model.studies.uncertainty.sampling import sample
 
@@ -45,18 +47,28 @@ class Sensitivity(NamedTuple):
         return tuple((self.names[k], float(effects[k])) for k in order)
 
 
-def sensitivity(result: Result, alternatives: Names = ()) -> Sensitivity:
+def sensitivity(
+    result: Result, alternatives: Names = (), arm: Alpha5Parameters | None = None
+) -> Sensitivity:
     """How much a result depends on each printed number.
 
     Args:
         result: Function of a parameter set that returns a number or an array, such as
             ``lambda p: arm(p).hydrostatic_torque(q)``.
         alternatives: Names of `ALTERNATIVES` to believe.
+        arm: Record of an arm of your own; None for the catalogue's. The half widths of
+            its file replace those of the digits, and all that have one are varied:
+            zeros, tool, mount and limits, too.
 
     Raises:
-        InputError: A result with numbers that are not finite.
+        InputError: A result with numbers that are not finite, or alternatives for an
+            arm of your own.
     """
     chosen = printed.believed(alternatives)
+    numbers = arm_numbers(chosen_arm(arm), chosen)
+    if numbers.offset is not None:
+        return _sensitivity_of_own(result, numbers)
+
     intervals = printed.numbers(chosen)
     # An alternative can move the middle away from the printed number.
     middle = {
@@ -77,6 +89,23 @@ def sensitivity(result: Result, alternatives: Names = ()) -> Sensitivity:
     return Sensitivity(
         names=tuple(intervals), nominal=result_with({}), effects=np.array(effects)
     )
+
+
+def _sensitivity_of_own(result: Result, numbers: ArmNumbers) -> Sensitivity:
+    """`sensitivity` of an arm of one's own."""
+
+    def result_with(change: FloatArray) -> FloatArray:
+        parameters = numbers.parameters(numbers.middle + change)
+        return float_array("result", result(parameters), ())
+
+    nominal = result_with(np.zeros(numbers.middle.size))
+    effects = []
+    for change in np.diag(numbers.half_width):
+        if not change.any():
+            effects.append(np.zeros_like(nominal))
+            continue
+        effects.append((result_with(change) - result_with(-change)) / 2)
+    return Sensitivity(names=numbers.names, nominal=nominal, effects=np.array(effects))
 
 
 class Spread(NamedTuple):

@@ -10,20 +10,15 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, instance, shaped
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.dimensions import check_dimensions
-from alpha5_model.dynamics.kernel_numbers import (
-    SAME_FRAME,
-    arm_dimensions,
-    arm_parameters,
-)
+from alpha5_model.dynamics.kernel_numbers import arm_dimensions, arm_parameters
 from alpha5_model.dynamics.load import load
 from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.errors import InputError
-from alpha5_model.numbers import parameters as records
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty import printed
+from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
 from alpha5_model.studies.uncertainty.digit_bounds import extremes, payload
-from alpha5_model.studies.uncertainty.linear_maps import groups, link_map
+from alpha5_model.studies.uncertainty.linear_maps import groups
 from alpha5_model.studies.uncertainty.printed import Names
 from alpha5_model.studies.uncertainty.sampling import DEVIATION
 from alpha5_model.trajectory import Motion, smooth
@@ -93,7 +88,8 @@ def identify(
     Args:
         motion: From `alpha5_model.trajectory`; the jaw rod is left out.
         arm: Its fluid, gravity, payload and corrections are taken as known; None for
-            the bare arm in sea water.
+            the bare arm in sea water. The half widths of an arm of your own replace
+            those of the digits; its lengths, zeros, mount and tool are known.
         wrench: Force and moment on the mount in base_link, (N, 6) [N, N m]; None for
             the motion's efforts.
         alternatives: Names of `ALTERNATIVES` to believe.
@@ -101,27 +97,22 @@ def identify(
 
     Raises:
         InputError: A motion without efforts, no wrench either, or arrays that do not
-            fit; an arm on a floating base or with jaws that move.
+            fit; an arm on a floating base or with jaws that move; alternatives for an
+            arm of your own.
     """
     chosen = printed.believed(alternatives)
     arm = load() if arm is None else instance("arm", arm, Arm)
     gravity = arm_parameters(arm)[-3:]
-    check_dimensions(arm._model, "the identification", SAME_FRAME)
     dimensions = arm_dimensions(arm)
     recording = _recording(motion, gravity, dimensions, wrench, smoothing)
 
-    corrections = arm.parameters.corrections
-    of_bare = records.parameters(corrections)
-    unknowns = _Unknowns(chosen, arm.fluid_density, of_bare)
-    fit = _fitted(recording, unknowns, payload(arm, of_bare))
-    bare = load(arm.fluid_density, corrections=corrections)
-    digit_limits = extremes(
-        np.eye(len(NAMES))[None],
-        payload(bare, of_bare),
-        arm.fluid_density,
-        chosen,
-        of_bare,
-    )
+    numbers = arm_numbers(arm.parameters, chosen)
+    unknowns = _Unknowns(numbers, arm.fluid_density)
+    fit = _fitted(recording, unknowns, payload(arm, numbers))
+    bare = load(arm.fluid_density, arm=arm.parameters)
+    every_one = np.eye(len(NAMES))[None]
+    known = payload(bare, numbers)
+    digit_limits = extremes(every_one, known, arm.fluid_density, numbers)
     return _identification(unknowns, fit, digit_limits[:, 0])
 
 
@@ -165,41 +156,29 @@ class _Unknowns:
     Attributes:
         count: Number of unknowns.
         slope: Derivative of the base parameters by each, at z = 0, (count, 38).
-        alternatives: Names of `ALTERNATIVES` that are believed.
     """
 
-    def __init__(
-        self,
-        alternatives: tuple[str, ...],
-        density: float,
-        parameters: Alpha5Parameters,
-    ) -> None:
-        self._middle, half = printed.intervals(alternatives)
-        to_links = link_map(alternatives, parameters.corrections)
-        matters = half * np.abs(to_links).any(axis=(1, 2)) > 0
+    def __init__(self, numbers: ArmNumbers, density: float) -> None:
+        self._numbers = numbers
+        self._by_moments = numbers.grouping(density)
+        half = numbers.half_width
+        matters = half * np.abs(numbers.to_bodies).any(axis=(1, 2)) > 0
         self._scaled = np.diag(half)[matters]
-        self._density = density
-        self._parameters = parameters
-        self.alternatives = alternatives
         self.count = len(self._scaled)
         unit = np.eye(self.count)
         self.slope = (self.base_parameters(unit) - self.base_parameters(-unit)) / 2
 
     def base_parameters(self, z: FloatArray) -> FloatArray:
         """Base parameters at z (..., count), without gravity, (..., 38)."""
-        values = self._values(z)
-        return groups(values, self.alternatives, self._density, self._parameters)
+        return groups(self._numbers.bodies(self._values(z)), self._by_moments)
 
     def parameter_set(self, z: FloatArray) -> Alpha5Parameters:
         """The arm's parameters with these numbers."""
-        names = printed.numbers(self.alternatives)
-        values = dict(zip(names, self._values(z), strict=True))
-        corrections = self._parameters.corrections
-        return printed.parameter_set(values, self.alternatives, corrections)
+        return self._numbers.parameters(self._values(z))
 
     def _values(self, z: FloatArray) -> FloatArray:
-        """The printed numbers, (..., K)."""
-        return self._middle + z @ self._scaled
+        """The numbers, (..., K)."""
+        return self._numbers.middle + z @ self._scaled
 
 
 class _Fit(NamedTuple):

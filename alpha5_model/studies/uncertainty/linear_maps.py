@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Mapping
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,17 +71,17 @@ def link_map(
         tables = printed.tables_with(values, alternatives)
         # Not checked as bodies: all numbers but one are zero.
         links = link_numbers(tables, applied)
-        out.append([_numbers_of(link) for link in links])
+        out.append([numbers_of_body(link) for link in links])
     return frozen(out)
 
 
-def _numbers_of(link: dict[str, Any]) -> list[float]:
-    """The 14 numbers of a link."""
-    second = second_moments(link["inertia"])[UPPER]
-    return [link["mass"], *link["com"], *second, link["volume"], *link["cob"]]
+def numbers_of_body(body: Mapping[str, Any]) -> list[float]:
+    """The 14 numbers of a body with these fields of `LinkParameters`."""
+    second = second_moments(body["inertia"])[UPPER]
+    return [body["mass"], *body["com"], *second, body["volume"], *body["cob"]]
 
 
-@cache
+@lru_cache(maxsize=64)
 def grouping(fluid_density: float, parameters: Alpha5Parameters) -> FloatArray:
     """Map from moments of the links to the base parameters, (5, 14, 38).
 
@@ -104,33 +105,25 @@ def grouping(fluid_density: float, parameters: Alpha5Parameters) -> FloatArray:
     return frozen(np.reshape(out, (5, 14, -1)))
 
 
-def groups(
-    values: FloatArray,
-    alternatives: tuple[str, ...],
-    density: float,
-    parameters: Alpha5Parameters,
-) -> FloatArray:
-    """Base parameters of printed numbers, without gravity, (..., 38).
+def groups(bodies: FloatArray, by_moments: FloatArray) -> FloatArray:
+    """Base parameters of bodies, without gravity, (..., 38).
 
     Args:
-        values: Printed numbers, (..., K) SI units.
-        alternatives: Checked names of `ALTERNATIVES`.
-        density: Of the fluid [kg/m^3].
-        parameters: The arm's; only its dimensions and corrections are used.
+        bodies: Their numbers, (..., B, 14).
+        by_moments: Map from their moments to the base parameters, (B, 14, 38).
     """
-    to_links = link_map(alternatives, parameters.corrections)
-    links = split(np.tensordot(values, to_links, 1))
+    links = split(bodies)
     mass = links.mass[..., None]
     volume = links.volume[..., None]
     rows, columns = UPPER
     at_origin = links.second + mass * links.com[..., rows] * links.com[..., columns]
     parts = [mass, mass * links.com, at_origin, volume, volume * links.cob]
     moments = np.concatenate(parts, axis=-1)
-    return np.asarray(np.tensordot(moments, grouping(density, parameters), 2))
+    return np.asarray(np.tensordot(moments, by_moments, 2))
 
 
 def possible(links: FloatArray) -> Any:
-    """Which sets of links (n, 5, 14) are possible bodies, (n,) bool.
+    """Which sets of links (n, B, 14) are possible bodies, (n,) bool.
 
     A body has a positive definite pseudo-inertia and no negative volume. The
     pseudo-inertia is positive definite exactly if the mass is positive and the second

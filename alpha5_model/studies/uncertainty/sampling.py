@@ -17,11 +17,12 @@ from alpha5_model._support.checks import (
     real,
 )
 from alpha5_model.errors import InputError
-from alpha5_model.numbers import parameters as records
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty import printed
-from alpha5_model.studies.uncertainty.linear_maps import groups, link_map, possible
+from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
+from alpha5_model.studies.uncertainty.linear_maps import groups, possible
 from alpha5_model.studies.uncertainty.printed import Names
 
 #: Standard deviation of a number that is uniform in -1 to 1.
@@ -36,11 +37,13 @@ class Sample:
         names: Of the printed numbers, (K,).
         values: (n, K) SI units.
         alternatives: Names of `ALTERNATIVES` that are believed.
+        arm: Record of the arm whose numbers they are; None for the catalogue's.
     """
 
     names: tuple[str, ...]
     values: FloatArray
     alternatives: tuple[str, ...]
+    arm: Alpha5Parameters | None = None
 
     def __len__(self) -> int:
         return len(self.values)
@@ -55,26 +58,39 @@ class Sample:
         whole = isinstance(index, int | np.integer) and not isinstance(index, bool)
         if not whole or not -size <= index < size:
             raise InputError("index", index, f"a whole number from 0 to {size - 1}")
-        values = dict(zip(self.names, self.values[index].tolist(), strict=True))
-        return printed.parameter_set(values, self.alternatives)
+        return self._numbers().parameters(self.values[index])
 
     def base_parameters(
         self, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
     ) -> FloatArray:
         """Base parameters of every set, (n, 41), see `alpha5_model.codegen.regrouping`.
 
-        They are for the generated kernels, which have the lengths of Table 1 built in
-        as printed.
+        They are for the generated kernels with the lengths of the arm, and contain no
+        jaws that a spacer has moved: an arm with a spacer is refused.
+
+        Raises:
+            InputError: A density below 0, or an arm with a spacer.
         """
         density = real("fluid_density", fluid_density, minimum=0.0)
-        catalogue = records.parameters()
-        of_bodies = groups(self.values, self.alternatives, density, catalogue)
+        numbers = self._numbers()
+        if numbers.arm.spacer:
+            expected = "none, or sets of `parameters(index)`, which have it"
+            raise InputError("spacer", numbers.arm.spacer, expected)
+        of_bodies = groups(numbers.bodies(self.values), numbers.grouping(density))
         weight = np.broadcast_to(array("gravity", gravity, 3), (len(self), 3))
         return np.concatenate([of_bodies, weight], axis=1)
 
+    def _numbers(self) -> ArmNumbers:
+        """The numbers that the sets are of."""
+        return arm_numbers(chosen_arm(self.arm), self.alternatives)
+
 
 def sample(
-    n: int, seed: int = 0, distribution: str = "uniform", alternatives: Names = ()
+    n: int,
+    seed: int = 0,
+    distribution: str = "uniform",
+    alternatives: Names = (),
+    arm: Alpha5Parameters | None = None,
 ) -> Sample:
     """Draw parameter sets whose numbers all round to the printed ones.
 
@@ -86,9 +102,12 @@ def sample(
         distribution: ``uniform`` within the intervals, or ``normal`` with the same
             variance, which exceeds their ends.
         alternatives: Names of `ALTERNATIVES` to believe.
+        arm: Record of an arm of your own; None for the catalogue's. The half widths of
+            its file replace those of the digits.
 
     Raises:
-        InputError: ``n`` or ``seed`` is not such a number.
+        InputError: ``n`` or ``seed`` is not such a number, or alternatives for an arm
+            of your own.
         UnknownNameError: No such distribution or alternative.
     """
     rng = generator(seed)
@@ -96,7 +115,8 @@ def sample(
     choice("distribution", distribution, ("uniform", "normal"))
     size = count("n", n)
 
-    middle, half = printed.intervals(chosen)
+    numbers = arm_numbers(chosen_arm(arm), chosen)
+    middle = numbers.middle
     values = np.empty((0, middle.size))
     while len(values) < size:
         shape = (size - len(values), middle.size)
@@ -104,11 +124,9 @@ def sample(
             drawn = rng.normal(0, DEVIATION, shape)
         else:
             drawn = rng.uniform(-1, 1, shape)
-        sets = middle + half * drawn
-        links = np.tensordot(sets, link_map(chosen), 1)
+        sets = middle + numbers.half_width * drawn
+        links = numbers.bodies(sets)[:, :5]
         values = np.concatenate([values, sets[possible(links)]])
     return Sample(
-        names=tuple(printed.numbers(chosen)),
-        values=frozen(values),
-        alternatives=chosen,
+        names=numbers.names, values=frozen(values), alternatives=chosen, arm=arm
     )

@@ -1,0 +1,197 @@
+"""A motion of an arm of your own: its limits, torques, motors, mount and tool."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import arm_keys
+import numpy as np
+import own_arm_dynamics as own
+import pytest
+
+import alpha5_model as a5
+from alpha5_model import trajectory
+from alpha5_model.cli import main
+from alpha5_model.numbers.motors import Motors
+from alpha5_model.numbers.parameters import Alpha5Parameters
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
+TIME = np.linspace(0.0, 8.0, 161)
+#: Keys of an arm file that no figure of a motion depends on.
+WITHOUT_EFFECT = {
+    "mount.parent": "a name",
+    "mount.xyz": "gravity is the same everywhere",
+    "tool.rpy": "the path is of the tool point",
+    "attached.name": "a name",
+    "links.link_0.inertia": "link_0 stands still",
+    **{f"motors.inductance.axis_{x}": "di/dt is left out" for x in "edcba"},
+}
+
+
+def swing(record: Alpha5Parameters) -> np.ndarray:
+    """Positions within the limits, (N, 4)."""
+    middle = np.array([(j.lower + j.upper) / 2 for j in record.joints[:4]])
+    width = np.array([j.upper - j.lower for j in record.joints[:4]])
+    phase = np.outer(TIME, [0.5, 0.7, 0.9, 1.1])
+    return middle + 0.1 * width * np.sin(phase)
+
+
+@pytest.mark.parametrize("record", own.RECORDS, ids=lambda record: record.name)
+def test_its_torques_and_loads_are_newtons(record: Alpha5Parameters) -> None:
+    motion = trajectory.motion(TIME, swing(record), arm=record)
+    arm = a5.load(arm=record)
+    analysis = trajectory.analyse(motion, arm, method="interpolate")
+    smooth = analysis.smooth
+    gravity = np.array([0.0, 0.0, -9.81])
+    if record.mount is not None:
+        gravity = record.mount.rotation.T @ gravity
+    states = smooth.position, smooth.velocity, smooth.acceleration
+    tau, wrench = own.inverse_dynamics(record, *states, a5.SEA_WATER, gravity)
+    assert analysis.torque == pytest.approx(tau, abs=1e-11)
+    assert analysis.base_wrench == pytest.approx(wrench, abs=1e-11)
+    tip = [own.tcp(record, q)[:3, 3] for q in smooth.position]
+    assert analysis.tcp == pytest.approx(np.array(tip), abs=1e-12)
+
+
+def with_motors(**fields: Any) -> Alpha5Parameters:
+    """The catalogue's arm with its own supply, drives and constants."""
+    return dataclasses.replace(a5.parameters(), motors=Motors(**fields))
+
+
+def test_its_motors_and_drives_are_those_of_the_record() -> None:
+    inertias = (5e-7, None, 2e-7, None, None)
+    limits = (1.0, 0.5, None, 2.0, None)
+    record = with_motors(
+        supply_voltage=23.0,
+        current_limits=limits,
+        rotor_inertias=inertias,
+        constants="torque",
+    )
+    motion = trajectory.motion(TIME, swing(record))
+    analysis = trajectory.analyse(motion, a5.load(arm=record), method="interpolate")
+    assert analysis.supply_voltage == 23.0
+    assert analysis.current_limits == limits[:4]
+    assert analysis.current_limit is None
+
+    # The current of a moving joint, from the equations of Table 4's motors.
+    row = record.actuators[0]
+    v = analysis.smooth.velocity[:, 0]
+    acceleration = analysis.smooth.acceleration[:, 0]
+    moving = analysis.smooth.direction[:, 0] != 0
+    loss = row.efficiency ** -np.sign(analysis.torque[:, 0] * v)
+    shaft = analysis.torque[:, 0] / row.gear_ratio * loss
+    shaft = shaft + row.friction * np.sign(v) + 5e-7 * row.gear_ratio * acceleration
+    current = shaft / row.torque_constant
+    assert analysis.current[moving, 0] == pytest.approx(current[moving])
+    volts = row.resistance * current + row.torque_constant * row.gear_ratio * v
+    assert analysis.voltage[moving, 0] == pytest.approx(volts[moving])
+
+    summary = trajectory.summary(analysis)
+    margins = [joint["current_margin"] for joint in summary["joints"].values()]
+    most = np.maximum(np.abs(analysis.current_lower), np.abs(analysis.current_upper))
+    for k, limit in enumerate(limits[:4]):
+        if limit is None:
+            assert margins[k] is None
+        else:
+            assert margins[k] == pytest.approx(limit - most[:, k].max())
+    assert np.isnan(analysis.torque_limits.upper[:, 2]).all()
+    assert np.isfinite(analysis.torque_limits.upper[:, 1]).all()
+
+
+def test_arguments_win_over_the_record() -> None:
+    record = with_motors(supply_voltage=23.0, current_limits=(1.0,) * 5)
+    arm = a5.load(arm=record)
+    motion = trajectory.motion(TIME, swing(record))
+    analysis = trajectory.analyse(
+        motion, arm, supply_voltage=20.0, current_limit=0.7, constants="voltage"
+    )
+    assert analysis.supply_voltage == 20.0
+    assert analysis.current_limits == (0.7,) * 4
+    assert analysis.current_limit == 0.7
+    assert {motor.constants for motor in analysis.actuators} == {"voltage"}
+    # One of the two is enough if the record has the other.
+    assert trajectory.analyse(motion, arm, current_limit=0.6).supply_voltage == 23.0
+    plain = a5.load(arm=with_motors(supply_voltage=23.0))
+    with pytest.raises(a5.errors.InputError, match="both or neither"):
+        trajectory.analyse(motion, plain, supply_voltage=20.0)
+
+
+def figures(record: Alpha5Parameters) -> str:
+    """Every figure of a motion that leaves all ranges, with the jaw rod."""
+    phase = np.outer(TIME, [0.5, 0.7, 0.9, 1.1])
+    q = 3.0 + 4.5 * np.sin(phase)
+    rod = 0.005 + 0.02 * np.sin(TIME)
+    motion = trajectory.motion(TIME, np.column_stack([q, rod]), arm=record)
+    lead = a5.actuators.actuator("axis_a", screw_lead=1e-3, arm=record)
+    arm = a5.load(gripper="jaws", arm=record)
+    analysis = trajectory.analyse(motion, arm, actuators={"axis_a": lead})
+    table = trajectory.columns(analysis)
+    sums = {name: float(values.sum()) for name, values in table.items()}
+    return json.dumps([trajectory.summary(analysis), sums])
+
+
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+def test_each_key_alone_changes_the_figures(tmp_path: Path) -> None:
+    file = tmp_path / "arm.toml"
+
+    def of(text: str) -> str:
+        file.write_text(f"format = 1\n{text}\n", encoding="utf-8")
+        return figures(a5.arm_file(file))
+
+    whole = arm_keys.WHOLE
+    before = {False: of('name = "alpha5"\n[motors]\n'), True: of(whole)}
+    unchanged = set()
+    for key, text in arm_keys.changes(whole):
+        if of(text) == before[key.startswith("attached.")]:
+            unchanged.add(key)
+    assert unchanged == set(WITHOUT_EFFECT)
+
+
+def recording(folder: Path, record: Alpha5Parameters) -> Path:
+    """A file with the swing."""
+    file = folder / "swing.csv"
+    names = ",".join(f"axis_{joint}_pos" for joint in "edcb")
+    table = np.column_stack([TIME, swing(record)])
+    np.savetxt(file, table, delimiter=",", header=f"time,{names}", comments="")
+    return file
+
+
+def test_the_command_says_which_arm_and_has_its_limits(
+    tmp_path: Path, capsys: Any
+) -> None:
+    record = a5.arm_file(EXAMPLE)
+    file = recording(tmp_path, record)
+    words = ["trajectory", str(file), "--arm", str(EXAMPLE)]
+    picture = tmp_path / "page.png"
+    assert main([*words, "--json", "--plot", str(picture)]) == 0
+    assert picture.stat().st_size > 10_000
+    found = json.loads(capsys.readouterr().out)
+    assert found["model"]["arm"] == "alpha5_lab_2"
+    assert found["model"]["gravity"] == pytest.approx([0.0, 0.0, 9.81])
+    assert found["motors"]["supply_voltage"] == 24.0
+    assert found["motors"]["current_limits"]["axis_b"] == 1.0
+    shoulder = found["joints"]["axis_e"]
+    peak = abs(shoulder["velocity_peak"]["value"])
+    assert shoulder["velocity_margin"] == pytest.approx(np.radians(20) - peak)
+    peak = abs(shoulder["torque_peak"]["value"])
+    assert shoulder["torque_margin"] == pytest.approx(1.5 - peak)
+
+    assert main([*words, "--mount", "0 0 0", "--constants", "voltage"]) == 0
+    printed = capsys.readouterr().out
+    assert "model: alpha5_lab_2, locked gripper" in printed
+    assert "gravity (0, 0, -9.81)" in printed
+    assert "torque limits are those of alpha5_lab_2" in printed
+    assert "used here: voltage" in printed
+
+
+def test_a_wrong_arm_file_is_one_line(tmp_path: Path, capsys: Any) -> None:
+    file = recording(tmp_path, a5.parameters())
+    wrong = tmp_path / "mine.toml"
+    wrong.write_text("format = 1\n[links.link_2]\nmass = -1\n", encoding="utf-8")
+    assert main(["trajectory", str(file), "--arm", str(wrong)]) == 2
+    said = capsys.readouterr().err
+    assert "mine.toml, links.link_2.mass: -1 kg" in said
+    assert said.count("\n") == 1
