@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from alpha5_model._support.text import table
-from alpha5_model.cli import options, printing
+from alpha5_model.cli import options, printing, values
 from alpha5_model.studies.sweep.run import sweep as run_study
 
 #: How many values of an output of a study are printed; its file has all of them.
@@ -32,6 +32,7 @@ def sweep(
     scheduler: Annotated[
         str | None, Option(help="Of a Dask cluster: tcp://host:8786.")
     ] = None,
+    arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> int:
     """Torques, currents, loads over all that a study varies: extremes, maps, quantiles, tables.
@@ -40,25 +41,34 @@ def sweep(
 
     Example: alpha5 sweep study.toml --output results
     """  # noqa: E501 (a line of the help)
+    own = values.arm_record(arm_file)
     # Dask reads this when it is imported, by the workers, too.
     os.environ.setdefault("DASK_LOGGING", _QUIET)
     with printing.progress_bars() as progress:
         found = run_study(
-            study, output, workers=workers, scheduler=scheduler, progress=progress
+            study,
+            output,
+            workers=workers,
+            scheduler=scheduler,
+            progress=progress,
+            arm=own,
         )
 
-    record = {
+    record: dict[str, Any] = {
         "rows": found.rows,
         "failures": found.failures,
         "units": {name: found.study.outputs[name].unit for name in found.outputs},
         "outputs": found.outputs,
     }
+    if found.study.arm is not None:
+        record["arm"] = found.study.arm.name
     printing.show(as_json, record, _text(record), output)
     return 1 if found.failures else 0
 
 
 def _text(record: dict[str, Any]) -> printing.Lines:
-    yield f"{record['rows']} rows"
+    whose = f" of {record['arm']}" if "arm" in record else ""
+    yield f"{record['rows']} rows{whose}"
     for name, columns in record["outputs"].items():
         count = max(len(column) for column in columns.values())
         more = f": the first {_PRINTED} of {count}" if count > _PRINTED else ""

@@ -36,7 +36,7 @@ ENTRY_POINTS = {
     "numbers.chosen_arm": "chosen_arm without an arm; is_catalogue compares",
     "proofs.audit.run": "audit",
     "proofs.comparison.measure": "compare_robots",
-    "studies.sweep.arms": "a study names corrections, not records",
+    "studies.sweep.arms": "a study that names corrections",
     "studies.uncertainty.arm_numbers": "arm_numbers; which values are the printed ones",
     "theory.dh.chain": "DHChain.alpha5",
     "viewer.build": "the workspace and the page's inverse kinematics",

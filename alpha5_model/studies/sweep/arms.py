@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_from_rpy
-from alpha5_model.dynamics.actuators import Actuator
+from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
@@ -54,20 +54,11 @@ def arm_of_case(study: Study, case_index: tuple[tuple[str, int], ...]) -> ArmOfC
 
 def _arm(study: Study, case: dict[str, Any]) -> ArmOfCase:
     """The arm for the values of a case by axis."""
-    rotation = rotation_from_rpy(
-        [
-            case.get("mount_roll", 0.0),
-            case.get("mount_pitch", 0.0),
-            case.get("mount_yaw", 0.0),
-        ]
-    )
+    rotation = _mount(study, case)
     density = case.get("fluid_density", SEA_WATER)
     record = _parameters(study, case)
     arm = arm_of(record, density, gravity_in_base(rotation))
-    motors = [
-        Actuator(joint, row)
-        for joint, row in zip(arm.joint_names, record.actuators, strict=False)
-    ]
+    motors = [actuator(joint, arm=record) for joint in arm.joint_names]
 
     arm = _with_payload(arm, case)
     if "current_speed" in case:
@@ -76,11 +67,22 @@ def _arm(study: Study, case: dict[str, Any]) -> ArmOfCase:
     return ArmOfCase(arm=arm, motors=motors)
 
 
+def _mount(study: Study, case: dict[str, Any]) -> FloatArray:
+    """Attitude of base_link in the world: of the axes, or of the arm's own mount."""
+    angles = ("mount_roll", "mount_pitch", "mount_yaw")
+    own = None if study.arm is None else study.arm.mount
+    if own is not None and not {*angles} & {*case}:
+        return own.rotation
+    return rotation_from_rpy([case.get(angle, 0.0) for angle in angles])
+
+
 def _parameters(study: Study, case: dict[str, Any]) -> Alpha5Parameters:
     """The parameter set of a case: with its corrections, or one of the samples."""
     if "parameters" in case:
-        samples = _sample(len(study.cases["parameters"]), study.seed)
+        samples = _sample(len(study.cases["parameters"]), study.seed, arm=study.arm)
         return samples.parameters(case["parameters"])
+    if study.arm is not None:
+        return study.arm
     joined = case.get("corrections", "+".join(DEFAULT_CORRECTIONS))
     names = joined.replace("none", "").split("+")
     return parameters(filter(None, names))

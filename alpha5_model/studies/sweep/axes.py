@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,12 +20,15 @@ from alpha5_model._support.checks import (
 )
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.corrections import CORRECTIONS
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.sweep.schema import CASE_AXES, STATE_AXES, UNITS
 
 #: Most values of an axis, and most groups or bins of an output.
 MOST = 10_000_000
 #: Suffixes of recordings in a folder.
 _RECORDINGS = (".csv", ".parquet", ".pq", ".bag", ".db3", ".mcap")
+#: A state beyond a limit by less is at the limit: degrees are rounded [rad, rad/s].
+_SLACK = 1e-9
 #: SI units of axes that cannot be negative.
 _NOT_NEGATIVE = ("kg", "m^3", "kg/m^3", "m/s")
 
@@ -88,6 +91,40 @@ def _check_together(axes: Axes) -> None:
     if (recorded and states) or not (recorded or positions <= states):
         expected = f"recordings alone, or all of {', '.join(sorted(positions))}"
         raise InputError("axes, states", sorted(states), expected)
+
+
+def check_arm(
+    arm: Alpha5Parameters,
+    cases: Mapping[str, Sequence[Any]],
+    states: Mapping[str, Sequence[float]],
+) -> None:
+    """Refuse axes that contradict an arm of one's own.
+
+    Args:
+        arm: Its record.
+        cases: Axis of the arm and its surroundings -> values.
+        states: Axis of a state -> values, or the range to draw from.
+
+    Raises:
+        InputError: Corrections, which a record has already, or states beyond its
+            limits.
+    """
+    if "corrections" in cases:
+        expected = f"none beside {arm.name}, which has its own corrections"
+        raise InputError("axes.corrections", list(cases["corrections"]), expected)
+    for joint in arm.joints[:4]:
+        limits = {
+            "pos": (joint.lower, joint.upper, "rad"),
+            "vel": (-joint.velocity, joint.velocity, "rad/s"),
+        }
+        for rate, (lower, upper, unit) in limits.items():
+            name = f"{joint.name}_{rate}"
+            given = states.get(name, [0.0] if rate == "vel" else [lower])
+            farthest = max(given, key=lambda x: max(lower - x, x - upper))
+            if max(lower - farthest, farthest - upper) > _SLACK:
+                range_text = f"{lower:.6g} to {upper:.6g} {unit}"
+                expected = f"values within the limits of {arm.name}, {range_text}"
+                raise InputError(f"axes.{name}", f"{farthest:.6g} {unit}", expected)
 
 
 def _recordings(given: Any, folder: Path) -> tuple[str, ...]:

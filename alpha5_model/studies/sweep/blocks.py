@@ -89,7 +89,7 @@ def _states(study: Study, case_index: dict[str, int], start: int) -> States:
     """
     if "recording" in case_index:
         recording = study.cases["recording"][case_index["recording"]]
-        return recorded_states(Path(study.folder, recording))
+        return recorded_states(Path(study.folder, recording), study.arm)
     last = min(study.sizes().states, start + BLOCK)
     return states_of(study, start, last)
 

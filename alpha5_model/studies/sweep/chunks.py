@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from alpha5_model._support.files import PathLike, read_named
+from alpha5_model._support.text import plain
 from alpha5_model.codegen.kernels.choice import backend
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError
 
@@ -75,9 +77,10 @@ def chunks_of(study: Study, rows: int) -> Chunks:
 
 
 def _head(study: Study, recordings: Sequence[str]) -> str:
-    """The study's text, the version that computes it, and the names of recordings."""
+    """The study's text, the version that computes it, recordings and own arm."""
     names = [f"# recording {k}: {name}\n" for k, name in enumerate(recordings)]
-    return f"# {made_by()}\n{study.text}{''.join(names)}"
+    arm = "" if study.arm is None else f"# arm: {json.dumps(plain(study.arm))}\n"
+    return f"# {made_by()}\n{study.text}{''.join(names)}{arm}"
 
 
 def made_by() -> str:

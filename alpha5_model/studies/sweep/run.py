@@ -27,6 +27,7 @@ from alpha5_model.studies.sweep.chunks import (
 from alpha5_model.studies.sweep.workers import results
 
 if TYPE_CHECKING:
+    from alpha5_model.numbers.parameters import Alpha5Parameters
     from alpha5_model.studies.sweep.study import Study
 
 
@@ -61,6 +62,7 @@ def sweep(
     scheduler: str | None = None,
     rows: int = 1_000_000,
     progress: Callable[[str, float], None] | None = None,
+    arm: Alpha5Parameters | None = None,
 ) -> Sweep:
     """Compute a study: the same bytes for any number of workers and size of chunks.
 
@@ -73,10 +75,12 @@ def sweep(
             the recordings.
         rows: Approximate number of rows that one process holds.
         progress: Called with a stage and the share done, 0 to 1.
+        arm: Record of an arm of your own: its bodies, lengths, limits, motors, and its
+            mount if no axis of the study is the mount's. None for the catalogue's.
 
     Raises:
-        FileFormatError: A mistake in the study, with its place; a damaged or foreign
-            part in the folder.
+        FileFormatError: A mistake in the study, with its place; states beyond the
+            limits of ``arm``; a damaged or foreign part in the folder.
         InputError: A folder with another study, or with other chunks; no scheduler at
             the address.
         OutputError: The folder cannot be written, or the workers are lost. Finished
@@ -87,7 +91,7 @@ def sweep(
     from alpha5_model.studies.sweep.study import read_study
 
     target = Path(folder)
-    read = read_study(study)
+    read = read_study(study, arm)
     _check_targets(study, read, target)
     chunks = chunks_of(read, count("rows", rows))
     files = [
@@ -165,6 +169,8 @@ def _write_results(found: Sweep, chunks: Chunks, target: Path) -> None:
         "rows": found.rows,
         "failures": found.failures,
     }
+    if found.study.arm is not None:
+        summary["arm"] = found.study.arm.name
     files: dict[Path, str | bytes] = {}
     for name, table in found.outputs.items():
         files[target / f"{name}.parquet"] = parquet_file(table, study=chunks.head)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.sweep.study import Study
 from alpha5_model.trajectory import SmoothMotion, read_motion, smooth
 
@@ -91,13 +92,17 @@ def _of_joints(rate: str, given: dict[str, FloatArray], zero: FloatArray) -> Flo
 
 
 @lru_cache(maxsize=1)
-def recorded_states(path: Path) -> States:
+def recorded_states(path: Path, arm: Alpha5Parameters | None) -> States:
     """The samples of a recording, smoothed.
+
+    Args:
+        path: Of the recording.
+        arm: Record of an arm of one's own; None for the catalogue's.
 
     Raises:
         Alpha5Error: The recording cannot be used.
     """
-    motion = smooth(read_motion(path))
+    motion = smooth(read_motion(path, arm=arm), arm=arm)
     return States(
         index={},
         columns={"sample": np.arange(len(motion.time)), "time": motion.time},

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +15,10 @@ from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.studies.sweep.axes import read_axes
+from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.studies.sweep.axes import check_arm, read_axes
 from alpha5_model.studies.sweep.outputs import Output, read_output
 
 #: Axis of a case -> plausible range of the value farthest from 0.
@@ -61,6 +65,7 @@ class Study:
             is the first.
         drawn: Axis -> the range from which each state draws its own value.
         outputs: By name.
+        arm: Record of an arm of your own; None for the catalogue's.
     """
 
     text: str
@@ -72,6 +77,7 @@ class Study:
     states: dict[str, Sequence[float]]
     drawn: dict[str, Sequence[float]]
     outputs: dict[str, Output]
+    arm: Alpha5Parameters | None = None
 
     def sizes(self) -> Sizes:
         """Number of cases, and of states and blocks in each."""
@@ -83,23 +89,29 @@ class Study:
     def __reduce__(self) -> tuple[Any, ...]:
         # Pickled as its text: a worker then reads it once for all its chunks.
         recordings = self.cases.get("recording")
-        return _study, (self.text, self.source, self.folder, recordings)
+        given = (self.text, self.source, self.folder, recordings)
+        return _study, (*given, _packed(self.arm))
 
 
-def read_study(study: PathLike) -> Study:
+def read_study(study: PathLike, arm: Alpha5Parameters | None = None) -> Study:
     """A study from a TOML file.
+
+    Args:
+        study: The file.
+        arm: Record of an arm of your own; None for the catalogue's.
 
     Raises:
         MissingFileError: No such file.
         FileFormatError: Not TOML, or an invalid axis, range, unit, name or output, with
-            its place.
+            place. With an arm, also states beyond its limits.
 
     Warns:
         ImplausibleWarning: Values of an axis that seem to be in another unit.
     """
     text = read_named(study, "a study (TOML)").decode("utf-8-sig", "replace")
     folder = Path(study).resolve().parent
-    found = _study(text.replace("\r\n", "\n"), str(study), folder)
+    own = None if arm is None or _is_default(arm) else _packed(arm)
+    found = _study(text.replace("\r\n", "\n"), str(study), folder, arm=own)
     for name, limits in _PLAUSIBLE.items():
         farthest = max(found.cases.get(name, [0.0]), key=abs)
         plausibility.check(f"axes.{name}", farthest, limits)
@@ -111,9 +123,24 @@ def _points(grid: dict[str, Sequence[Any]]) -> int:
     return math.prod(len(values) for values in grid.values())
 
 
+def _is_default(arm: Alpha5Parameters) -> bool:
+    """Whether a record is the catalogue's, as it is without an arm."""
+    record = chosen_arm(arm)
+    return is_catalogue(record) and record.corrections == DEFAULT_CORRECTIONS
+
+
+def _packed(arm: Alpha5Parameters | None) -> bytes | None:
+    """A record as bytes, by which a worker knows it again."""
+    return None if arm is None else pickle.dumps(arm)
+
+
 @lru_cache(maxsize=2)
 def _study(
-    text: str, source: str, folder: Path, recordings: tuple[str, ...] | None = None
+    text: str,
+    source: str,
+    folder: Path,
+    recordings: tuple[str, ...] | None = None,
+    arm: bytes | None = None,
 ) -> Study:
     """The study in a text.
 
@@ -122,13 +149,19 @@ def _study(
         source: Name of its file, for messages.
         folder: Where relative paths of recordings start.
         recordings: Its recordings, if they were found before.
+        arm: Its `_packed` arm.
 
     Raises:
         FileFormatError: Not TOML, or not a study.
     """
     tables = toml_tables(text, source)
+    own = None if arm is None else pickle.loads(arm)
     try:
-        return _checked(tables, text, source, folder, recordings)
+        study = _checked(tables, text, source, folder, recordings)
+        if own is None:
+            return study
+        check_arm(own, study.cases, {**study.states, **study.drawn})
+        return replace(study, arm=own)
     except ValueError as error:  # this package's own
         raise FileFormatError(source, str(error)) from None
 
