@@ -35,6 +35,9 @@ BUOYANCIES = ("bodies", "none")
 #: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s] [ITTC 7.5-02-01-03].
 VISCOSITY = 1.08e-3
 
+#: Of the sea bed below base_link [m].
+_DEPTH = 0.6
+
 
 @dataclass(frozen=True)
 class MjcfOptions:
@@ -91,15 +94,23 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
         Alpha5Error: See `MjcfOptions`.
     """
     chosen = options or MjcfOptions()
+    arm = chosen_arm(chosen.arm, chosen.corrections)
     assets = mesh_assets(".obj")
     return {
         "alpha5.xml": mjcf(chosen, assets).encode(),
-        "scene.xml": template("scene.xml").encode(),
+        "scene.xml": _scene(arm).encode(),
         "README.md": _readme(chosen).encode(),
         "CHANGELOG.md": template("mjcf_changelog.md").encode(),
         "LICENSE": (Path(REPOSITORY_PATH) / "LICENSE").read_bytes(),
         **{f"assets/{name}": data for name, data in assets.items()},
     }
+
+
+def _scene(arm: Alpha5Parameters) -> str:
+    """The model with light, and a sea bed at a depth below base_link."""
+    height = 0.0 if arm.mount is None else float(arm.mount.position[2])
+    sea_bed = height - _DEPTH
+    return template("scene.xml").format(name=arm.name, sea_bed=sea_bed)
 
 
 def _readme(options: MjcfOptions) -> str:

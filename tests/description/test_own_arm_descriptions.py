@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -315,6 +316,27 @@ def test_an_arm_on_the_world_stands_there_in_mujoco_and_gazebo() -> None:
     assert gazebo.find(".//frame[@name='world']") is None
 
 
+@pytest.mark.skipif(
+    not (shutil.which("gz") or shutil.which("ign")), reason="no libsdformat here"
+)
+@pytest.mark.parametrize("parent", ["bluerov", "world"])
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_libsdformat_accepts_model_and_world(
+    parent: str, gripper: str, tmp_path: Path
+) -> None:
+    random = own.random_mount(3)
+    mount = Mount(parent, random.position, random.rotation)
+    record = dataclasses.replace(RECORDS[1], mount=mount)
+    for name, content in sdf_files(SdfOptions(arm=record, gripper=gripper)).items():
+        file = tmp_path / name
+        file.parent.mkdir(exist_ok=True)
+        file.write_bytes(content)
+    for name in ("model.sdf", "world.sdf"):
+        done = sdf_reading.libsdformat(tmp_path / name)
+        assert "Valid." in done.stdout + done.stderr
+        assert "Error" not in done.stdout
+
+
 @pytest.mark.parametrize("parent", ["link_2", "base_link"])
 def test_a_carrier_named_as_the_arm_is_refused(parent: str) -> None:
     mount = own.random_mount(3)
@@ -366,6 +388,19 @@ def test_own_limits_cut_a_named_pose() -> None:
     assert states_of(srdf(arm=cut))["reach"]["axis_d"] == 1.2
 
 
+def test_the_sea_bed_is_below_a_mount() -> None:
+    """At any height of the mount, it is as far below base_link."""
+    mount = Mount("rov", np.array([0.0, 0.0, -2.0]), np.eye(3))
+    record = dataclasses.replace(RECORDS[1], mount=mount)
+    depths = []
+    for arm in (None, record):
+        files = mjcf_files(MjcfOptions(arm=arm))
+        geom = ET.fromstring(files["scene.xml"]).find(".//geom[@name='sea_bed']")
+        assert geom is not None
+        depths.append([float(x) for x in str(geom.get("pos")).split()])
+    assert depths == [[0.0, 0.0, -0.6], [0.0, 0.0, -2.6]]
+
+
 def test_all_descriptions_have_the_arms_name() -> None:
     record = RECORDS[1]
     assert '<robot name="lab_1">' in urdf(Variant(arm=record))
@@ -376,8 +411,9 @@ def test_all_descriptions_have_the_arms_name() -> None:
     assert b"<name>lab_1</name>" in files["model.config"]
     world = ET.fromstring(sdf_world(SdfOptions(arm=record)))
     assert world.findtext(".//joint[@name='mount']/child") == "lab_1::base_link"
-    readme = mjcf_files(MjcfOptions(arm=record))["README.md"].decode()
-    assert "changed for the arm lab_1" in readme
+    folder = mjcf_files(MjcfOptions(arm=record))
+    assert b'<mujoco model="lab_1 scene">' in folder["scene.xml"]
+    assert b"changed for the arm lab_1" in folder["README.md"]
 
 
 def never(text: str) -> set[tuple[str, str]]:

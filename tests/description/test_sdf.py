@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
-import os
 import shutil
-import subprocess
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
 import pytest
 from reference import COM, INERTIA, LOWER, MASS, UPPER, dh_frames, inertial_frames
-from sdf_reading import gazebo_buoyancy, link_poses, numbers, pose
+from sdf_reading import (
+    gazebo_buoyancy,
+    libsdformat,
+    link_poses,
+    numbers,
+    pose,
+)
 from water_reference import COB, VOLUME
 
 from alpha5_model._support.paths import URDF_PATH
@@ -174,20 +178,6 @@ def test_the_closed_fingers_are_shown_where_the_urdf_shows_them():
                 root.findtext(f".//visual[@name='{name}']/material/{light}") == colour
             )
     assert set(shown) == {f"link_{i}" for i in range(4)}
-
-
-def libsdformat(path: Path) -> subprocess.CompletedProcess[str]:
-    environment = {
-        "IGN_CONFIG_PATH": "/usr/share/ignition",
-        "GZ_CONFIG_PATH": "/usr/share/gz",
-    }
-    return subprocess.run(
-        [shutil.which("gz") or shutil.which("ign"), "sdf", "-k", str(path)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**environment, **os.environ},
-    )
 
 
 @pytest.mark.skipif(

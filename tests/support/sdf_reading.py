@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
+import shutil
+import subprocess
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import numpy as np
 
@@ -70,3 +74,18 @@ def link_poses(root: ET.Element, q: np.ndarray) -> dict[str, np.ndarray]:
         turn[:2, :2] = [[c, -s], [s, c]]
         poses[child.get("name")] = poses[parent] @ pose(child) @ turn
     return poses
+
+
+def libsdformat(path: Path) -> subprocess.CompletedProcess[str]:
+    """What libsdformat's program says of a file."""
+    environment = {
+        "IGN_CONFIG_PATH": "/usr/share/ignition",
+        "GZ_CONFIG_PATH": "/usr/share/gz",
+    }
+    return subprocess.run(
+        [shutil.which("gz") or shutil.which("ign"), "sdf", "-k", str(path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**environment, **os.environ},
+    )
