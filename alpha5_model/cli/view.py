@@ -63,6 +63,7 @@ def view(
     size: _Size = "1600x1000",
     port: _Port = 0,
     serve: _Serve = False,
+    arm_file: options.Arm = None,
 ) -> None:
     """Look at the arm: live in a browser, or as a page or a picture.
 
@@ -81,7 +82,8 @@ def view(
     if video is not None and motion is None:
         raise InputError("video", str(video), "a --motion to show in it")
 
-    arm = values.arm_in(fluid, options.DOWN, gripper, None, None)
+    record = values.arm_record(arm_file)
+    arm = values.arm_in(fluid, options.DOWN, gripper, None, None, record)
     shown = build_scene(
         arm,
         None if pose is None else _position(arm, pose),

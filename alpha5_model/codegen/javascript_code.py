@@ -14,7 +14,7 @@ _FIRST_LINE = (
 )
 _SCRIPT = """{first_line}
 "use strict";
-const formulas = {{
+const {name} = {{
 {methods}}};
 """
 _METHOD = """  {name}({inputs}) {{
@@ -22,14 +22,18 @@ _METHOD = """  {name}({inputs}) {{
 """
 
 
-def javascript(programs: Iterable[Program]) -> str:
-    """A script that defines ``formulas``: name -> function of arrays and numbers.
+def javascript(programs: Iterable[Program], name: str = "formulas") -> str:
+    """A script that defines an object: name -> function of arrays and numbers.
 
     All are in SI units. A function with one output returns it, one with several returns
     an object that holds them.
+
+    Args:
+        programs: The functions.
+        name: Of the object.
     """
     methods = "".join(_method(program) for program in programs)
-    return _SCRIPT.format(first_line=_FIRST_LINE, methods=methods)
+    return _SCRIPT.format(first_line=_FIRST_LINE, name=name, methods=methods)
 
 
 def _method(program: Program) -> str:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from functools import cache
 
 from alpha5_model.codegen.arm_functions import functions, moments_of_body, products
+from alpha5_model.codegen.casadi_functions import renamed
 from alpha5_model.codegen.compiled_code import kernels
 from alpha5_model.codegen.instructions import program
 from alpha5_model.codegen.javascript_code import javascript
+from alpha5_model.codegen.kernels.names import own
 from alpha5_model.codegen.own_arm_ik import own_arm_inverse_kinematics
 from alpha5_model.codegen.python_code import python_source
 from alpha5_model.codegen.still_water import upright
@@ -32,6 +34,14 @@ _ON_THE_PAGE = (
     "hydrostatic_torque",
     "inverse_kinematics",
 )
+#: Name on the page -> function of the kernels for any arm, whose numbers are an input.
+_OF_ANY_ARM = {
+    "forward_kinematics": own("forward_kinematics"),
+    "link_poses": own("link_poses"),
+    "hydrostatic_torque": "hydrostatic_torque",
+    "inverse_kinematics_on_axis": ON_AXIS,
+    "inverse_kinematics_off_axis": OFF_AXIS,
+}
 #: Of the catalogue's arm, and of any arm with its tool on the wrist axis or beside it.
 _INVERSE_KINEMATICS = ("inverse_kinematics", ON_AXIS, OFF_AXIS)
 
@@ -48,13 +58,18 @@ def generated_sources() -> dict[str, str]:
     one_target = [program(known[name]) for name in _INVERSE_KINEMATICS]
     page = for_users | {"inverse_kinematics": known["inverse_kinematics"]}
     on_the_page = [program(page[name]) for name in _ON_THE_PAGE]
-    own = [program(for_users[name]) for name in ("inverse_kinematics", "with_payload")]
-    own.append(program(moments_of_body()))
+    of_any_arm = [
+        program(renamed(known[kernel], name)) for name, kernel in _OF_ANY_ARM.items()
+    ]
+    own_code = [
+        program(for_users[name]) for name in ("inverse_kinematics", "with_payload")
+    ]
+    own_code.append(program(moments_of_body()))
     for tool_on_axis in (True, False):
-        own.append(program(own_arm_inverse_kinematics(tool_on_axis)))
+        own_code.append(program(own_arm_inverse_kinematics(tool_on_axis)))
     files = {
         "formulas.py": python_source(every),
-        "products.py": python_source(own),
+        "products.py": python_source(own_code),
         "numbers.py": python_source(one_target, "numbers"),
         **kernels(every, upright_bodies),
     }
@@ -62,4 +77,7 @@ def generated_sources() -> dict[str, str]:
     folder = "alpha5_model/codegen/kernels/generated"
     sources = {f"{folder}/{name}": text for name, text in files.items()}
     sources["alpha5_model/viewer/formulas.js"] = javascript(on_the_page)
+    sources["alpha5_model/viewer/own_formulas.js"] = javascript(
+        of_any_arm, "own_formulas"
+    )
     return sources

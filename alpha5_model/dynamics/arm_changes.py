@@ -96,6 +96,12 @@ def arm_changes(
     return tuple(found)
 
 
+def changed_keys(own: Alpha5Parameters, printed: Alpha5Parameters) -> tuple[str, ...]:
+    """The keys of `arm_changes`, without the costs and ``all``."""
+    with plausibility.silenced():
+        return tuple(key for key, _, _ in _parts(own, printed))
+
+
 def _parts(
     own: Alpha5Parameters, printed: Alpha5Parameters
 ) -> Iterator[tuple[str, Alpha5Parameters, tuple[Difference, ...]]]:

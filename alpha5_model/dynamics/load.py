@@ -177,7 +177,7 @@ def robot_wrapper(
 
     record = chosen_arm(arm, corrections)
     choice("gripper", gripper, GRIPPERS)
-    text = _urdf(gripper, record)
+    text = arm_urdf(gripper, record)
     flag("floating_base", floating_base)
     parsed = _parsed(gripper, floating_base, record)
     model = mimicking(parsed.tree, parsed.mimics)
@@ -210,7 +210,7 @@ class _Parsed(NamedTuple):
 @lru_cache(maxsize=_ARMS)
 def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> _Parsed:
     """Read the URDF of an arm."""
-    text = _urdf(gripper, parameters)
+    text = arm_urdf(gripper, parameters)
     root = [pin.JointModelFreeFlyer()] if floating_base else []
     tree = pin.buildModelFromXML(text, *root)
     joints = parse_urdf(text).joints.values()
@@ -222,7 +222,7 @@ def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> 
 
 
 @lru_cache(maxsize=_ARMS)
-def _urdf(gripper: str, parameters: Alpha5Parameters) -> str:
+def arm_urdf(gripper: str, parameters: Alpha5Parameters) -> str:
     """Text of the URDF: the shipped one, or generated for another record.
 
     Its root is base_link: a mount would put a link of the vehicle there.

@@ -9,14 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, array, choice, shaped
-from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
+from alpha5_model._support.paths import URDF_PATH
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
+from alpha5_model.dynamics.load import arm_urdf
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
+from alpha5_model.numbers.chosen_arm import is_catalogue
+from alpha5_model.numbers.parameters import parameters
 from alpha5_model.trajectory import Motion
 from alpha5_model.viewer import drawing
 from alpha5_model.viewer.framing import framed
+from alpha5_model.viewer.own_arm import own_arm, own_notes
 from alpha5_model.viewer.poses import link_poses, named_poses, tree_of, with_base
 from alpha5_model.viewer.reach_shapes import workspace_shapes
 from alpha5_model.viewer.scene import DEFAULT_SHOW, GROUPS, Label, Load, Scene, Shape
@@ -25,6 +29,10 @@ from alpha5_model.viewer.tracks import motion_track
 
 #: Velocity of the water in the scene if none is given [m/s].
 _CURRENT = (1.0, 0.0, 0.0)
+#: Where file names of meshes in a URDF start.
+_FOLDER = str(Path(URDF_PATH).parent)
+#: Angles of axis_b at which a tool beside the wrist axis is tried.
+_WRISTS = 91
 #: How far beyond a limit rounding may put a joint [rad or m].
 _ROUNDING = 1e-9
 
@@ -56,16 +64,18 @@ def build_scene(
 
     Raises:
         InputError: Joint positions or a target that do not fit (`ShapeError`,
-            `NonFiniteError`), or an arm with other dimensions than the catalogue's,
-            which are drawn.
+            `NonFiniteError`), or an arm with other dimensions than its record's, which
+            are drawn.
         UnknownNameError: An unknown group.
     """
-    check_dimensions(arm._model, "the drawing")
-    source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
-    urdf = source.read_text(encoding="utf-8")
+    record = arm.parameters
+    check_dimensions(arm._model, "the drawing", arm=record)
+    own = own_arm(record)
+    urdf = _urdf(arm)
     tree = tree_of(arm, urdf)
     sliders = arm.joint_names
-    kinematics = catalogue()
+    kinematics = catalogue() if own is None else kinematics_of(record)
+    plane = kinematics.plane if kinematics.shape.has_tool_on_axis else None
 
     goal = None if target is None else shaped("target", target, (3,))
     given = with_base(arm, _start(arm, kinematics, goal)) if q is None else q
@@ -79,13 +89,14 @@ def build_scene(
     shown = tuple(choice("group", group, tuple(GROUPS)) for group in show)
 
     beyond = dict(zip(sliders, _beyond_limits(arm, position), strict=True))
-    bodies = list(drawing.bodies(urdf, str(source.parent)))
+    bodies = list(drawing.bodies(urdf, _FOLDER))
     things: list[Shape | Label] = [
         *bodies,
         *drawing.frames(tree, beyond),
+        *drawing.attached(record.attached),
         *drawing.centers(np.array(arm.model.gravity.linear), loads),
-        *drawing.collision_bodies(urdf, str(source.parent)),
-        *workspace_shapes(kinematics.plane),
+        *drawing.collision_bodies(urdf, _FOLDER),
+        *([] if plane is None else workspace_shapes(plane)),
         *drawing.current_arrow(shown_current),
     ]
     if goal is not None:
@@ -93,12 +104,12 @@ def build_scene(
     track = None if motion is None else motion_track(motion, arm, position, current)
 
     scene = Scene(
-        notes=_notes(arm, loads),
+        notes=_notes(arm, loads, own is not None),
         tree=tree,
         sliders=sliders,
         q=position[-len(sliders) :],
         poses=link_poses(arm, tree, position),
-        plane=kinematics.plane,
+        plane=plane,
         shapes=tuple(thing for thing in things if isinstance(thing, Shape)),
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
@@ -109,18 +120,52 @@ def build_scene(
         current=shown_current,
         streams=tuple(streams_of(arm)),
         target=goal,
+        own=own,
     )
     return framed(scene)
 
 
+def _urdf(arm: Arm) -> str:
+    """The URDF that is drawn: the shipped one for the catalogue's arm."""
+    gripper = "jaws" if "axis_a" in arm.joint_names else "locked"
+    record = arm.parameters
+    # With other corrections, the joints of the shipped one are moved.
+    return arm_urdf(gripper, parameters() if is_catalogue(record) else record)
+
+
 def _start(arm: Arm, kinematics: ArmKinematics, goal: FloatArray | None) -> FloatArray:
-    """``home`` (n,), with the tcp at a goal (3,), or at the nearest point in reach."""
+    """``home`` (n,), with the tcp at a goal (3,), or at the nearest point in reach.
+
+    With a tool beside the wrist axis, the arm stays at ``home`` if the goal is out of
+    reach, since the nearest point is not known.
+    """
     home = named_poses(arm)["home"]
     if goal is None:
         return home
+    if not kinematics.shape.has_tool_on_axis:
+        found = _beside(kinematics, goal, home[:4])
+        return home if found is None else np.concatenate([found, home[4:]])
     nearest = kinematics.nearest_reachable(goal)
     solutions = kinematics.inverse_kinematics(nearest, home[3])
     return np.concatenate([kinematics.best(solutions, home[:4]), home[4:]])
+
+
+def _beside(
+    kinematics: ArmKinematics, goal: FloatArray, home: FloatArray
+) -> FloatArray | None:
+    """The solution (4,) nearest to home (4,), with axis_b as little turned as needed.
+
+    None if no angle of axis_b that is tried reaches the goal (3,).
+    """
+    low = kinematics.shape.lower[3]
+    high = kinematics.shape.upper[3]
+    wrists = np.linspace(low, high, _WRISTS)
+    nearest_first = wrists[np.argsort(np.abs(wrists - home[3]))]
+    for wrist in [home[3], *nearest_first]:
+        solutions = kinematics.inverse_kinematics(goal, wrist)
+        if solutions.within_limits.any():
+            return kinematics.best(solutions, home)
+    return None
 
 
 def _default_show(target: bool, current: bool) -> list[str]:
@@ -141,7 +186,8 @@ def _beyond_limits(arm: Arm, q: FloatArray) -> list[bool]:
     return joints
 
 
-def _notes(arm: Arm, loads: Sequence[Load]) -> tuple[str, str]:
+def _notes(arm: Arm, loads: Sequence[Load], is_own: bool) -> tuple[str, ...]:
+    """Lines about the water, the arrows, and an arm of one's own."""
     weight = sum(load.weight for load in loads)
     lift = sum(load.buoyancy for load in loads)
     if arm.fluid_density:
@@ -150,4 +196,7 @@ def _notes(arm: Arm, loads: Sequence[Load]) -> tuple[str, str]:
     else:
         forces = f"In air: weight {weight:.2f} N."
     arrows = f"Arrows: {1e3 * drawing.ARROW_SCALE:g} mm per newton."
-    return forces, f"{arrows} Torque: what each joint holds at rest."
+    said = (forces, f"{arrows} Torque: what each joint holds at rest.")
+    if not is_own:
+        return said
+    return *own_notes(arm.parameters, arm.floating_base), *said

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -16,6 +16,8 @@ from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.kinematics.ik import BRANCHES
+from alpha5_model.kinematics.solutions import SolutionArrays
+from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.viewer.poses import link_poses
 from alpha5_model.viewer.scene import (
     ARROWS,
@@ -94,6 +96,13 @@ def frames(
         yield Label("frames", link, Rigid(link, tip_of_x), (0.1, 0.3, 0.6))
         if joint.name in beyond:
             yield _joint_label(joint, beyond[joint.name])
+
+
+def attached(bodies: Iterable[AttachedBody]) -> Iterator[Label]:
+    """Names of attached bodies at their places; what they look like is not known."""
+    for body in bodies:
+        place = transform(body.rotation, body.position)
+        yield Label("bodies", body.name, Rigid(body.link, place))
 
 
 def _joint_label(joint: UrdfJoint, beyond: bool) -> Label:
@@ -234,8 +243,10 @@ def ghosts(
         q: Its joint positions (nq,); a ghost has the same base and jaws.
         target: Position of the tcp in base_link, (3,) [m].
     """
-    solutions = kinematics.inverse_kinematics(target)
     first_joint = len(q) - len(arm.joint_names)
+    on_axis = kinematics.shape.has_tool_on_axis
+    wrist = 0.0 if on_axis else q[first_joint + 3]
+    solutions = kinematics.inverse_kinematics(target, wrist)
     for i in np.flatnonzero(solutions.exists):
         solution = q.copy()
         solution[first_joint : first_joint + 4] = solutions.q[i]
@@ -249,9 +260,19 @@ def ghosts(
             text += ", beyond the limits"
         elbow = transform(translation=poses["link_3"][:3, 3])
         yield Label("ghosts", text, Rigid(WORLD, elbow), color)
-    away = float(kinematics.distance_to_reach(target))
     base = arm.forward_kinematics(q, frame="base_link")
-    yield from _target(base.act(target), away)
+    yield from _target(base.act(target), _missed(kinematics, solutions, target))
+
+
+def _missed(
+    kinematics: ArmKinematics, solutions: SolutionArrays, target: FloatArray
+) -> str:
+    """What the label says of a target that is out of reach; empty if it is in reach."""
+    if kinematics.shape.has_tool_on_axis:
+        away = float(kinematics.distance_to_reach(target))
+        return f", out of reach by {1e3 * away:.1f} mm" if away else ""
+    # How far the tool point stays away is not known for a tool beside the axis.
+    return "" if solutions.within_limits.any() else ", out of reach"
 
 
 def _ghost(
@@ -273,10 +294,9 @@ def _ghost(
             )
 
 
-def _target(point: FloatArray, away: float) -> Iterator[Shape | Label]:
-    """A target at a point of the world (3,), with its distance out of reach [m]."""
+def _target(point: FloatArray, missed: str) -> Iterator[Shape | Label]:
+    """A target at a point of the world (3,), and what is said of a missed one."""
     at = Rigid(WORLD, transform(translation=point))
     sphere = ball(0.008, _COLORS["pink"], _COLORS["white"])
     yield Shape(group="ghosts", name="target", anchor=at, mesh=sphere, on_top=2)
-    text = f"target, out of reach by {1e3 * away:.1f} mm" if away else "target"
-    yield Label("ghosts", text, at, (0.75, 0.05, 0.4))
+    yield Label("ghosts", f"target{missed}", at, (0.75, 0.05, 0.4))

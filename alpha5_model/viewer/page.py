@@ -31,6 +31,15 @@ from alpha5_model.viewer.scene import (
     Scene,
 )
 
+#: A file of the page -> the files in its place for an arm of one's own, whose numbers
+#: are no constants of the formulas.
+_OF_OWN_ARM = {
+    "formulas.js": ("own_formulas.js",),
+    "web/base.js": ("web/base.js", "web/own_formulas.js"),
+    "web/nearest.js": ("web/own_nearest.js",),
+}
+#: The page's heading and title.
+_HEADING = "Reach Alpha 5"
 #: Most samples of a motion in a page.
 _SAMPLES = 2000
 
@@ -55,9 +64,7 @@ def live_page(scene: Scene) -> str:
 
 def page_data(scene: Scene) -> dict[str, Any]:
     """The data of the page's script, for `json.dumps` with `_plain`."""
-    plane = scene.plane._asdict()
-    del plane["shape"]  # the page computes with the plane's own numbers
-    return {
+    data = {
         "notes": scene.notes,
         "sliders": scene.sliders,
         "labels": scene.labels,
@@ -78,10 +85,26 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "branches": BRANCHES,
         "poses": scene.named_poses,
         "views": VIEWS,
-        "plane": plane,
+        "plane": _plane(scene),
         "arrows": ARROWS,
         "motion": None if scene.motion is None else _track(scene.motion),
     }
+    if scene.own is not None:
+        data["own"] = {
+            "shape": scene.own.shape._asdict(),
+            "toolOnAxis": scene.own.shape.has_tool_on_axis,
+            "dimensions": scene.own.dimensions,
+        }
+    return data
+
+
+def _plane(scene: Scene) -> dict[str, Any] | None:
+    """The plane of the arm, without what it was computed from."""
+    if scene.plane is None:
+        return None
+    plane = scene.plane._asdict()
+    del plane["shape"]
+    return plane
 
 
 def _groups(scene: Scene) -> list[dict[str, Any]]:
@@ -129,12 +152,19 @@ def _page(scene: Scene, live: bool, commands: list[str]) -> str:
         "data": text.replace("<", "\\u003c"),
     }
 
+    instead = {} if scene.own is None else _OF_OWN_ARM
+
     def filled(found: re.Match[str]) -> str:
         part, file = found.groups()
-        return parts[part] if part else _read(file)
+        if part:
+            return parts[part]
+        return "\n".join(_read(name) for name in instead.get(file, (file,)))
 
+    template = _read("web/page.html")
+    if scene.own is not None:
+        template = template.replace(_HEADING, f"{_HEADING}: {scene.own.name}")
     # {{name}} stands for a part, {{folder/name.js}} for a file.
-    return re.sub(r"{{(?:(\w+)|([\w/.]+))}}", filled, _read("web/page.html"))
+    return re.sub(r"{{(?:(\w+)|([\w/.]+))}}", filled, template)
 
 
 def _plain(part: Any) -> Any:

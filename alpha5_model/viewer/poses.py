@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice, float_array
+from alpha5_model.description import srdf
 from alpha5_model.description.reading import parse_urdf
-from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.joint_tree import AT_ORIGIN
@@ -18,10 +18,11 @@ from alpha5_model.viewer.scene import WORLD, Scene
 
 
 def named_poses(arm: Arm) -> dict[str, FloatArray]:
-    """Named poses as joint positions (n,) of the arm, its jaws closed."""
-    jaws = arm.parameters.joints[4 : len(arm.joint_names)]
-    closed = [joint.lower for joint in jaws]
-    return {name: np.array([*pose, *closed]) for name, pose in NAMED_POSES.items()}
+    """Named poses within the limits, as joint positions (n,), jaws closed."""
+    joints = arm.parameters.joints
+    closed = [joint.lower for joint in joints[4 : len(arm.joint_names)]]
+    poses = srdf.named_poses(joints[:4])
+    return {name: np.array([*pose, *closed]) for name, pose in poses.items()}
 
 
 def pose_of(arm: Arm, text: str) -> FloatArray:

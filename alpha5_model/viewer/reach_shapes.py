@@ -42,6 +42,8 @@ def workspace_shapes(plane: ArmPlane) -> tuple[Shape, Shape, Shape]:
     lines = []
     for side, in_plane in (("underarm", outwards), ("overarm", behind)):
         outline = _outline(plane, side)
+        if not outline:
+            continue  # the limits keep the arm from this side
         lines += [tube(points @ in_plane, _LINE) for points in outline]
         strips.append(_section(plane, side, np.concatenate(outline), in_plane))
     shell = [lathe(points, 48) for points in _outline(plane, "both")]

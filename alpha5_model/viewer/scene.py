@@ -18,6 +18,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, transform
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.viewer.own_arm import OwnArm
 from alpha5_model.viewer.shapes import Mesh
 
 #: All of ``scene.toml``.
@@ -266,7 +267,8 @@ class Scene:
         sliders: Names of the joints with a slider.
         q: Positions of these joints.
         poses: Pose of every link in the world at ``q``, (4, 4).
-        plane: Lengths and limits, for the inverse kinematics.
+        plane: Lengths and limits, for the inverse kinematics; None for a tool beside
+            the wrist axis.
         shapes, labels, loads: What to draw.
         statics: Numbers for the torque that holds the arm still.
         show: Groups that are shown.
@@ -276,6 +278,7 @@ class Scene:
         streams: Added mass and drag of the links.
         target: Target of the tcp in base_link, (3,) [m], or None.
         camera: The camera that sees the scene.
+        own: Name and numbers of an arm of one's own, or None.
     """
 
     notes: tuple[str, ...]
@@ -283,7 +286,7 @@ class Scene:
     sliders: tuple[str, ...]
     q: FloatArray
     poses: dict[str, FloatArray]
-    plane: ArmPlane
+    plane: ArmPlane | None
     shapes: tuple[Shape, ...]
     labels: tuple[Label, ...]
     loads: tuple[Load, ...]
@@ -295,3 +298,4 @@ class Scene:
     streams: tuple[Stream, ...]
     target: FloatArray | None
     camera: Camera = field(default_factory=lambda: Camera(VIEWS["home"], np.zeros(3)))
+    own: OwnArm | None = None

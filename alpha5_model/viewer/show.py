@@ -31,7 +31,8 @@ def view(
     picture, ``static_html()`` is the same page as one file.
 
     Args:
-        arm: What to show.
+        arm: What to show; one of your own (``a5.load(arm=record)``) is drawn with the
+            joints, limits, tool and spacer of its record.
         q: Joint positions, (nq,). If None: with the tcp at the target, or at the
             nearest point that it reaches; the pose ``home`` without one.
         target: Position in base_link, (3,) [m]; the other solutions of its inverse

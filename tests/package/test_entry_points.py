@@ -40,6 +40,7 @@ ENTRY_POINTS = {
     "studies.uncertainty.arm_numbers": "arm_numbers; which values are the printed ones",
     "theory.dh.chain": "DHChain.alpha5",
     "viewer.build": "the workspace and the page's inverse kinematics",
+    "viewer.own_arm": "what the page says of the differences",
     "viewer.self_collision_plot": "self_collision_figure",
 }
 

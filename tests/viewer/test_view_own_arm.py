@@ -1,0 +1,394 @@
+"""Scenes and pages of arms of one's own, against Newton-Euler of their records."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import own_arm_dynamics as own
+import pytest
+from arm_keys import WHOLE, changes
+from browser import Tab, needs_browser, new_tab
+from scipy.optimize import minimize
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.description.srdf import NAMED_POSES
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.page import page_data, static_page
+from alpha5_model.viewer.picture import picture
+from alpha5_model.viewer.scene import Scene
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
+#: Tool on the wrist axis: moved by a spacer; beside it: of its own; with a mount.
+SEEN = {0: "beside", 1: "spacer", 2: "beside", 9: "mount"}
+
+
+def scene_of(record: Alpha5Parameters, gripper: str = "jaws", **more: Any) -> Scene:
+    return build_scene(a5.load(gripper=gripper, arm=record), **more)
+
+
+@pytest.fixture(scope="module", params=SEEN, ids=lambda seed: f"{SEEN[seed]}_{seed}")
+def record(request: pytest.FixtureRequest) -> Alpha5Parameters:
+    return own.RECORDS[request.param]
+
+
+@pytest.fixture(scope="module")
+def page(
+    chromium: Any, record: Alpha5Parameters, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Tab]:
+    file = tmp_path_factory.mktemp("pages") / "own.html"
+    file.write_text(static_page(scene_of(record)), encoding="utf-8")
+    tab = new_tab(chromium)
+    tab.open(file.as_uri())
+    yield tab
+    assert tab.complaints == []
+    tab.page.close()
+
+
+def set_pose(page: Tab, q: np.ndarray) -> None:
+    page.run("(q) => alpha5.setPose(q)", [*q.tolist(), 0.0013])
+
+
+def pose_in_page(page: Tab, link: str) -> np.ndarray:
+    elements = page.run("(link) => alpha5.poses()[link].elements", link)
+    return np.reshape(elements, (4, 4)).T
+
+
+@needs_browser
+def test_links_and_tool_are_where_the_record_has_them(
+    page: Tab, record: Alpha5Parameters
+) -> None:
+    q, _, _ = own.states(record, 10)
+    rotations, origins = own.link_frames(record, q)
+    for i, state in enumerate(q):
+        set_pose(page, state)
+        for link in range(5):
+            found = pose_in_page(page, f"link_{link}")
+            np.testing.assert_allclose(found[:3, :3], rotations[link, i], atol=1e-12)
+            np.testing.assert_allclose(found[:3, 3], origins[link, i], atol=1e-12)
+        tool = pose_in_page(page, "tcp")
+        np.testing.assert_allclose(tool, own.tcp(record, state), atol=1e-12)
+
+
+@needs_browser
+def test_torques_are_those_of_the_bodies(page: Tab, record: Alpha5Parameters) -> None:
+    q, _, _ = own.states(record, 10)
+    still = np.zeros_like(q)
+    gravity = np.array(GRAVITY)
+    if record.mount is not None:
+        gravity = record.mount.rotation.T @ gravity
+    wanted, _ = own.inverse_dynamics(record, q, still, still, SEA_WATER, gravity)
+    closed = record.joints[4].lower
+    for state, torque in zip(q, wanted, strict=True):
+        page.run("(q) => alpha5.setPose(q)", [*state.tolist(), closed])
+        np.testing.assert_allclose(page.run("alpha5.holding()"), torque, atol=1e-12)
+
+
+@needs_browser
+def test_branches_are_those_of_the_inverse_kinematics(
+    page: Tab, record: Alpha5Parameters
+) -> None:
+    q, _, _ = own.states(record, 30)
+    shown = 0
+    for state in q:
+        set_pose(page, state)
+        point = own.tcp(record, state)[:3, 3]
+        solved = a5.inverse_kinematics(point, state[3], arm=record)
+        page.run("(point) => alpha5.setAim(point)", point.tolist())
+        disabled = page.run(
+            "Array.from(document.querySelectorAll('#ways button'), (b) => b.disabled)"
+        )
+        np.testing.assert_array_equal(disabled, ~solved.within_limits)
+        for branch in np.flatnonzero(solved.within_limits):
+            found = reached(page, point, int(branch))
+            assert found["away"] == 0.0
+            np.testing.assert_allclose(found["q"], solved.q[branch], atol=1e-12)
+            shown += 1
+    assert shown >= len(q)
+    page.run("() => alpha5.setAim(null)")
+
+
+def reached(page: Tab, point: np.ndarray, branch: int) -> dict[str, Any]:
+    script = "([point, branch]) => alpha5.reach(point, branch)"
+    return dict(page.run(script, [point.tolist(), branch]))
+
+
+@needs_browser
+def test_the_nearest_point_is_that_of_a_search(
+    page: Tab, record: Alpha5Parameters
+) -> None:
+    rng = np.random.default_rng(4)
+    lower, upper = own.own_arm.limits(record)
+    count = 12
+    points = rng.uniform(-0.6, 0.6, (count, 3))
+    wrists = rng.uniform(lower[3], upper[3], count)
+    for point, wrist in zip(points, wrists, strict=True):
+        set_pose(page, np.array([*(lower + upper)[:3] / 2, wrist]))
+        answers = [reached(page, point, branch) for branch in range(4)]
+        for answer in answers:
+            q = np.array(answer["q"])
+            assert (lower - 1e-9 <= q).all()
+            assert (q <= upper + 1e-9).all()
+            tip = own.tcp(record, q)[:3, 3]
+            np.testing.assert_allclose(
+                np.linalg.norm(tip - point), answer["away"], atol=1e-9
+            )
+        away = min(answer["away"] for answer in answers)
+        assert away == pytest.approx(searched(record, point, wrist), abs=1e-6)
+
+
+def searched(record: Alpha5Parameters, point: np.ndarray, wrist: float) -> float:
+    """Least distance to a point at an angle of axis_b: a grid, then descents."""
+    lower, upper = own.own_arm.limits(record)
+    axes = [np.linspace(a, b, 25) for a, b in zip(lower[:3], upper[:3], strict=True)]
+    grid = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
+    q = np.column_stack([grid, np.full(len(grid), wrist)])
+
+    def square(turned: np.ndarray) -> float:
+        tip = own.own_arm.tips(record, np.array([*turned, wrist]))
+        return float(np.sum((tip - point) ** 2))
+
+    gaps = np.linalg.norm(own.own_arm.tips(record, q) - point, axis=1)
+    bounds = list(zip(lower[:3], upper[:3], strict=True))
+    ends = []
+    for start in grid[np.argsort(gaps)[:12]]:
+        found = minimize(
+            square, start, bounds=bounds, method="L-BFGS-B", options={"ftol": 1e-16}
+        )
+        ends.append(found.fun)
+    return float(np.sqrt(min(ends)))
+
+
+@needs_browser
+def test_sliders_poses_and_texts_are_those_of_the_record(
+    page: Tab, record: Alpha5Parameters
+) -> None:
+    for joint in record.joints:
+        slider = page.run(
+            """(name) => {
+              const slider = `#joints input[name=${name}]`;
+              const { min, max } = document.querySelector(slider);
+              return [Number(min), Number(max)];
+            }""",
+            joint.name,
+        )
+        np.testing.assert_allclose(slider, [joint.lower, joint.upper], atol=1e-9)
+    for name in NAMED_POSES:
+        page.run(
+            """(name) => {
+              const buttons = [...document.querySelectorAll('#poses button')];
+              buttons.find((button) => button.textContent === name).click();
+            }""",
+            name,
+        )
+        at = [page.run("(joint) => alpha5.q[joint]", joint) for joint in JOINTS]
+        np.testing.assert_allclose(at, a5.named_pose(name, record), atol=1e-12)
+        assert page.run("document.querySelectorAll('.joint.beyond').length") == 0
+    heading = page.run("document.querySelector('h1').textContent")
+    assert heading == f"Reach Alpha 5: {record.name}"
+    assert page.run("document.title") == heading
+    notes = page.run("document.getElementById('notes').textContent")
+    assert f"{record.name} differs from the catalogue's arm in " in notes
+    assert "lengths a_0, d_0, a_1, a_2; zeros axis_e, axis_d, axis_c, axis_b;" in notes
+    assert "attached sensor, lamp, plate" in notes
+    assert "with its weight but not drawn: sensor, lamp, plate." in notes
+    assert ("Mounted on bluerov" in notes) == (record.mount is not None)
+
+
+# --- scenes ---------------------------------------------------------------------------
+
+
+def test_a_spacer_moves_the_jaws() -> None:
+    record = own.RECORDS[1]
+    assert record.spacer > 0.0
+    printed = dataclasses.replace(record, attached=(), tool=None)
+    for gripper, link in (("jaws", "finger_1"), ("locked", "link_4")):
+        moved = scene_of(record, gripper)
+        still = scene_of(printed, gripper)
+        ends = [far_end(scene, link) for scene in (moved, still)]
+        assert ends[0] - ends[1] == pytest.approx(record.spacer, abs=1e-9)
+
+
+def far_end(scene: Scene, link: str) -> float:
+    """How far the bodies of a link go along the jaws, in link_4 [m]."""
+    to_link_4 = np.linalg.inv(scene.poses["link_4"])
+    z = [
+        shape.placed(scene.poses).moved(to_link_4).vertices[:, 2].min()
+        for shape in scene.shapes
+        if shape.group == "bodies" and shape.name.startswith(f"{link}/")
+    ]
+    return -min(z)
+
+
+def test_a_tool_beside_the_wrist_axis_has_no_reach_shapes() -> None:
+    beside = scene_of(own.RECORDS[0], target=(9.0, 0.0, 0.0))
+    assert beside.plane is None
+    groups = {shape.group for shape in beside.shapes}
+    assert not groups & {"workspace", "surface"}
+    assert "Reach is not drawn for a tool beside the wrist axis." in beside.notes
+    home = a5.named_pose("home", own.RECORDS[0])
+    np.testing.assert_allclose(beside.q[:4], home, atol=0.0)
+    assert "target, out of reach" in [label.text for label in beside.labels]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 9])
+def test_the_arm_starts_at_a_target(seed: int) -> None:
+    record = own.RECORDS[seed]
+    q = own.own_arm.within(record, 1, seed)[0]
+    target = own.tcp(record, q)[:3, 3]
+    scene = scene_of(record, target=target)
+    np.testing.assert_allclose(scene.poses["tcp"][:3, 3], target, atol=1e-9)
+    assert any(shape.group == "ghosts" for shape in scene.shapes)
+
+
+def test_a_side_without_reach_is_left_out() -> None:
+    """Limits that keep the tip in front of the yaw axis."""
+    printed = a5.parameters()
+    narrow = [(2.0, 4.0), (1.2, 1.5), (2.6, 2.9), (1.0, 2.0)]
+    joints = [
+        dataclasses.replace(joint, lower=low, upper=high)
+        for joint, (low, high) in zip(printed.joints, narrow, strict=False)
+    ]
+    record = dataclasses.replace(printed, joints=(*joints, printed.joints[4]))
+    scene = scene_of(record)
+    assert any(shape.group == "workspace" for shape in scene.shapes)
+    assert picture(scene, (160, 100)).shape == (100, 160, 3)
+
+
+def test_another_model_than_the_record_is_refused() -> None:
+    arm = a5.load(arm=own.RECORDS[0])
+    model = arm.model
+    model.jointPlacements[2].translation += [0.0, 0.0, 0.01]
+    other = a5.Arm(model, arm.displacements, SEA_WATER, parameters=own.RECORDS[0])
+    with pytest.raises(InputError, match="the dimensions of its record"):
+        build_scene(other)
+
+
+def test_attached_bodies_are_named_where_they_are() -> None:
+    record = own.RECORDS[1]
+    scene = scene_of(record)
+    named = {label.text: label for label in scene.labels}
+    assert len(record.attached) == 3
+    for body in record.attached:
+        place = named[body.name].anchor.transform(scene.poses)
+        link = scene.poses[body.link]
+        wanted = link[:3, :3] @ body.position + link[:3, 3]
+        np.testing.assert_allclose(place[:3, 3], wanted, atol=1e-12)
+
+
+def test_the_collision_bodies_are_drawn_in_the_links_frames() -> None:
+    record = own.RECORDS[2]
+    scene = scene_of(record, "locked", show=["collision"])
+    published = build_scene(a5.load(), show=["collision"])
+    drawn = [shape for shape in scene.shapes if shape.group == "collision"]
+    printed = [shape for shape in published.shapes if shape.group == "collision"]
+    assert [shape.name for shape in drawn] == [shape.name for shape in printed]
+    for shape, other in zip(drawn, printed, strict=True):
+        assert shape.anchor.link == other.anchor.link
+        np.testing.assert_allclose(shape.mesh.vertices, other.mesh.vertices, atol=1e-9)
+
+
+def test_the_mount_turns_the_arrows() -> None:
+    record = own.RECORDS[9]
+    assert record.mount is not None
+    shown = scene_of(record, show=["weight"])
+    (whole,) = (s for s in shown.shapes if (s.group, s.name) == ("weight", "arm"))
+    farthest = np.linalg.norm(whole.mesh.vertices, axis=1).argmax()
+    tip = whole.mesh.vertices[farthest]
+    down = record.mount.rotation.T @ [0.0, 0.0, -1.0]
+    np.testing.assert_allclose(tip / np.linalg.norm(tip), down, atol=1e-6)
+    (note,) = (line for line in shown.notes if line.startswith("Mounted on bluerov"))
+    x, y, z = (
+        f"{1e3 * part:.1f}".replace("-", "\u2212") for part in record.mount.position
+    )
+    assert f"({x}, {y}, {z}) mm" in note
+
+    afloat = build_scene(a5.load(arm=record, floating_base=True))
+    assert not [line for line in afloat.notes if line.startswith("Mounted")]
+
+
+def test_the_command_takes_the_file_of_an_arm(tmp_path: Path) -> None:
+    """The page is that of Python; the picture shows longer jaws."""
+    file = EXAMPLES / "my_arm.toml"
+    page = tmp_path / "own.html"
+    image = tmp_path / "own.png"
+    command = ["view", "--arm", str(file), "--pose", "reach"]
+    assert main([*command, "--html", str(page), "--image", str(image)]) == 0
+    record = a5.arm_file(file)
+    scene = scene_of(record, q=[*a5.named_pose("reach", record), 0.0013])
+    assert page.read_text("utf-8") == static_page(scene)
+
+    image.rename(tmp_path / "before.png")
+    spacer = 'spacer = {value = 22, unit = "mm"}'
+    text = file.read_text("utf-8")
+    assert spacer in text
+    without = tmp_path / "without.toml"
+    without.write_text(text.replace(spacer, ""), encoding="utf-8")
+    command[2] = str(without)
+    assert main([*command, "--image", str(image)]) == 0
+    assert image.read_bytes() != (tmp_path / "before.png").read_bytes()
+
+
+def test_a_file_that_is_refused_writes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "wrong.toml"
+    file.write_text("format = 1\n[lengths]\na_1 = -0.15\n", encoding="utf-8")
+    page = tmp_path / "own.html"
+    assert main(["view", "--arm", str(file), "--html", str(page)]) == 2
+    assert "lengths.a_1" in capsys.readouterr().err
+    assert not page.exists()
+
+
+# --- the keys of an arm file ----------------------------------------------------------
+
+KEYS = {key: text for key, text in changes(WHOLE) if not key.startswith("motors.")}
+
+
+def numbers_of(text: str, tmp_path: Path) -> str:
+    """What the page computes with and draws, without its lines of explanation."""
+    file = tmp_path / "arm.toml"
+    file.write_text(f"format = 1\n{text}", encoding="utf-8")
+    data = page_data(scene_of(a5.arm_file(file)))
+    del data["notes"]
+    return json.dumps(data, default=plain)
+
+
+def plain(part: Any) -> Any:
+    """Numbers to 12 decimals: more are the noise of another order of sums."""
+    if isinstance(part, np.ndarray):
+        return (np.round(part, 12) + 0.0).tolist()
+    return vars(part)
+
+
+@pytest.fixture(scope="module")
+def unchanged(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    folder = tmp_path_factory.mktemp("arms")
+    name = 'name = "lab"\n'
+    return {text: numbers_of(name + text, folder) for text in ("", WHOLE)}
+
+
+def concerns_the_page(key: str) -> bool:
+    """An arm at rest has no moments of inertia; a mount's place is in a note."""
+    of_note = ("name", "mount.parent", "mount.xyz")
+    return key not in of_note and not key.endswith(".inertia")
+
+
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+@pytest.mark.parametrize("key", KEYS)
+def test_each_key_alone_changes_what_it_concerns(
+    key: str, tmp_path: Path, unchanged: dict[str, str]
+) -> None:
+    before = unchanged[WHOLE if key.startswith("attached.") else ""]
+    name = "" if key == "name" else 'name = "lab"\n'
+    after = numbers_of(name + KEYS[key], tmp_path)
+    assert (after != before) == concerns_the_page(key)
