@@ -9,11 +9,14 @@ from typing import Annotated, Any
 import numpy as np
 from typer import Argument, Option, style
 
+from alpha5_model._support.files import STDOUT
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
-from alpha5_model.cli import options, printing
+from alpha5_model._support.writing import atomic_write
+from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.words import WORDS
-from alpha5_model.errors import InputError
+from alpha5_model.errors import InputError, OutputError
+from alpha5_model.numbers.record_writing import arm_file_text
 from alpha5_model.proofs.comparison import measure
 from alpha5_model.proofs.comparison.records import Comparison
 from alpha5_model.viewer.comparison_plot import plot_comparison
@@ -33,11 +36,18 @@ def compare(
         list[str] | None, Option(help="With --xacro: NAME=FOLDER.")
     ] = None,
     arg: Annotated[list[str] | None, Option(help="With --xacro: NAME:=VALUE.")] = None,
+    arm_file: options.Arm = None,
+    write_arm: Annotated[
+        Path | None, Option(help="Write the arm of that URDF as an arm file (.toml).")
+    ] = None,
     samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
     as_json: options.Json = False,
     plot: options.Plot = None,
 ) -> int:
-    """Compare another URDF of this arm with the tables.
+    """Compare another URDF of this arm with the tables, or with your own arm.
+
+    --write-arm writes what that URDF says of the arm (lengths, zeros, limits,
+    masses, tool, mount) as an arm file, and lists what such a file cannot say.
 
     A URDF is only read. A xacro file is a program: --xacro runs it, with your
     rights, so use it only on files that you trust.
@@ -47,17 +57,22 @@ def compare(
 
     Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
     """  # noqa: E501 (a line of the help)
-    check_outputs([other], plot=(plot, FORMATS))
+    check_outputs(
+        [other, arm_file], plot=(plot, FORMATS), write_arm=(write_arm, (".toml",))
+    )
+    reading: dict[str, Any] = {
+        "joints": _pairs("map", joints.split(","), "="),
+        "base": base,
+        "packages": _pairs("package", package or [], "="),
+        "arguments": _pairs("arg", arg or [], ":="),
+        "xacro": xacro,
+    }
+    if write_arm is not None:
+        return _write_arm(other, write_arm, reading, as_json)
+
+    own = values.arm_record(arm_file)
     with printing.spinner("comparing"):
-        comparison = measure.compare(
-            other,
-            joints=_pairs("map", joints.split(","), "="),
-            samples=samples,
-            base=base,
-            packages=_pairs("package", package or [], "="),
-            arguments=_pairs("arg", arg or [], ":="),
-            xacro=xacro,
-        )
+        comparison = measure.compare(other, samples=samples, arm=own, **reading)
 
     # A model of another arm has no errors to draw.
     picture = plot if comparison.joints else None
@@ -65,6 +80,20 @@ def compare(
         plot_comparison(comparison, picture)
     printing.show(as_json, comparison.as_dict(), _differences(comparison), picture)
     return 0 if comparison.agrees else 1
+
+
+def _write_arm(other: Path, path: Path, reading: dict[str, Any], as_json: bool) -> int:
+    """Write the arm of another model as an arm file."""
+    if str(path) != STDOUT and path.exists():
+        raise OutputError(path, "it exists; name another file")
+    with printing.spinner("comparing"):
+        found = measure.model_arm(other, **reading)
+    text = arm_file_text(found.parameters, [f"The arm of {other.name}."])
+    atomic_write(path, text)
+    record = {"written": str(path), "left_out": found.left_out}
+    lines = ["an arm file does not say:", *(f"· {line}" for line in found.left_out)]
+    printing.show(as_json, record, lines, path)
+    return 0
 
 
 def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:

@@ -199,6 +199,11 @@ def generate(
 
     choice("format", description_format, tuple(_FORMATS))
     _refuse_options_of_other_formats(context, description_format)
+    made = _FORMATS[description_format]
+    if output is not None and made.suffixes and not is_stream(output):
+        if not output.suffix:
+            raise OutputError(output, f"give a file name, such as {made.main_file}")
+        check_outputs((arm_file,), output=(output, made.suffixes))
     given = context.params | {
         "xyz": values.numbers("xyz", xyz, (3,), "m"),
         "rpy": values.numbers("rpy", rpy, (3,), "rad"),
@@ -209,7 +214,6 @@ def generate(
         "arm": values.arm_record(arm_file),
     }
 
-    made = _FORMATS[description_format]
     # Each field of the record is an option, or made from one above.
     record = made.options(**{name: given[name] for name in made.option_names()})
     files = made.files(record)
@@ -221,7 +225,7 @@ def generate(
         atomic_write_all({output: main_file})
     elif made.suffixes:
         meshes = description_format == "urdf" and mesh_uri == "relative"
-        _write(_one_file(output, main_file, made, meshes))
+        _write(_one_file(output, main_file, meshes))
     else:
         _write(_in_folder(output, files))
     return 0
@@ -261,14 +265,8 @@ def _refuse_options_of_other_formats(context: Context, description_format: str) 
             raise InputError(_flag(context, name), description_format, expected)
 
 
-def _one_file(
-    output: Path, description: bytes, made: _Format, meshes: bool
-) -> dict[Path, bytes]:
+def _one_file(output: Path, description: bytes, meshes: bool) -> dict[Path, bytes]:
     """The file, with the meshes beside it if they are wanted."""
-    if not output.suffix:
-        raise OutputError(output, f"give a file name, such as {made.main_file}")
-    check_outputs((), output=(output, made.suffixes))
-
     files = {output: description}
     if meshes:
         for name, mesh in mesh_assets(".obj", ".mtl").items():

@@ -61,7 +61,7 @@ def torque(
     alpha5 torque --q 180 70 100 0 deg --payload 0.5 --mount 180 0 0 deg
     alpha5 torque --q 3.1 1.2 1.8 0 --current 0 1 0 --plot polar.png
     """
-    check_outputs((), plot=(plot, figures.FORMATS))
+    check_outputs([arm_file], plot=(plot, figures.FORMATS))
     own = values.arm_record(arm_file)
     arm = values.arm_in(fluid, gravity, gripper, mount, payload, own)
     water_current = values.current_vector(current)

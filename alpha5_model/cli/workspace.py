@@ -39,7 +39,7 @@ def workspace(
 
     Example: alpha5 workspace --self-collision --plot collision.pdf
     """
-    check_outputs((), plot=(plot, figures.FORMATS))
+    check_outputs([arm_file], plot=(plot, figures.FORMATS))
     if arm_file is not None:
         _of_own_arm(arm_file, plot, self_collision, as_json)
         return

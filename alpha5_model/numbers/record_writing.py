@@ -237,4 +237,5 @@ def _text(value: Any) -> str:
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if np.ndim(value):
         return f"[{', '.join(_text(x) for x in value)}]"
-    return repr(float(value))
+    # Adding zero turns a negative zero into zero.
+    return repr(float(value) + 0.0)

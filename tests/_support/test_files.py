@@ -393,19 +393,21 @@ COMMANDS = {
         ["view", "--motion", "{}"],
         {"--html": ".html", "--image": ".png", "--video": ".mp4"},
     ),
-    "compare": (["compare", "{}"], {"--plot": ".png"}),
+    "compare": (["compare", "{}"], {"--plot": ".png", "--write-arm": ".toml"}),
     "check": (["check", "--urdf", "{}"], {}),
     "dh": (["dh", "--urdf", "{}"], {}),
     "arm": (["arm", "check", "{}"], {}),  # new never writes over a file
-    "generate": (["generate"], {"--output": ".urdf"}),
+    "generate": (["generate", "--arm", "{}"], {"--output": ".urdf"}),
     "demo": (["demo"], {}),  # its folder is not read
     "sweep": (["sweep", "{}"], {}),  # a folder is written
     "planar": (["planar", "2", "1"], {"--plot": ".png"}),
-    "workspace": (["workspace"], {"--plot": ".png"}),
+    "workspace": (["workspace", "--arm", "{}"], {"--plot": ".png"}),
     "torque": (
-        ["torque", "--q", "3", "1", "1", "0", "--current", "1 0 0"],
+        ["torque", "--arm", "{}", "--q", "3", "1", "1", "0", "--current", "1 0 0"],
         {"--plot": ".png"},
     ),
+    "ik": (["ik", "0.2", "0", "0.1", "--arm", "{}"], {}),
+    "fk": (["fk", "3", "1", "1", "0", "--arm", "{}"], {}),
 }
 
 
@@ -416,13 +418,13 @@ def takes_path(annotation: Any) -> bool:
 
 
 def test_no_command_has_a_path_that_is_not_tested_here() -> None:
-    read = {"file", "motion", "other", "urdf", "study"}
+    read = {"file", "motion", "other", "urdf", "study", "arm_file"}
     for command in application(*COMMAND_NAMES).registered_commands:
         assert command.callback is not None
         parameters = inspect.signature(command.callback, eval_str=True).parameters
         paths = {name for name, p in parameters.items() if takes_path(p.annotation)}
         words, outputs = COMMANDS.get(str(command.name), ([], {}))
-        known = {option.lstrip("-") for option in outputs} | read
+        known = {option.lstrip("-").replace("-", "_") for option in outputs} | read
         folder = {"output"} if command.name in ("demo", "sweep") else set()
         assert paths <= known | folder, command.name
         assert bool(paths) == (command.name in COMMANDS)

@@ -35,7 +35,6 @@ ENTRY_POINTS = {
     "numbers.record_writing": "a file says what differs from the catalogue's arm",
     "numbers.chosen_arm": "chosen_arm without an arm; is_catalogue compares",
     "proofs.audit.run": "audit",
-    "proofs.comparison.measure": "compare_robots",
     "studies.sweep.arms": "a study that names corrections",
     "studies.uncertainty.arm_numbers": "arm_numbers; which values are the printed ones",
     "theory.dh.chain": "DHChain.alpha5",

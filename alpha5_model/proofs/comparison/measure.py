@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,7 +12,10 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray, count
 from alpha5_model.description.urdf_robot import UrdfRobot
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.chosen_arm import chosen_arm
+from alpha5_model.numbers.loaded_links import with_merged_bodies
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.best_alignment import align
 from alpha5_model.proofs.comparison.chains import (
@@ -27,6 +31,7 @@ from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import FINDINGS, finding
 from alpha5_model.proofs.comparison.four_joint_arm import DOWN, FourJointArm
 from alpha5_model.proofs.comparison.inspection import all_findings
+from alpha5_model.proofs.comparison.model_arm import ModelArm, arm_of_model
 from alpha5_model.proofs.comparison.model_file import read_model
 from alpha5_model.proofs.comparison.own_arm import OwnArm, own_arm_of, random_positions
 from alpha5_model.proofs.comparison.placement import bodies_in_our_frames
@@ -53,6 +58,7 @@ def compare(
     packages: Mapping[str, str] | None = None,
     arguments: Mapping[str, str] | None = None,
     xacro: bool = False,
+    arm: Alpha5Parameters | None = None,
 ) -> Comparison:
     """Compare another model of this arm with ours.
 
@@ -74,6 +80,7 @@ def compare(
         arguments: For a xacro file: values of its arguments, as text.
         xacro: Expand a xacro file. It is a program, which can read files and run
             commands: do so only if you trust it.
+        arm: Record of an arm of your own, to compare with; None for the catalogue's.
 
     Returns:
         The comparison; ``agrees`` and ``verdict`` are its outcome. Another arm is not
@@ -86,7 +93,46 @@ def compare(
             be mapped.
     """
     other = read_model(path, packages, arguments, xacro)
-    return compare_robots(other, joints, samples, Path(path).parent, base)
+    return compare_robots(other, joints, samples, Path(path).parent, base, arm)
+
+
+def model_arm(
+    path: str | Path,
+    joints: Mapping[str, str] | None = None,
+    base: str | None = None,
+    packages: Mapping[str, str] | None = None,
+    arguments: Mapping[str, str] | None = None,
+    xacro: bool = False,
+) -> ModelArm:
+    """The arm of another model, as a record of an arm of your own.
+
+    `alpha5_model.arm_file_text` writes it as an arm file.
+
+    Args:
+        path, joints, base, packages, arguments, xacro: As of `compare`.
+
+    Returns:
+        The record, and what it does not say: what an arm file cannot express, and what
+        still differs from the model.
+
+    Raises:
+        MissingFileError, FileFormatError, UnknownNameError: As of `compare`.
+        InputError: Also a model of another arm.
+    """
+    other = read_model(path, packages, arguments, xacro)
+    found = gathered(other, joints, base=base)
+    if found.evidence is None:
+        why = _another_arm(chosen_arm(None), other, found.chains)
+        raise InputError("model", other.name, f"a Reach Alpha 5: {why.text}")
+
+    arm = arm_of_model(found.evidence)
+    rest = compare_robots(other, joints, base=base, arm=arm.parameters)
+    differences = [
+        f"{each.where}: {each.text}"
+        for each in rest.findings
+        if each.serious and each.where != "base"  # which the mount says
+    ]
+    return replace(arm, left_out=(*arm.left_out, *differences))
 
 
 def compare_robots(
@@ -95,6 +141,7 @@ def compare_robots(
     samples: int = 500,
     folder: Path | None = None,
     base: str | None = None,
+    arm: Alpha5Parameters | None = None,
 ) -> Comparison:
     """Compare a model that has been read.
 
@@ -104,17 +151,47 @@ def compare_robots(
         samples: Random configurations; see `compare`.
         folder: Where its meshes are; None if unknown.
         base: The first link of the arm; see `compare`.
+        arm: What it is compared with; see `compare`.
     """
+    found = gathered(other, names, samples, folder, base, arm)
+    if found.evidence is None:
+        why = _another_arm(chosen_arm(arm), other, found.chains)
+        return Comparison(name=other.name, findings=(why,))
+    return _compared(found.evidence, found.chains)
+
+
+class Gathered(NamedTuple):
+    """What a comparison starts from.
+
+    Attributes:
+        evidence: Both arms; None for another arm.
+        chains: All joints that could be this arm's, the best first.
+    """
+
+    evidence: Evidence | None
+    chains: Sequence[Chain]
+
+
+def gathered(
+    other: UrdfRobot,
+    names: Mapping[str, str] | None = None,
+    samples: int = 500,
+    folder: Path | None = None,
+    base: str | None = None,
+    arm: Alpha5Parameters | None = None,
+) -> Gathered:
+    """Find the arm in a model, and align it with ours; see `compare_robots`."""
     number = count("samples", samples)
-    record = parameters()
+    record = with_merged_bodies(chosen_arm(arm))
+    if record.base_yaw:
+        expected = "a record with the correction base_frame, for link_0's numbers"
+        raise InputError("corrections", record.corrections, expected)
     meant = as_meant(other)
     chains = find_chains(meant, record, names)
     if not chains or not _is_ours(chains[0]):
-        why = _another_arm(record, other, chains)
-        return Comparison(name=other.name, findings=(why,))
+        return Gathered(evidence=None, chains=chains)
 
     ours = own_arm_of(record)
-    q = random_positions(record, number)
     arms = _reduced(ours, other, meant, chains[0], base)
     evidence = Evidence(
         ours=ours,
@@ -124,9 +201,9 @@ def compare_robots(
         alignment=arms.alignment,
         bodies=_bodies(ours, arms.meant, arms.alignment),
         folder=folder,
-        q=q,
+        q=random_positions(record, number),
     )
-    return _compared(evidence, chains)
+    return Gathered(evidence=evidence, chains=chains)
 
 
 class _Arms(NamedTuple):

@@ -124,8 +124,9 @@ class OwnArm:
 
 @lru_cache(maxsize=4)
 def own_arm_of(parameters: Alpha5Parameters) -> OwnArm:
-    """Our arm, from the catalogue's numbers with any corrections."""
-    text = urdf(Variant(dh_frames=True, corrections=parameters.corrections))
+    """Our arm, from the numbers of a record; its mount does not count."""
+    unmounted = replace(parameters, mount=None)
+    text = urdf(Variant(dh_frames=True, arm=unmounted))
     robot = parse_urdf(text)
     joints = tuple(robot.joints[axis] for axis in AXES)
     reduced = reduce_robot(robot, joints, parameters)
