@@ -204,6 +204,25 @@ def test_sliders_poses_and_texts_are_those_of_the_record(
     assert ("Mounted on bluerov" in notes) == (record.mount is not None)
 
 
+@needs_browser
+def test_the_live_page_follows_python(chromium: Any) -> None:
+    record = own.RECORDS[0]
+    viewer = a5.view(a5.load(arm=record))
+    try:
+        tab = new_tab(chromium)
+        tab.open(viewer.url())
+        q = own.own_arm.within(record, 1, 8)[0]
+        viewer.display(q)
+        tab.page.wait_for_function("(at) => alpha5.q.axis_d === at", arg=q[1])
+        np.testing.assert_allclose(
+            pose_in_page(tab, "tcp"), own.tcp(record, q), atol=1e-12
+        )
+        assert tab.complaints == []
+        tab.page.close()
+    finally:
+        viewer.close()
+
+
 # --- scenes ---------------------------------------------------------------------------
 
 
