@@ -200,6 +200,8 @@ def test_what_is_not_reached_has_no_gradient(single: bool, compiled: bool) -> No
 def test_wrong_input_is_told() -> None:
     with pytest.raises(ShapeError, match=r"shape \(4,\)"):
         load().inverse_dynamics(np.zeros(5), np.zeros(4), np.zeros(4))
+    with pytest.raises(ShapeError, match=r"shape \(1,\)"):
+        load().with_payload(np.ones(3))
     with pytest.raises(a5.Alpha5Error, match="fixed base with its jaws locked"):
         load(gripper="jaws")
 

@@ -376,3 +376,11 @@ def test_no_number_overflows(
         for number in numbers:
             with contextlib.suppress(InputError):
                 assert not np.isinf(limits(number, 24.0, 2.0)).any()
+
+
+def test_a_side_on_which_a_motor_would_turn_back_has_no_speed() -> None:
+    """At 2 V, axis_d cannot lift 9 N m: it would run backward, which is no speed."""
+    motor = actuators.actuator("axis_d")
+    back, forward = motor.speed_limits([5.0, 9.0], 2.0, 20.0)
+    assert np.isfinite(back).all()
+    assert np.isfinite(forward).tolist() == [True, False]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,12 @@ import pinocchio as pin
 import pytest
 
 import alpha5_model as a5
+from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.dynamics.batch import frame_positions
-from alpha5_model.dynamics.load import arm_of
+from alpha5_model.dynamics.load import arm_of, arm_urdf
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
@@ -276,3 +278,12 @@ def test_the_catalogues_record_is_the_shipped_urdf() -> None:
     pin.framesForwardKinematics(moved.model, moved.data, q0)
     tip = moved.data.oMf[moved.model.getFrameId("tcp")].homogeneous
     assert tip == pytest.approx(own.tcp(RECORDS[2], q0), abs=1e-13)
+
+
+def test_only_the_catalogues_default_is_the_shipped_file() -> None:
+    for gripper, path in (("locked", URDF_PATH), ("jaws", JAWS_URDF_PATH)):
+        shipped = Path(path).read_text("utf-8")
+        assert arm_urdf(gripper, a5.parameters()) == shipped
+        letter = arm_urdf(gripper, a5.parameters(()))
+        assert letter == urdf(Variant(gripper=gripper, corrections=()))
+        assert letter != shipped

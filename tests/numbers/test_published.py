@@ -198,6 +198,8 @@ def test_every_table_names_document_version_date_section() -> None:
             "Reach Robotics, Reach Alpha MKII Kinematic and Dynamic"
         )
         assert "version 7, August 2022, Section " in str(source)
+        named = f", Table {source.table}" if source.table else source.section
+        assert str(source).endswith(named)
 
 
 def test_every_supplementary_value_has_unit_status_source() -> None:
