@@ -9,15 +9,18 @@ from typing import Annotated, Any
 import numpy as np
 from typer import Argument, Option, style
 
-from alpha5_model._support.files import STDOUT
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.words import WORDS
 from alpha5_model.errors import InputError, OutputError
-from alpha5_model.numbers.record_writing import arm_file_text
 from alpha5_model.proofs.comparison import measure
+from alpha5_model.proofs.comparison.arm_of_model import (
+    ArmOfModel,
+    arm_of_model,
+    arm_text,
+)
 from alpha5_model.proofs.comparison.records import Comparison
 from alpha5_model.viewer.comparison_plot import plot_comparison
 from alpha5_model.viewer.figures import FORMATS
@@ -36,30 +39,29 @@ def compare(
         list[str] | None, Option(help="With --xacro: NAME=FOLDER.")
     ] = None,
     arg: Annotated[list[str] | None, Option(help="With --xacro: NAME:=VALUE.")] = None,
+    samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
     arm_file: options.Arm = None,
     write_arm: Annotated[
-        Path | None, Option(help="Write the arm of that URDF as an arm file (.toml).")
+        Path | None, Option(help="Write the model as an arm file, .toml.")
     ] = None,
-    samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
     as_json: options.Json = False,
     plot: options.Plot = None,
 ) -> int:
     """Compare another URDF of this arm with the tables, or with your own arm.
 
-    --write-arm writes what that URDF says of the arm (lengths, zeros, limits,
-    masses, tool, mount) as an arm file, and lists what such a file cannot say.
-
     A URDF is only read. A xacro file is a program: --xacro runs it, with your
-    rights, so use it only on files that you trust.
+    rights, so use it only on files that you trust. --write-arm writes what an arm
+    file can say of the model, and lists what it cannot.
 
     Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot
     be read.
 
     Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
     """  # noqa: E501 (a line of the help)
-    check_outputs(
-        [other, arm_file], plot=(plot, FORMATS), write_arm=(write_arm, (".toml",))
-    )
+    outputs = {"write-arm": (write_arm, (".toml",)), "plot": (plot, FORMATS)}
+    check_outputs([other], **outputs)
+    if write_arm is not None and write_arm.exists():
+        raise OutputError(write_arm, "it exists; name another file")
     reading: dict[str, Any] = {
         "joints": _pairs("map", joints.split(","), "="),
         "base": base,
@@ -67,33 +69,25 @@ def compare(
         "arguments": _pairs("arg", arg or [], ":="),
         "xacro": xacro,
     }
-    if write_arm is not None:
-        return _write_arm(other, write_arm, reading, as_json)
-
     own = values.arm_record(arm_file)
     with printing.spinner("comparing"):
         comparison = measure.compare(other, samples=samples, arm=own, **reading)
+        described = None
+        if write_arm is not None:
+            described = arm_of_model(other, **reading)
+            atomic_write(write_arm, arm_text(described, other.name))
 
     # A model of another arm has no errors to draw.
     picture = plot if comparison.joints else None
     if picture is not None:
         plot_comparison(comparison, picture)
-    printing.show(as_json, comparison.as_dict(), _differences(comparison), picture)
+    record = comparison.as_dict()
+    written = None
+    if described is not None:
+        written = write_arm
+        record["arm_file"] = {"left_out": [*described.left_out]}
+    printing.show(as_json, record, _text(comparison, described), picture, written)
     return 0 if comparison.agrees else 1
-
-
-def _write_arm(other: Path, path: Path, reading: dict[str, Any], as_json: bool) -> int:
-    """Write the arm of another model as an arm file."""
-    if str(path) != STDOUT and path.exists():
-        raise OutputError(path, "it exists; name another file")
-    with printing.spinner("comparing"):
-        found = measure.model_arm(other, **reading)
-    text = arm_file_text(found.parameters, [f"The arm of {other.name}."])
-    atomic_write(path, text)
-    record = {"written": str(path), "left_out": found.left_out}
-    lines = ["an arm file does not say:", *(f"· {line}" for line in found.left_out)]
-    printing.show(as_json, record, lines, path)
-    return 0
 
 
 def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
@@ -111,6 +105,14 @@ def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
             raise InputError(option, ",".join(parts), f"{form} with each name once")
         pairs[name.strip()] = value.strip()
     return pairs
+
+
+def _text(comparison: Comparison, described: ArmOfModel | None) -> printing.Lines:
+    """The differences, and what the written arm file cannot say."""
+    yield from _differences(comparison)
+    if described is not None and described.left_out:
+        yield "\nnot in the arm file:"
+        yield from (f"· {text}" for text in described.left_out)
 
 
 def _differences(comparison: Comparison) -> printing.Lines:

@@ -33,8 +33,6 @@ from alpha5_model.proofs.comparison.placement import body_errors, body_transform
 
 #: A closed form with a larger error has a wrong sign or twist [m and rad].
 WRONG_START_ERROR = 0.05
-#: Axes that remain closer than this after a fit coincide [m and rad].
-COINCIDENT = 1e-3
 #: How many alignments are fitted: the likeliest of those whose axes coincide.
 FITTED = 8
 
@@ -68,25 +66,6 @@ def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
         _settle_zeros(ours, theirs, best),
         exact=_settle_zeros(ours, theirs, all_free),
     )
-
-
-def align_turning_as_ours(ours: OwnArm, theirs: FourJointArm) -> Alignment | None:
-    """The alignment in which each joint turns as ours does, all dimensions fitted.
-
-    It need not be the least odd one, but it is one that an arm file can express.
-
-    Returns:
-        None if the axes do not coincide then.
-    """
-    axes = AxisFit(our_arm=ours, their_arm=theirs)
-    start = axes.closed_form(np.ones(4), AS_IT_IS.copy())
-    if axes.guess_error(start) > WRONG_START_ERROR:
-        return None
-    fit = axes.fit(start, UNKNOWNS)
-    if max(fit.residual) > COINCIDENT or np.abs(fit.dimensions[TWISTS]).max() > 1.0:
-        return None
-    placed = with_base_link(theirs, com_errors_by_link(ours, theirs), fit)
-    return _settle_zeros(ours, theirs, placed)
 
 
 def _with_wrong_dimensions_only(

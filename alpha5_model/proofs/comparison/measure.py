@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,8 +12,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, count
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.loaded_links import with_merged_bodies
+from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.best_alignment import align
@@ -31,9 +29,13 @@ from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import FINDINGS, finding
 from alpha5_model.proofs.comparison.four_joint_arm import DOWN, FourJointArm
 from alpha5_model.proofs.comparison.inspection import all_findings
-from alpha5_model.proofs.comparison.model_arm import ModelArm, arm_of_model
 from alpha5_model.proofs.comparison.model_file import read_model
-from alpha5_model.proofs.comparison.own_arm import OwnArm, own_arm_of, random_positions
+from alpha5_model.proofs.comparison.own_arm import (
+    OwnArm,
+    compared_record,
+    own_arm_of,
+    random_positions,
+)
 from alpha5_model.proofs.comparison.placement import bodies_in_our_frames
 from alpha5_model.proofs.comparison.poses import rotation_of
 from alpha5_model.proofs.comparison.printed_digits import as_meant
@@ -80,7 +82,7 @@ def compare(
         arguments: For a xacro file: values of its arguments, as text.
         xacro: Expand a xacro file. It is a program, which can read files and run
             commands: do so only if you trust it.
-        arm: Record of an arm of your own, to compare with; None for the catalogue's.
+        arm: Record of an arm of your own, to compare with instead of the catalogue's.
 
     Returns:
         The comparison; ``agrees`` and ``verdict`` are its outcome. Another arm is not
@@ -93,46 +95,8 @@ def compare(
             be mapped.
     """
     other = read_model(path, packages, arguments, xacro)
-    return compare_robots(other, joints, samples, Path(path).parent, base, arm)
-
-
-def model_arm(
-    path: str | Path,
-    joints: Mapping[str, str] | None = None,
-    base: str | None = None,
-    packages: Mapping[str, str] | None = None,
-    arguments: Mapping[str, str] | None = None,
-    xacro: bool = False,
-) -> ModelArm:
-    """The arm of another model, as a record of an arm of your own.
-
-    `alpha5_model.arm_file_text` writes it as an arm file.
-
-    Args:
-        path, joints, base, packages, arguments, xacro: As of `compare`.
-
-    Returns:
-        The record, and what it does not say: what an arm file cannot express, and what
-        still differs from the model.
-
-    Raises:
-        MissingFileError, FileFormatError, UnknownNameError: As of `compare`.
-        InputError: Also a model of another arm.
-    """
-    other = read_model(path, packages, arguments, xacro)
-    found = gathered(other, joints, base=base)
-    if found.evidence is None:
-        why = _another_arm(chosen_arm(None), other, found.chains)
-        raise InputError("model", other.name, f"a Reach Alpha 5: {why.text}")
-
-    arm = arm_of_model(found.evidence)
-    rest = compare_robots(other, joints, base=base, arm=arm.parameters)
-    differences = [
-        f"{each.where}: {each.text}"
-        for each in rest.findings
-        if each.serious and each.where != "base"  # which the mount says
-    ]
-    return replace(arm, left_out=(*arm.left_out, *differences))
+    folder = Path(path).parent
+    return compare_robots(other, joints, samples, folder, base, arm=arm)
 
 
 def compare_robots(
@@ -151,47 +115,23 @@ def compare_robots(
         samples: Random configurations; see `compare`.
         folder: Where its meshes are; None if unknown.
         base: The first link of the arm; see `compare`.
-        arm: What it is compared with; see `compare`.
+        arm: Record of an arm of your own; see `compare`.
     """
-    found = gathered(other, names, samples, folder, base, arm)
-    if found.evidence is None:
-        why = _another_arm(chosen_arm(arm), other, found.chains)
-        return Comparison(name=other.name, findings=(why,))
-    return _compared(found.evidence, found.chains)
-
-
-class Gathered(NamedTuple):
-    """What a comparison starts from.
-
-    Attributes:
-        evidence: Both arms; None for another arm.
-        chains: All joints that could be this arm's, the best first.
-    """
-
-    evidence: Evidence | None
-    chains: Sequence[Chain]
-
-
-def gathered(
-    other: UrdfRobot,
-    names: Mapping[str, str] | None = None,
-    samples: int = 500,
-    folder: Path | None = None,
-    base: str | None = None,
-    arm: Alpha5Parameters | None = None,
-) -> Gathered:
-    """Find the arm in a model, and align it with ours; see `compare_robots`."""
     number = count("samples", samples)
-    record = with_merged_bodies(chosen_arm(arm))
-    if record.base_yaw:
+    own = chosen_arm(arm)
+    if own.base_yaw:
         expected = "a record with the correction base_frame, for link_0's numbers"
-        raise InputError("corrections", record.corrections, expected)
+        raise InputError("corrections", own.corrections, expected)
+    record = compared_record(own)
+    against = "" if is_catalogue(own) else own.name
     meant = as_meant(other)
     chains = find_chains(meant, record, names)
     if not chains or not _is_ours(chains[0]):
-        return Gathered(evidence=None, chains=chains)
+        why = _another_arm(record, other, chains)
+        return Comparison(name=other.name, findings=(why,), against=against)
 
     ours = own_arm_of(record)
+    q = random_positions(record, number)
     arms = _reduced(ours, other, meant, chains[0], base)
     evidence = Evidence(
         ours=ours,
@@ -201,12 +141,12 @@ def gathered(
         alignment=arms.alignment,
         bodies=_bodies(ours, arms.meant, arms.alignment),
         folder=folder,
-        q=random_positions(record, number),
+        q=q,
     )
-    return Gathered(evidence=evidence, chains=chains)
+    return _compared(evidence, chains, against)
 
 
-class _Arms(NamedTuple):
+class Arms(NamedTuple):
     """The other arm as it is meant and as it is written, and the former's alignment."""
 
     meant: FourJointArm
@@ -214,9 +154,35 @@ class _Arms(NamedTuple):
     alignment: Alignment
 
 
+def arms_of_model(
+    other: UrdfRobot,
+    names: Mapping[str, str] | None,
+    base: str | None,
+    parameters: Alpha5Parameters,
+) -> Arms | None:
+    """The arm of a model, aligned; None for a model of another arm.
+
+    An arm whose joints are named as ours, or by the caller, may have any lengths.
+
+    Args:
+        other: The model.
+        names: Our joint name -> theirs; see `compare`.
+        base: The first link of the arm; see `compare`.
+        parameters: Our arm.
+    """
+    meant = as_meant(other)
+    chains = find_chains(meant, parameters, names)
+    if not chains:
+        return None
+    is_named = chains[0].named_as_ours == len(AXES) or len(names or {}) == len(AXES)
+    if not is_named and not _is_ours(chains[0]):
+        return None
+    return _reduced(own_arm_of(parameters), other, meant, chains[0], base)
+
+
 def _reduced(
     ours: OwnArm, other: UrdfRobot, meant: UrdfRobot, chain: Chain, base: str | None
-) -> _Arms:
+) -> Arms:
     """Reduce the other model to four joints, and align it with ours.
 
     Args:
@@ -240,7 +206,7 @@ def _reduced(
 
     written_joints = tuple(other.joints[name] for name in chain.names)
     written = reduce_robot(other, written_joints, parameters, base)
-    return _Arms(meant=arm, written=written, alignment=alignment)
+    return Arms(meant=arm, written=written, alignment=alignment)
 
 
 def _bodies(
@@ -267,12 +233,13 @@ def _bodies(
     return tuple(bodies)
 
 
-def _compared(evidence: Evidence, chains: Sequence[Chain]) -> Comparison:
+def _compared(evidence: Evidence, chains: Sequence[Chain], against: str) -> Comparison:
     """The comparison of a model of this arm.
 
     Args:
         evidence: Both arms.
         chains: All that could be this arm's joints; the first is compared.
+        against: Name of our arm, if it is not the catalogue's.
     """
     theirs = evidence.theirs
     found = sorted(all_findings(evidence), key=_by_cost)
@@ -290,6 +257,7 @@ def _compared(evidence: Evidence, chains: Sequence[Chain]) -> Comparison:
         mass_matrix_error=_mass_matrix_error(evidence),
         volume=theirs.volume or math.nan,
         carried={name: links[name].mass or 0.0 for name in theirs.foreign_links},
+        against=against,
     )
 
 

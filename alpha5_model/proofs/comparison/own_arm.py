@@ -11,7 +11,11 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, transform
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.chosen_arm import is_catalogue
+from alpha5_model.numbers.inertia import second_moments
+from alpha5_model.numbers.loaded_links import loaded_links
+from alpha5_model.numbers.parameters import Alpha5Parameters, LinkParameters
+from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.proofs.comparison.axis_lines import X, Y, Z, foot, z_axes
 from alpha5_model.proofs.comparison.chains import AXES
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm, chain_poses
@@ -124,13 +128,50 @@ class OwnArm:
 
 @lru_cache(maxsize=4)
 def own_arm_of(parameters: Alpha5Parameters) -> OwnArm:
-    """Our arm, from the numbers of a record; its mount does not count."""
-    unmounted = replace(parameters, mount=None)
-    text = urdf(Variant(dh_frames=True, arm=unmounted))
+    """Our arm, from the catalogue's numbers with any corrections, or from others."""
+    if is_catalogue(parameters):
+        variant = Variant(dh_frames=True, corrections=parameters.corrections)
+    else:
+        variant = Variant(dh_frames=True, arm=parameters)
+    text = urdf(variant)
     robot = parse_urdf(text)
     joints = tuple(robot.joints[axis] for axis in AXES)
     reduced = reduce_robot(robot, joints, parameters)
     return OwnArm(parameters=parameters, reduced=reduced)
+
+
+@lru_cache(maxsize=4)
+def compared_record(arm: Alpha5Parameters) -> Alpha5Parameters:
+    """The record that other models are compared with.
+
+    What is attached to a link, and the jaws that a spacer moves, are part of that link,
+    as in a URDF. The mount is left out: a comparison aligns the bases.
+    """
+    if is_catalogue(arm):
+        return arm
+    pairs = zip(arm.links, loaded_links(arm), strict=True)
+    links = [own if own is loaded else _widened(own, loaded) for own, loaded in pairs]
+    return replace(arm, links=tuple(links), attached=(), mount=None)
+
+
+def _widened(link: LinkParameters, loaded: RigidBody) -> LinkParameters:
+    """A link with what it carries, its bounds wide enough for that."""
+    spread = np.sqrt(3 * np.diag(second_moments(loaded.inertia)) / loaded.mass)
+    ends = np.column_stack([loaded.com - spread, loaded.com + spread])
+    return LinkParameters(
+        name=link.name,
+        mass=loaded.mass,
+        com=loaded.com,
+        inertia=loaded.inertia,
+        volume=loaded.volume,
+        cob=loaded.cob,
+        bounds=np.column_stack(
+            [
+                np.minimum(link.bounds[:, 0], ends[:, 0]),
+                np.maximum(link.bounds[:, 1], ends[:, 1]),
+            ]
+        ),
+    )
 
 
 @lru_cache(maxsize=4)

@@ -119,6 +119,8 @@ class Comparison:
         mass_matrix_error: Largest difference of an entry of the mass matrix [kg m^2].
         volume: Volume of its collision primitives [m^3]; NaN if it has none.
         carried: Links that move with the base and are not the arm's -> mass [kg].
+        against: Name of the arm of your own that it was compared with; empty for the
+            catalogue's.
 
     Another arm has no joints and no bodies, its errors are NaN, and its one finding
     says why.
@@ -134,6 +136,7 @@ class Comparison:
     mass_matrix_error: float = math.nan
     volume: float = math.nan
     carried: dict[str, float] = field(default_factory=dict)
+    against: str = ""
 
     @property
     def tip_error(self) -> float:
@@ -152,15 +155,17 @@ class Comparison:
             return self.findings[0].text
         serious = sum(finding.serious for finding in self.findings)
         if not serious:
-            return "The model agrees with the tables."
+            return f"The model agrees with {self.against or 'the tables'}."
         return f"The model differs: {serious} finding{'s' * (serious > 1)}."
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and texts, for JSON."""
         length, angle = self.alignment.residual
+        own = {"against": self.against} if self.against else {}
         record: dict[str, Any] = plain(
             {
                 "name": self.name,
+                **own,
                 "agrees": self.agrees,
                 "verdict": self.verdict,
                 "joints": self.joints,

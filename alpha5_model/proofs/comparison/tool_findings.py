@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.numbers.chosen_arm import is_catalogue
 from alpha5_model.proofs.comparison.correction import angle_between, tool_pose
 from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import finding
@@ -40,6 +41,7 @@ def findings_of_tool(evidence: Evidence) -> Iterator[Finding]:
     same_point = off <= length or _on_gripper(evidence, origin_of(theirs))
     is_choice = same_point and _axes_are_a_choice(theirs, TURNED + angle)
     x, y, z = origin_of(theirs) * 1e3
+    is_printed = is_catalogue(evidence.parameters)
     yield finding(
         "tool.choice" if is_choice else "tool",
         frame=evidence.theirs.tool,
@@ -48,6 +50,7 @@ def findings_of_tool(evidence: Evidence) -> Iterator[Finding]:
         z=z,
         off=off * 1e3,
         turned=math.degrees(turned),
+        ours="Table 1's frame {5}" if is_printed else "its tcp",
         line=correction.text,
     )
 

@@ -1,0 +1,218 @@
+"""Comparison with an arm of your own, and the arm file of another model."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import own_arm_dynamics as own
+import pytest
+import shared_recordings as recordings
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.proofs.comparison.arm_of_model import (
+    ArmOfModel,
+    arm_of_model,
+    arm_of_robot,
+    arm_text,
+)
+from alpha5_model.proofs.comparison.measure import arms_of_model, compare_robots
+from alpha5_model.proofs.comparison.model_file import read_model
+
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::alpha5_model.errors.ImplausibleWarning"
+)
+EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
+MODELS = recordings.RECORDINGS / "models"
+
+
+def read_back(described: ArmOfModel, folder: Path) -> Alpha5Parameters:
+    """The record that the written file describes."""
+    file = folder / "mine.toml"
+    file.write_text(arm_text(described, "other.urdf"), encoding="utf-8")
+    return a5.arm_file(file)
+
+
+def mount_of(record: Alpha5Parameters) -> np.ndarray:
+    """Pose of base_link in its parent, (4, 4)."""
+    pose = np.eye(4)
+    if record.mount is not None:
+        pose[:3, :3], pose[:3, 3] = record.mount.rotation, record.mount.position
+    return pose
+
+
+@pytest.mark.parametrize("k", range(len(own.RECORDS)))
+def test_an_arm_comes_back_from_its_urdf(k: int, tmp_path: Path) -> None:
+    """Kinematics and dynamics in air are Newton's of the record that made the URDF."""
+    record = own.RECORDS[k]
+    described = arm_of_robot(parse_urdf(urdf(Variant(arm=record))))
+    back = read_back(described, tmp_path)
+    q, v, a = own.states(record, 5)
+    arm = a5.load(0.0, arm=back)
+    gravity = mount_of(record)[:3, :3].T @ [0.0, 0.0, -9.81]
+    tau, _ = own.inverse_dynamics(record, q, v, a, 0.0, gravity)
+    assert arm.inverse_dynamics_batch(q, v, a) == pytest.approx(tau, abs=1e-12)
+    for row in q:
+        tip = mount_of(back) @ arm.forward_kinematics(row).homogeneous
+        expected = mount_of(record) @ own.tcp(record, row)
+        assert tip == pytest.approx(expected, abs=1e-12)
+        matrix = own.mass_matrix(record, row)
+        assert arm.mass_matrix(row) == pytest.approx(matrix, abs=1e-13)
+    for ours, theirs in zip(record.joints[:4], back.joints[:4], strict=True):
+        assert vars(ours) == pytest.approx(vars(theirs), abs=1e-12)
+
+
+def test_the_catalogues_urdf_gives_the_catalogues_arm(tmp_path: Path) -> None:
+    described = arm_of_model(a5.URDF_PATH)
+    text = arm_text(described, "alpha5.urdf")
+    tables = [line for line in text.splitlines() if line.startswith("[")]
+    assert tables == []
+    assert "which no URDF has" in text
+
+
+@pytest.mark.parametrize("k", [0, 1, 9])
+def test_a_model_of_your_arm_agrees_with_it_alone(k: int) -> None:
+    record = own.RECORDS[k]
+    robot = parse_urdf(urdf(Variant(arm=record)))
+    found = compare_robots(robot, samples=50, arm=record)
+    assert found.agrees, [one.text for one in found.findings if one.serious]
+    assert found.verdict == f"The model agrees with {record.name}."
+    assert found.tip_error < 1e-9
+    assert found.gravity_error.max() < 1e-9
+    assert found.mass_matrix_error < 1e-9
+    assert not compare_robots(robot, samples=50).agrees
+
+
+def test_an_arm_to_the_letter_is_refused() -> None:
+    """Its link_0 is turned, and the numbers of link_0 are compared in base_link."""
+    with pytest.raises(InputError, match="with the correction base_frame"):
+        compare_robots(parse_urdf(urdf()), arm=own.RECORDS[8])
+
+
+def changed_link(record: Alpha5Parameters) -> Alpha5Parameters:
+    """The record with link 2 heavier by 20 g."""
+    link = dataclasses.replace(record.links[2], mass=record.links[2].mass + 0.02)
+    links = (*record.links[:2], link, *record.links[3:])
+    return dataclasses.replace(record, links=links)
+
+
+def test_a_difference_from_your_arm_is_found() -> None:
+    record = own.RECORDS[0]
+    robot = parse_urdf(urdf(Variant(arm=changed_link(record))))
+    found = compare_robots(robot, samples=50, arm=record)
+    wrong = [one for one in found.findings if one.serious]
+    assert {one.where for one in wrong} == {"link_2"}
+    assert found.bodies[2].mass_error == pytest.approx(0.02)
+    arm = a5.load(0.0, arm=record)
+    other = a5.load(0.0, arm=changed_link(record))
+    q = np.random.default_rng(0).uniform(
+        [joint.lower for joint in record.joints[:4]],
+        [joint.upper for joint in record.joints[:4]],
+        (50, 4),
+    )
+    still = np.zeros_like(q)
+    torques = [one.inverse_dynamics_batch(q, still, still) for one in (arm, other)]
+    worst = np.abs(torques[1] - torques[0]).max(axis=0)
+    assert found.gravity_error == pytest.approx(worst, abs=1e-9)
+
+
+@pytest.mark.skipif(not MODELS.is_dir(), reason="no public models beside the checkout")
+@pytest.mark.parametrize(
+    "name", ["evan_palmer_alpha.urdf", "hkolano_blue_rov.urdf", "diff_uvms.urdf"]
+)
+def test_public_models_come_back(name: str, tmp_path: Path) -> None:
+    """Axes, tool, gravity torques and mass matrix of the model as it is meant."""
+    described = arm_of_model(MODELS / name)
+    back = read_back(described, tmp_path)
+    model = read_model(MODELS / name, None, None, False)
+    arms = arms_of_model(model, None, None, a5.parameters())
+    assert arms is not None
+    reversed_joints = [
+        any(text.startswith(f"axis_{x} turns") for text in described.left_out)
+        for x in "edcb"
+    ]
+    sign = np.where(reversed_joints, -1.0, 1.0)
+    arm = a5.load(0.0, arm=back)  # its mount turns gravity
+    q = np.random.default_rng(0).uniform(-2, 2, (20, 4))
+    still = np.zeros((20, 4))
+    torque = arm.inverse_dynamics_batch(q, still, still)
+    theirs = sign * arms.meant.gravity_torque(sign * q)
+    matrices = arms.meant.mass_matrix(sign * q) * np.outer(sign, sign)
+    # One model's link 4 weighs 0.4 g, which leaves no wrist beside the jaws.
+    impossible = [text for text in described.left_out if "possible body" in text]
+    assert len(impossible) == (name == "diff_uvms.urdf")
+    if not impossible:
+        assert torque == pytest.approx(theirs, abs=1e-9)
+        for k in range(20):
+            assert arm.mass_matrix(q[k]) == pytest.approx(matrices[k], abs=1e-9)
+    expected = sign[:, None] * arms.meant.axis_lines(np.zeros(4)).directions
+    directions = mount_of(back)[:3, :3] @ arm.jacobian(np.zeros(4))[3:]
+    found = directions.T
+    assert found == pytest.approx(expected, abs=1e-9)
+    if arms.meant.tool:
+        tool = arms.meant.link_poses[arms.meant.tool]
+        for k in range(20):
+            tip = arms.meant.poses(sign * q[k])[4] @ tool
+            ours = mount_of(back) @ arm.forward_kinematics(q[k]).homogeneous
+            assert ours == pytest.approx(tip, abs=1e-9)
+
+
+EDITS = {
+    "twisted": ('rpy="1.5707963267948966', 'rpy="1.58', "is twisted by"),
+    "reversed": ('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>', "turns the other way"),
+    "effortless": ('effort="9', 'effort="0', "has no largest effort"),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_what_no_arm_file_says_is_listed(edit: str) -> None:
+    old, new, message = EDITS[edit]
+    text = urdf(Variant())
+    assert old in text
+    described = arm_of_robot(parse_urdf(text.replace(old, new)))
+    assert any(message in left_out for left_out in described.left_out)
+
+
+def test_a_body_without_mass_keeps_the_printed_one() -> None:
+    text = urdf(Variant())
+    before = f'<mass value="{a5.parameters().links[2].mass}"/>'
+    assert before in text
+    light = parse_urdf(text.replace(before, '<mass value="0"/>'))
+    described = arm_of_robot(light)
+    assert any("link_2 is no possible body" in one for one in described.left_out)
+    assert described.record.links[2].mass == a5.parameters().links[2].mass
+
+
+def test_the_command_writes_a_file_once(tmp_path: Path, capsys: Any) -> None:
+    model = tmp_path / "lab.urdf"
+    model.write_text(urdf(Variant(arm=a5.arm_file(EXAMPLE))), encoding="utf-8")
+    file = tmp_path / "mine.toml"
+    words = ["compare", str(model), "--samples", "20", "--write-arm", str(file)]
+    assert main([*words, "--json"]) == 1
+    record = json.loads(capsys.readouterr().out)
+    assert any("no URDF has" in text for text in record["arm_file"]["left_out"])
+    back = a5.arm_file(file)
+    assert back.links[2].mass == pytest.approx(0.341)
+    assert back.joints[0].effort == 1.5
+    assert back.mount is not None
+
+    written = file.read_bytes()
+    assert main(words) == 2
+    assert "it exists; name another file" in capsys.readouterr().err
+    assert file.read_bytes() == written
+
+    words = ["compare", str(model), "--samples", "20", "--arm"]
+    assert main([*words, str(EXAMPLE)]) == 0
+    assert "agrees with alpha5_lab_2" in capsys.readouterr().out
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text("format = 1\n[links.link_2]\nmass = -1\n", encoding="utf-8")
+    assert main([*words, str(wrong)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
