@@ -27,6 +27,7 @@ def dh(
         Path | None, Option(help="Assign the frames to the arm of this URDF.")
     ] = None,
     frame: Annotated[str | None, Option(help="End effector in the URDF.")] = None,
+    arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> None:
     """Standard Denavit-Hartenberg table and frames: of the Alpha 5, or of any serial arm.
@@ -34,22 +35,29 @@ def dh(
     Example: alpha5 dh 0.5 1.2 1 0
     Example: alpha5 dh --link '0 0.1 0.2 1.5708 0' --link '0 0 0.3 0 0' -0.4 0.2
     """  # noqa: E501 (a line of the help)
-    chain = _chain(link, urdf, frame)
+    chain = _chain(link, urdf, frame, arm_file)
     record = _record(chain, _position(chain, q))
     printing.show(as_json, record, _text(chain, record))
 
 
-def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHChain:
+def _chain(
+    link: list[str] | None, urdf: Path | None, frame: str | None, arm_file: Path | None
+) -> DHChain:
     """The arm that the options describe; the Alpha 5 without any."""
-    if link and urdf is not None:
-        raise InputError("--link, --urdf", (link, str(urdf)), "one of the two")
+    chosen = {"--link": link, "--urdf": urdf, "--arm": arm_file}
+    given = {name: value for name, value in chosen.items() if value}
+    if len(given) > 1:
+        both = [
+            value if name == "--link" else str(value) for name, value in given.items()
+        ]
+        raise InputError(", ".join(given), both, "one of the two")
     if frame is not None and urdf is None:
         raise InputError("--frame", frame, "--urdf with it")
 
     if urdf is not None:
         return DHChain.from_urdf(urdf, frame)
     if not link:
-        return DHChain.alpha5()
+        return DHChain.alpha5(arm=values.arm_record(arm_file))
     rows = [values.numbers("--link", text, (), "rad or m", _LINK) for text in link]
     return DHChain(tuple(DHLink.from_vector(row) for row in rows))
 

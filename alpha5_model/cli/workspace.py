@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,11 +16,11 @@ from alpha5_model.cli.words import WORDS
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics import workspace as space
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.studies.uncertainty.effects import reach, sensitivity
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.self_collision_plot import self_collision_figure
-from alpha5_model.viewer.workspace_plot import workspace_figure
+from alpha5_model.viewer.workspace_plot import own_workspace_figure, workspace_figure
 
 
 def workspace(
@@ -41,7 +42,7 @@ def workspace(
     """
     check_outputs([arm_file], plot=(plot, figures.FORMATS))
     if arm_file is not None:
-        _of_own_arm(arm_file, plot, self_collision, as_json)
+        _of_own_arm(arm_file, plot, samples if self_collision else 0, as_json)
         return
 
     share = None
@@ -63,17 +64,18 @@ def workspace(
     printing.show(as_json, record, _text(record), plot)
 
 
-def _of_own_arm(
-    file: Path, plot: Path | None, self_collision: bool, as_json: bool
-) -> None:
-    """The exact workspace of the arm in a file."""
-    for option, given in (("--plot", plot), ("--self-collision", self_collision)):
-        if given:
-            expected = "the catalogue's arm with it, so no --arm"
-            raise InputError(option, given, expected)
+def _of_own_arm(file: Path, plot: Path | None, samples: int, as_json: bool) -> None:
+    """The exact workspace of the arm in a file.
+
+    Args:
+        samples: Points that are tried for self-collision; 0 for none.
+    """
+    if plot is not None and samples:
+        expected = "no --plot beside --self-collision and --arm"
+        raise InputError("--plot", str(plot), expected)
 
     own = values.arm_record(file)
-    record = {
+    record: dict[str, Any] = {
         "cross_section_area": {
             side: space.cross_section_area(side, arm=own) for side in space.SIDES
         },
@@ -82,7 +84,16 @@ def _of_own_arm(
         "boundary": {side: space.boundary(side, arm=own) for side in space.SIDES},
         "singular_theta_2": space.singular_elbow_angles(arm=own),
     }
-    printing.show(as_json, record, _own_text(record))
+    if samples:
+        free = partial(without_self_collision, arm=own)
+        with printing.spinner("trying points for self-collision"):
+            share = space.sampled_share(free, samples, arm=own)
+        record = {"without_self_collision": share} | record
+    if plot is not None:
+        with printing.spinner("drawing"):
+            page = own_workspace_figure(kinematics_of(own))
+            figures.write_figure(page, plot, dpi=150)
+    printing.show(as_json, record, _own_text(record), plot)
 
 
 def _own_text(record: dict[str, Any]) -> printing.Lines:
@@ -94,6 +105,9 @@ def _own_text(record: dict[str, Any]) -> printing.Lines:
         "R from the axis of axis_e, z above base_link"
     )
     yield from _boundary(record["boundary"]["both"])
+    if "without_self_collision" in record:
+        words = WORDS["workspace"]["collision"]
+        yield _collision(record["without_self_collision"], words)
 
 
 def _record() -> dict[str, Any]:

@@ -57,6 +57,32 @@ def workspace_figure(kinematics: ArmKinematics) -> Any:
     return page
 
 
+@style(
+    axes={"grid": True},
+    grid={"color": "0.9", "linewidth": 0.5},
+    legend={"fontsize": 8.5},
+)
+def own_workspace_figure(kinematics: ArmKinematics) -> Any:
+    """Plot the exact workspace of an arm of one's own, as a matplotlib Figure.
+
+    It is the left half of `workspace_figure`; nothing is published of such an arm.
+
+    Args:
+        kinematics: Of the arm.
+
+    Raises:
+        InputError: A tool point beside the wrist axis, whose reach no arcs bound.
+    """
+    page = new_figure(5.2, 9.0)
+    axes = page.subplots()
+    _draw_exact(axes, kinematics)
+    legend_below(axes, 0.08)
+    axes.set(aspect="equal", xlim=(0.0, None))
+    axes.set_xlabel("distance from the yaw axis R [mm]")
+    axes.set_ylabel("height above the base z [mm]")
+    return page
+
+
 def _draw_exact(axes: Axes, kinematics: ArmKinematics) -> None:
     _fill_arcs(axes, kinematics.boundary("both"), FILL)
     for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.kinematics import workspace
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
@@ -109,6 +111,7 @@ def test_the_urdf_is_that_of_the_file(capsys: Any) -> None:
         (["fk", "3", "1", "1", "0"], "mine.toml, links.link_2.mass: -1 kg"),
         (["torque", "--q", "3 1 1 0"], "mine.toml, links.link_2.mass: -1 kg"),
         (["workspace"], "mine.toml, links.link_2.mass: -1 kg"),
+        (["dh"], "mine.toml, links.link_2.mass: -1 kg"),
         (["generate"], "mine.toml, links.link_2.mass: -1 kg"),
     ],
 )
@@ -123,9 +126,33 @@ def test_a_wrong_file_is_one_line(
     assert said.count("\n") == 1
 
 
-@pytest.mark.parametrize("option", [["--plot", "a.png"], ["--self-collision"]])
-def test_what_is_drawn_for_the_catalogues_arm_refuses_a_file(
-    capsys: Any, option: list[str]
+def test_the_workspace_is_drawn_and_tried_for_collision(
+    capsys: Any, tmp_path: Path
 ) -> None:
-    assert main(["workspace", "--arm", str(EXAMPLE), *option]) == 2
-    assert f"{option[0]}: expected the catalogue's arm" in capsys.readouterr().err
+    picture = tmp_path / "workspace.png"
+    words = ["workspace", "--arm", str(EXAMPLE)]
+    assert main([*words, "--plot", str(picture)]) == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    capsys.readouterr()
+
+    tried = answer(capsys, "workspace", "--self-collision", "--samples", "200")
+    share = tried["without_self_collision"]
+    record = a5.arm_file(EXAMPLE)
+    free = partial(without_self_collision, arm=record)
+    expected = workspace.sampled_share(free, 200, arm=record)
+    assert share["share"] == expected.share
+    assert 0.5 < share["share"] < 1.0
+
+    both = [*words, "--self-collision", "--plot", str(picture)]
+    assert main(both) == 2
+    assert "no --plot beside --self-collision" in capsys.readouterr().err
+
+
+def test_the_dh_table_is_that_of_the_file(capsys: Any) -> None:
+    record = a5.arm_file(EXAMPLE)
+    found = answer(capsys, "dh", *map(str, Q))
+    expected = a5.load(arm=record).forward_kinematics(Q).homogeneous
+    assert np.array(found["frames"]["tool"]) == pytest.approx(expected, abs=1e-14)
+    assert found["links"][0]["lower"] == record.joints[0].lower
+    assert main(["dh", "--arm", str(EXAMPLE), "--link", "0 0 1 0 0"]) == 2
+    assert "--link, --arm: expected one of the two" in capsys.readouterr().err

@@ -37,7 +37,6 @@ ENTRY_POINTS = {
     "proofs.audit.run": "audit",
     "studies.sweep.arms": "a study that names corrections",
     "studies.uncertainty.arm_numbers": "arm_numbers; which values are the printed ones",
-    "theory.dh.chain": "DHChain.alpha5",
     "viewer.build": "the workspace and the page's inverse kinematics",
     "viewer.own_arm": "what the page says of the differences",
     "viewer.self_collision_plot": "self_collision_figure",

@@ -23,8 +23,9 @@ from alpha5_model._support.checks import (
     shaped,
 )
 from alpha5_model.errors import InputError, ShapeError, UnknownNameError
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.frame_assignment import (
     frames_on_axes,
@@ -84,13 +85,26 @@ class DHChain:
         return cls(tuple(DHLink.from_vector(row) for row in table), **options)
 
     @classmethod
-    def alpha5(cls, corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> DHChain:
+    def alpha5(
+        cls,
+        corrections: Iterable[str] = DEFAULT_CORRECTIONS,
+        arm: Alpha5Parameters | None = None,
+    ) -> DHChain:
         """The Reach Alpha 5 by [ReachAlpha, Table 1], with four joints.
 
         The fixed last row is the tool. Frame {0} is ``base_link``, and the tool is
         ``tcp``, DH frame {5}.
+
+        Args:
+            corrections: Recorded corrections to the document.
+            arm: Record of an arm of your own, which has its corrections already; None
+                for the catalogue's.
+
+        Raises:
+            InputError: An ``arm`` together with corrections that it does not have.
+            UnknownNameError: A correction that is not recorded.
         """
-        return cls(**alpha5_table(parameters(corrections)))
+        return cls(**alpha5_table(chosen_arm(arm, corrections)))
 
     @classmethod
     def from_pinocchio(cls, model: pin.Model, frame: str | None = None) -> DHChain:
