@@ -658,6 +658,7 @@ def test_load_refuses_what_it_cannot_use():
 def test_a_missing_urdf_says_how_to_make_it(monkeypatch, tmp_path):
     monkeypatch.setattr(dynamics, "URDF_PATH", str(tmp_path / "alpha5.urdf"))
     dynamics._parsed.cache_clear()
+    dynamics.arm_urdf.cache_clear()
     with pytest.raises(
         MissingFileError, match=r"alpha5\.urdf: no such file.*alpha5 generate"
     ):

@@ -120,7 +120,6 @@ def test_its_batches_are_its_single_calls() -> None:
 REFUSED: dict[str, Callable[[], Any]] = {
     "with_hydrodynamics, floating": lambda: afloat().with_hydrodynamics(),
     "a collision model": lambda: CollisionModel(arm().model),
-    "scene": lambda: build_scene(arm()),
     "approach_directions, floating": lambda: afloat().approach_directions(
         [0.3, 0.0, 0.1]
     ),
