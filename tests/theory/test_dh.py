@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -14,6 +15,7 @@ from literature import PUMA_560, STANFORD
 import alpha5_model as a5
 from alpha5_model.errors import (
     Alpha5Error,
+    FileFormatError,
     InputError,
     MissingFileError,
     MissingParameterError,
@@ -413,3 +415,18 @@ def test_a_chain_cannot_be_changed() -> None:
     DHChain((DHLink(0, 0, 0, 0),), base=mine)
     mine[0, 3] = 1.0  # the caller's array stays the caller's
     assert a5.dh.DHChain is DHChain
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_a_joint_without_limits_is_named_and_nothing_printed(
+    kind: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(
+        '<robot name="r"><link name="a"/><link name="b"/>'
+        f'<joint name="j" type="{kind}"><parent link="a"/><child link="b"/>'
+        '<axis xyz="0 0 1"/></joint></robot>'
+    )
+    with pytest.raises(FileFormatError, match=f"the {kind} joint j has no <limit>"):
+        DHChain.from_urdf(file)
+    assert capfd.readouterr() == ("", "")

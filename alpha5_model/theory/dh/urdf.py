@@ -123,6 +123,7 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
     _check_size(path, moving, len(robot.links))
     # Written anew, since Pinocchio reads no UTF-16.
     tree = parse_xml(text, str(path)).top
+    _check_limits(path, tree)
     _keep_what_moves(tree)
     try:
         return pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
@@ -140,6 +141,15 @@ def _check_size(path: str | os.PathLike[str], joints: int, links: int) -> None:
         problem = f"expected at most {MOST_LINKS} links, got {links}"
         why = "Pinocchio's reader calls itself for each in a row"
         raise FileFormatError(path, f"{problem}: {why}")
+
+
+def _check_limits(path: str | os.PathLike[str], robot: ET.Element) -> None:
+    """Refuse joints without the limits that they need, which Pinocchio would print."""
+    for joint in robot.findall("joint"):
+        kind = joint.get("type")
+        if kind in ("revolute", "prismatic") and joint.find("limit") is None:
+            problem = f"the {kind} joint {joint.get('name')} has no <limit>"
+            raise FileFormatError(path, problem)
 
 
 def _keep_what_moves(robot: ET.Element) -> None:
