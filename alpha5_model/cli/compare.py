@@ -18,9 +18,10 @@ from alpha5_model.errors import InputError, OutputError
 from alpha5_model.proofs.comparison import measure
 from alpha5_model.proofs.comparison.arm_of_model import (
     ArmOfModel,
-    arm_of_model,
+    arm_of_robot,
     arm_text,
 )
+from alpha5_model.proofs.comparison.model_file import read_model
 from alpha5_model.proofs.comparison.records import Comparison
 from alpha5_model.viewer.comparison_plot import plot_comparison
 from alpha5_model.viewer.figures import FORMATS
@@ -62,19 +63,19 @@ def compare(
     check_outputs([other], **outputs)
     if write_arm is not None and write_arm.exists():
         raise OutputError(write_arm, "it exists; name another file")
-    reading: dict[str, Any] = {
-        "joints": _pairs("map", joints.split(","), "="),
-        "base": base,
-        "packages": _pairs("package", package or [], "="),
-        "arguments": _pairs("arg", arg or [], ":="),
-        "xacro": xacro,
-    }
+    names = _pairs("map", joints.split(","), "=")
+    packages = _pairs("package", package or [], "=")
+    arguments = _pairs("arg", arg or [], ":=")
     own = values.arm_record(arm_file)
     with printing.spinner("comparing"):
-        comparison = measure.compare(other, samples=samples, arm=own, **reading)
+        # Read once: a xacro file is a program.
+        model = read_model(other, packages, arguments, xacro)
+        comparison = measure.compare_robots(
+            model, names, samples, other.parent, base, arm=own
+        )
         described = None
         if write_arm is not None:
-            described = arm_of_model(other, **reading)
+            described = arm_of_robot(model, names, base)
             atomic_write(write_arm, arm_text(described, other.name))
 
     # A model of another arm has no errors to draw.

@@ -100,10 +100,6 @@ def _own_text(record: dict[str, Any]) -> printing.Lines:
     area = 1e4 * record["cross_section_area"]["both"]
     volume = 1e3 * record["volume"]
     yield f"The arm reaches {area:.2f} cm² of a half-plane, in all {volume:.3f} L."
-    yield (
-        "\nboundary where both poses can turn; "
-        "R from the axis of axis_e, z above base_link"
-    )
     yield from _boundary(record["boundary"]["both"])
     if "without_self_collision" in record:
         words = WORDS["workspace"]["collision"]
@@ -141,10 +137,6 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         f"The tcp gets {value:.1f} mm ±{digits:.1f} from the shoulder, "
         "by the digits of Table 1."
     )
-    yield (
-        "\nboundary where both poses can turn; "
-        "R from the axis of axis_e, z above base_link"
-    )
     yield from _boundary(record["boundary"]["both"])
     if "without_self_collision" in record:
         yield _collision(record["without_self_collision"], words["collision"])
@@ -161,7 +153,11 @@ def _regions(errors: space.PublishedErrors, names: dict[str, str]) -> list[str]:
     return table(rows)
 
 
-def _boundary(arcs: Iterable[space.Arc]) -> list[str]:
+def _boundary(arcs: Iterable[space.Arc]) -> printing.Lines:
+    yield (
+        "\nboundary where both poses can turn; "
+        "R from the axis of axis_e, z above base_link"
+    )
     rows = [
         ["pose", "bounded by", "centre R, z", "radius", "from R, z", "to R, z"],
         ["", "", "mm", "mm", "mm", "mm"],
@@ -178,7 +174,7 @@ def _boundary(arcs: Iterable[space.Arc]) -> list[str]:
                 _millimetres(end),
             ]
         )
-    return table(rows, "<<>")
+    yield from table(rows, "<<>")
 
 
 def _millimetres(point: Any) -> str:

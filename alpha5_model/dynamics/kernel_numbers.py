@@ -6,11 +6,12 @@ Bodies, payloads included, fluid, gravity, lengths, zeros and tool are parameter
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import FloatArray, frozen
 from alpha5_model._support.spatial import pose
 from alpha5_model.codegen.dimensions import Dimensions, has_known_structure
 from alpha5_model.codegen.kernels.names import KINEMATICS, own
@@ -111,9 +112,10 @@ def kernel_name(kernel: str, parameters: FloatArray) -> str:
     return kernel if is_known else own(kernel)
 
 
+@cache
 def dimensions_of_kernels() -> FloatArray:
     """The dimensions that are constants of the kinematics' kernels, (24,)."""
-    return Dimensions.from_parameters(made_for()).numbers
+    return frozen(Dimensions.from_parameters(made_for()).numbers)
 
 
 def _has_the_joints_of(parameters: Alpha5Parameters, model: pin.Model) -> bool:

@@ -323,14 +323,8 @@ def _checked(key: str, given: Any) -> str:
 
 def _limited(key: str, joint: JointParameters, found: dict[str, Value]) -> Any:
     """A joint with its own limits."""
-    names = {
-        "min_position": "lower",
-        "max_position": "upper",
-        "max_velocity": "velocity",
-        "max_effort": "effort",
-    }
     own: dict[str, Any] = {
-        names[name]: float(limit.number) for name, limit in found.items()
+        schema.LIMIT_FIELDS[name]: float(limit.number) for name, limit in found.items()
     }
     lower = own.get("lower", joint.lower)
     upper = own.get("upper", joint.upper)

@@ -62,6 +62,18 @@ _SLIDING = {
     "max_velocity": _positive("rod speed", "largest speed"),
     "max_effort": _positive("force", "largest force"),
 }
+#: Key of a limit -> field of `JointParameters`.
+LIMIT_FIELDS: Mapping[str, str] = {
+    "min_position": "lower",
+    "max_position": "upper",
+    "max_velocity": "velocity",
+    "max_effort": "effort",
+}
+#: Key of a drive -> field of `Motors`.
+DRIVE_FIELDS: Mapping[str, str] = {
+    "current_limit": "current_limits",
+    "rotor_inertia": "rotor_inertias",
+}
 MOUNT: Mapping[str, Key] = {
     "xyz": _vector("mount length", "origin of base_link in the parent"),
     "rpy": _vector("angle", "roll, pitch, yaw of base_link in the parent"),

@@ -23,15 +23,6 @@ from alpha5_model.numbers.parameters import (
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.numbers.tool import printed_tool
 
-#: MoveIt's key -> field of a joint.
-_LIMITS = {
-    "min_position": "lower",
-    "max_position": "upper",
-    "max_velocity": "velocity",
-    "max_effort": "effort",
-}
-#: Key of a motor -> field of `Motors`.
-_DRIVES = {"current_limit": "current_limits", "rotor_inertia": "rotor_inertias"}
 #: Key -> value, of one table of a file.
 _Table: TypeAlias = Mapping[str, Any]
 #: Nothing of it is printed.
@@ -164,7 +155,7 @@ class _Writer:
             top["supply_voltage"] = motors.supply_voltage
 
         tables: dict[str, tuple[_Table, _Table]] = {}
-        for key, field in _DRIVES.items():
+        for key, field in schema.DRIVE_FIELDS.items():
             values = zip(JOINT_NAMES, getattr(motors, field), strict=True)
             known = {joint: value for joint, value in values if value is not None}
             tables[key] = (known, {})
@@ -208,7 +199,7 @@ def _length(arm: Alpha5Parameters, name: str) -> float:
 
 
 def _limits(joint: JointParameters) -> _Table:
-    return {key: getattr(joint, field) for key, field in _LIMITS.items()}
+    return {key: getattr(joint, field) for key, field in schema.LIMIT_FIELDS.items()}
 
 
 def _fields(record: Any, names: Iterable[str]) -> _Table:

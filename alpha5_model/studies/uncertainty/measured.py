@@ -14,19 +14,10 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_from_rpy, rpy_from_rotation
+from alpha5_model.numbers.arm_schema import DRIVE_FIELDS, LIMIT_FIELDS
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.numbers.tool import ToolPose, printed_tool
-
-#: Key of a limit in an arm file -> field of `JointParameters`.
-_LIMITS = {
-    "min_position": "lower",
-    "max_position": "upper",
-    "max_velocity": "velocity",
-    "max_effort": "effort",
-}
-#: Key of a drive in an arm file -> field of `Motors`.
-_DRIVES = {"current_limit": "current_limits", "rotor_inertia": "rotor_inertias"}
 
 
 class MeasuredNumber(NamedTuple):
@@ -84,15 +75,15 @@ def _value(arm: Alpha5Parameters, key: list[str]) -> Any:
         case ["zeros", joint]:
             return arm.dh[JOINT_NAMES.index(joint)].theta_offset
         case ["joint_limits", joint, limit]:
-            return getattr(arm.joints[JOINT_NAMES.index(joint)], _LIMITS[limit])
+            return getattr(arm.joints[JOINT_NAMES.index(joint)], LIMIT_FIELDS[limit])
         case ["tool", field]:
             return _of_pose(_tool(arm), field)
         case ["mount", field] if arm.mount is not None:
             return _of_pose(arm.mount, field)
         case ["motors", "supply_voltage"]:
             return arm.motors.supply_voltage
-        case ["motors", drive, *joint] if drive in _DRIVES:
-            values = getattr(arm.motors, _DRIVES[drive])
+        case ["motors", drive, *joint] if drive in DRIVE_FIELDS:
+            values = getattr(arm.motors, DRIVE_FIELDS[drive])
             return values[JOINT_NAMES.index(joint[0]) if joint else 0]
     return None
 
@@ -157,7 +148,7 @@ def _changed(
             row = JOINT_NAMES.index(joint)
             return _with_row(arm, row, "theta_offset", float(change))
         case ["joint_limits", joint, limit]:
-            return _with_limit(arm, joint, _LIMITS[limit], float(change))
+            return _with_limit(arm, joint, LIMIT_FIELDS[limit], float(change))
         case ["tool", field]:
             return replace(arm, tool=_moved_pose(_tool(arm), field, change))
         case ["mount", field]:
@@ -221,7 +212,7 @@ def _with_motors(
         supply = (motors.supply_voltage or 0.0) + change
         return replace(arm, motors=replace(motors, supply_voltage=supply))
 
-    field = _DRIVES[key[0]]
+    field = DRIVE_FIELDS[key[0]]
     values = list(getattr(motors, field))
     for number, value in enumerate(values):
         if value is not None and key[1:] in ([], [JOINT_NAMES[number]]):
