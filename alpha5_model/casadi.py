@@ -28,6 +28,13 @@ from alpha5_model.codegen.arm_functions import (
 from alpha5_model.codegen.casadi_functions import folded
 from alpha5_model.codegen.instructions import program
 from alpha5_model.codegen.kernels import choice as kernels
+from alpha5_model.collision.approximate_distance import (
+    SMOOTHING,
+    Operations,
+    approximate_distance,
+    checked_smoothing,
+    spheres_and_shapes,
+)
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import (
     arm_dimensions,
@@ -40,9 +47,10 @@ from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.catalogue_arm import kinematics_of
 from alpha5_model.kinematics.solver import shape_of_kernels
 from alpha5_model.kinematics.tolerances import DOUBLE
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
-__all__ = ["inverse_kinematics", "load"]
+__all__ = ["approximate_collision_distance", "inverse_kinematics", "load"]
 
 #: Function -> kernel that has its derivatives.
 _DERIVATIVES = {
@@ -124,6 +132,65 @@ def inverse_kinematics(arm: Alpha5Parameters | None = None) -> casadi.Function:
     made = folded(inverse_kinematics_of(record), tolerances=DOUBLE)
     made.__doc__ = program(made).documentation(SUMMARIES["inverse_kinematics"])
     return made
+
+
+def approximate_collision_distance(
+    arm: Alpha5Parameters | None = None, *, smoothing: float = SMOOTHING
+) -> casadi.Function:
+    """An approximate distance of an arm from itself with its jaws closed.
+
+    It is smooth, for optimisers, and the distance of shapes that can touch within the
+    joint limits. It is an approximation: of thousands of random positions, it was
+    within 8 mm of these shapes' exact distance, mostly some millimetres too small, and
+    above 0 only if the arm was free. Check results with `Arm.in_collision`, which is
+    exact.
+
+    Args:
+        arm: Record of the arm, whose numbers become constants; None is the catalogue's.
+        smoothing: s of the soft minimum [m], see
+            `alpha5_model.collision.approximate_distance`. A larger one is smoother, and
+            makes the distance smaller.
+
+    Returns:
+        casadi.Function of ``q`` (4,) [rad] with the output ``distance`` [m].
+
+    Raises:
+        InputError: ``smoothing`` is not above 0, or ``arm`` is no record.
+    """
+    q: Any = casadi.SX.sym("q", 4)
+    operations = Operations(
+        constant=casadi.DM,
+        cos=casadi.cos,
+        sin=casadi.sin,
+        absolute=casadi.fabs,
+        sqrt=casadi.sqrt,
+        maximum=casadi.fmax,
+        side_by_side=lambda matrices: casadi.horzcat(*matrices),
+        soft_minimum=_soft_minimum,
+    )
+    distance = approximate_distance(
+        spheres_and_shapes(chosen_arm(arm)),
+        casadi.vertsplit(q),
+        checked_smoothing(smoothing),
+        operations,
+    )
+    made = casadi.Function(
+        "approximate_collision_distance", [q], [distance], ["q"], ["distance"]
+    )
+    made.__doc__ = (
+        "approximate_collision_distance(q[4]) -> distance\n\n"
+        "Approximate distance of the arm from itself, smooth; q [rad], distance [m]."
+    )
+    return made
+
+
+def _soft_minimum(found: list[Any], smoothing: float) -> Any:
+    """The soft minimum of all elements of matrices."""
+    every = casadi.vertcat(*[casadi.vec(part) for part in found])
+    least = casadi.mmin(every)
+    return least - smoothing * casadi.log(
+        casadi.sum1(casadi.exp((least - every) / smoothing))
+    )
 
 
 def _check_compiled() -> None:

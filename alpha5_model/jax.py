@@ -29,6 +29,13 @@ from alpha5_model._support.checks import FloatArray, instance
 from alpha5_model.codegen.kernels.generated import formulas, products
 from alpha5_model.codegen.kernels.names import own
 from alpha5_model.codegen.payload import slope_by_moments_at_the_tcp
+from alpha5_model.collision.approximate_distance import SMOOTHING as _SMOOTHING
+from alpha5_model.collision.approximate_distance import (
+    Operations,
+    approximate_distance,
+    checked_smoothing,
+    spheres_and_shapes,
+)
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import (
     arm_dimensions,
@@ -40,11 +47,13 @@ from alpha5_model.errors import ShapeError, needing
 from alpha5_model.kinematics.catalogue_arm import kinematics_of
 from alpha5_model.kinematics.solver import kernel_of
 from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 with needing("alpha5_model.jax", "pip install jax"):
     import jax.numpy as jnp
-    from jax import Array
+    from jax import Array, jit
+    from jax.scipy.special import logsumexp
     from jax.tree_util import register_dataclass
     from jax.tree_util import tree_leaves as leaves
 
@@ -265,6 +274,66 @@ def inverse_kinematics(
         within_limits=within,
         singular=singular[0],
     )
+
+
+def approximate_collision_distance(
+    q: Numbers, *, arm: Alpha5Parameters | None = None, smoothing: float = _SMOOTHING
+) -> Array:
+    """An approximate distance of the arm from itself with its jaws closed, () [m].
+
+    It is smooth, for optimisers, and the distance of shapes that can touch within the
+    joint limits. It is an approximation: of thousands of random positions, it was
+    within 8 mm of these shapes' exact distance, mostly some millimetres too small, and
+    above 0 only if the arm was free. Check results with `Arm.in_collision`, which is
+    exact.
+
+    Args:
+        q: Joint positions, (4,) [rad].
+        arm: Record of the arm; None is the catalogue's. Its numbers are constants of
+            what is compiled.
+        smoothing: s of the soft minimum [m], see
+            `alpha5_model.collision.approximate_distance`. A larger one is smoother, and
+            makes the distance smaller.
+
+    Raises:
+        InputError: ``smoothing`` is not above 0, or ``arm`` is no record.
+        ShapeError: Not (4,).
+    """
+    angles = jnp.asarray(_given(q))
+    if angles.shape != (4,):
+        raise ShapeError("q", angles.shape, "shape (4,)")
+    record = chosen_arm(arm)
+    softness = checked_smoothing(smoothing)
+    distance: Array = _approximate_distance(angles, record, softness)
+    return distance
+
+
+@partial(jit, static_argnums=(1, 2))
+def _approximate_distance(
+    angles: Array, arm: Alpha5Parameters, smoothing: float
+) -> Array:
+    """`approximate_collision_distance`, compiled: it has too many operations."""
+    dtype = jnp.result_type(angles, float)
+    operations = Operations(
+        constant=partial(jnp.asarray, dtype=dtype),
+        cos=jnp.cos,
+        sin=jnp.sin,
+        absolute=jnp.abs,
+        sqrt=jnp.sqrt,
+        maximum=jnp.maximum,
+        side_by_side=jnp.hstack,
+        soft_minimum=_soft_minimum,
+    )
+    distance: Array = approximate_distance(
+        spheres_and_shapes(arm), [*angles.astype(dtype)], smoothing, operations
+    )
+    return distance
+
+
+def _soft_minimum(found: list[Array], smoothing: float) -> Array:
+    """The soft minimum of all elements of arrays."""
+    every = jnp.concatenate([jnp.ravel(part) for part in found])
+    return jnp.asarray(-smoothing * logsumexp(-every / smoothing))
 
 
 def _without_slope(q: Array, exists: Array, moved: Array) -> Array:

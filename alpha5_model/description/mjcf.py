@@ -9,6 +9,7 @@ from pathlib import Path
 
 from alpha5_model._support.checks import choice, flag
 from alpha5_model._support.paths import REPOSITORY_PATH
+from alpha5_model.collision.disabled_pairs import disabled_pairs
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.frames import own_mount, tcp_placement
@@ -19,7 +20,6 @@ from alpha5_model.description.mjcf_actuators import (
 )
 from alpha5_model.description.mjcf_bodies import DILUTION, INERTIA, BodyWriter
 from alpha5_model.description.origin import provenance
-from alpha5_model.description.srdf import unchecked_pairs
 from alpha5_model.description.urdf import COLLISIONS
 from alpha5_model.description.xml import Value, add, document, serialized
 from alpha5_model.errors import InputError
@@ -163,7 +163,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     mount = own_mount(arm, taken=["base_link", *(body.name for body in bodies)])
     writer.add_worldbody(root, bodies, tcp_placement(arm), mount)
     if chosen.collision == "primitives":
-        _add_contact(root, bodies, arm)
+        _add_contact(root, arm, chosen.gripper)
     if chosen.gripper == "jaws":
         _add_equality(root, joints)
     add_actuators(root, joints, chosen.actuators)
@@ -198,16 +198,12 @@ def _add_assets(root: ET.Element, bodies: Iterable[Body]) -> None:
             add(asset, "mesh", name=mesh, file=f"{mesh}.obj")
 
 
-def _add_contact(
-    root: ET.Element, bodies: Iterable[Body], arm: Alpha5Parameters
-) -> None:
+def _add_contact(root: ET.Element, arm: Alpha5Parameters, gripper: str) -> None:
     """Pairs of bodies whose contact is not checked."""
     contact = add(root, "contact")
-    names = {body.name for body in bodies}
-    for pairs in unchecked_pairs(arm).values():
+    for pairs in disabled_pairs(arm, gripper).values():
         for one, other in pairs:
-            if one in names and other in names:
-                add(contact, "exclude", body1=one, body2=other)
+            add(contact, "exclude", body1=one, body2=other)
 
 
 def _add_equality(root: ET.Element, joints: Iterable[JointRange]) -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
 
 from alpha5_model._support.checks import FloatArray, choice, frozen
+from alpha5_model.collision.disabled_pairs import disabled_pairs
 from alpha5_model.description.xml import XML_HEAD, add, serialized
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.jaws import GRIPPERS
@@ -15,9 +15,7 @@ from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     JointParameters,
     JointRange,
-    parameters,
 )
-from alpha5_model.numbers.tables import BODY_NAMES
 
 #: Joint positions axis_e, axis_d, axis_c, axis_b [rad].
 #:
@@ -32,25 +30,6 @@ NAMED_POSES: dict[str, tuple[float, float, float, float]] = {
     "home": (math.pi, math.pi / 4, 3 * math.pi / 4, math.pi / 2),
     "reach": (math.pi, math.pi / 2, math.pi, math.pi / 2),
 }
-
-Pairs = tuple[tuple[str, str], ...]
-#: Pairs that turn against each other at a joint; their collision bodies overlap there.
-ADJACENT_PAIRS: Pairs = (
-    *pairwise(BODY_NAMES),
-    ("link_4", "finger_1"),
-    ("link_4", "finger_2"),
-)
-#: Fingers that touch when the jaws close.
-CLOSING_PAIRS: Pairs = (("finger_1", "finger_2"),)
-#: Pairs that no joint position brings together: links 1 and 3 are held apart by link 2.
-NEVER_PAIRS: Pairs = (
-    ("link_1", "link_3"),
-    ("link_3", "finger_1"),
-    ("link_3", "finger_2"),
-)
-#: Sum of the changes of lengths with which `NEVER_PAIRS` cannot meet either [m]: with
-#: Table 1's lengths they are more than this apart.
-_KEPT_APART = 0.04
 
 
 def named_pose(name: str, arm: Alpha5Parameters | None = None) -> FloatArray:
@@ -87,21 +66,6 @@ def named_poses(joints: Sequence[JointRange]) -> dict[str, tuple[float, ...]]:
     return poses
 
 
-def unchecked_pairs(arm: Alpha5Parameters) -> dict[str, Pairs]:
-    """Pairs of links whose contact is not checked, by the reason in the words of SRDF.
-
-    A change of a length moves links against each other by no more than itself. If the
-    changes add up to 40 mm or more, the pairs that never meet are checked, too.
-    """
-    pairs = {"Adjacent": ADJACENT_PAIRS, "Default": CLOSING_PAIRS}
-    change = 0.0
-    for own, printed in zip(arm.dh[:3], parameters().dh, strict=False):
-        change += abs(own.a - printed.a) + abs(own.d - printed.d)
-    if change < _KEPT_APART:
-        pairs["Never"] = NEVER_PAIRS
-    return pairs
-
-
 def srdf(gripper: str = "locked", arm: Alpha5Parameters | None = None) -> str:
     """Text of the SRDF that belongs to the URDF with this gripper.
 
@@ -132,9 +96,8 @@ def srdf(gripper: str = "locked", arm: Alpha5Parameters | None = None) -> str:
         add(root, "passive_joint", name="finger_1_joint")
         add(root, "passive_joint", name="finger_2_joint")
 
-    for reason, pairs in unchecked_pairs(record).items():
-        kept = pairs if gripper == "jaws" else _without_fingers(pairs)
-        for one, other in kept:
+    for reason, pairs in disabled_pairs(record, gripper).items():
+        for one, other in pairs:
             add(root, "disable_collisions", link1=one, link2=other, reason=reason)
     return XML_HEAD + serialized(root).replace(" />", "/>")
 
@@ -157,7 +120,3 @@ def _add_state(
     state = add(root, "group_state", name=name, group=group)
     for joint, position in positions.items():
         add(state, "joint", name=joint, value=position)
-
-
-def _without_fingers(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
-    return [pair for pair in pairs if "finger" not in f"{pair[0]} {pair[1]}"]

@@ -22,8 +22,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.dynamics import mount_load
+from alpha5_model.dynamics.arm_collision import ArmCollision
 from alpha5_model.dynamics.arm_model import ArmModel
 from alpha5_model.dynamics.batch import kernel_rows
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
@@ -263,27 +264,55 @@ class Arm(ArmModel):
             moment += body.volume * placement.act(np.array(body.cob))
         return moment / self._volume
 
-    def in_collision(self, q: ArrayLike) -> bool:
-        """Whether the arm touches itself at q, (nq,).
+    def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | BoolArray:
+        """Whether the arm touches itself.
 
         The bodies are primitives that enclose the drawn ones within 3 mm; links that
         turn against each other at a joint are not compared. A payload has no body, and
         neither has what is attached to the arm's record. With other lengths, the bodies
         of the links stay in their frames; a spacer moves those of the jaws.
 
+        The answer is exact for these bodies: an overlap deeper than a nanometre is
+        found. `alpha5_model.collision.self_collision` says how.
+
+        Args:
+            q: (nq,), or (..., nq) for many positions.
+            margin: The arm must stay farther than this from itself [m].
+
+        Returns:
+            bool, or (...) bool.
+
         Raises:
             InputError: Also an arm with other dimensions than those of its record.
         """
-        return self._scratch.collisions.in_collision(self._clean_q(q))
+        hit = self._collision.one(q, margin)
+        return self._collision.touches(q, margin) if hit is None else hit
 
-    def collision_distance(self, q: ArrayLike) -> float:
+    def collision_distance(self, q: ArrayLike) -> float | FloatArray:
         """Smallest distance between two links that `in_collision` compares [m].
 
-        It is negative if they overlap.
-
+        It is negative if they overlap: the depth, to a micrometre.
         `alpha5_model.dynamics.collision.CollisionModel` also says where.
+
+        Args:
+            q: (nq,), or (..., nq) for many positions.
+
+        Returns:
+            float, or (...).
         """
-        return self._scratch.collisions.clearance(self._clean_q(q)).distance
+        return self._collision.distance(q)
+
+    def collision_distance_gradient(self, q: ArrayLike) -> FloatArray:
+        """Derivative of `collision_distance` by q, (nv,) [m/rad, and 1 for axis_a].
+
+        The distance has kinks where another pair of bodies, or another point of them,
+        becomes the nearest; there it is the derivative of one side. On a floating base,
+        q stands for its tangent space, and the first six are 0.
+
+        Args:
+            q: (nq,).
+        """
+        return self._collision.gradient(q)
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Joint-space inertia M(q), (nv, nv), symmetric positive definite [kg m^2]."""
@@ -579,6 +608,10 @@ class Arm(ArmModel):
         if not self.floating_base:
             return checked
         return np.concatenate([AT_ORIGIN, checked[7:]])
+
+    @cached_property
+    def _collision(self) -> ArmCollision:
+        return ArmCollision(self._model, self.parameters)
 
     @cached_property
     def _kinematics(self) -> ArmKinematics:

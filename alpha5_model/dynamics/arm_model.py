@@ -84,9 +84,7 @@ class ArmModel:
         self._net = net_weight_model(model, self._fluid)
         self.model = model.copy()
         self.fluid_model = self._fluid.copy()
-        self._scratch = Scratch(
-            self._model, self._fluid, self._net, self.model, self.parameters
-        )
+        self._scratch = Scratch(self._model, self._fluid, self._net, self.model)
 
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
         self._volume = sum(body.volume for body in self.displacements)

@@ -1,7 +1,7 @@
 """Self-collision of the arm and its clearance, by Pinocchio and coal.
 
 The bodies are primitives. Pairs of links that turn against each other at a joint are
-left out, as in ``urdf/alpha5.srdf``.
+left out, and those that no joint position brings together.
 
 An arm of your own has the bodies of the catalogue's links, each in the frame of its
 link; a spacer moves those of the jaws. What is attached has no body.
@@ -19,8 +19,8 @@ References:
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Any, NamedTuple
+from itertools import combinations
+from typing import Any
 
 import coal
 import numpy as np
@@ -36,7 +36,8 @@ from alpha5_model._support.checks import (
 )
 from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
-from alpha5_model.description.srdf import srdf
+from alpha5_model.collision.link_pairs import unchecked_pairs
+from alpha5_model.collision.self_collision import self_collision
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
 from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
@@ -44,8 +45,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Wrist angles that are tried, evenly over the range of axis_b: one every 15 degrees.
 WRISTS = 25
-#: Arms whose pairs of bodies are kept.
-_ARMS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +140,8 @@ def collision_geometry(
 ) -> pin.GeometryModel:
     """Primitives of the links of a pin.Model, with the pairs to be checked.
 
-    Pinocchio reads both from the URDF and the SRDF with the model's gripper.
+    Pinocchio reads the primitives from the URDF with the model's gripper. Links that
+    touch beyond the joint limits only are checked, too; an SRDF leaves these out.
 
     Args:
         model: pin.Model of the arm.
@@ -159,9 +159,22 @@ def collision_geometry(
     geometry = pin.buildGeomFromUrdfString(
         model, _urdf_of_bodies(gripper, record), pin.GeometryType.COLLISION
     )
-    geometry.addAllCollisionPairs()
-    pin.removeCollisionPairsFromXML(model, geometry, srdf(gripper, record))
+    _add_pairs(geometry, model, record)
     return geometry
+
+
+def _add_pairs(
+    geometry: pin.GeometryModel, model: pin.Model, arm: Alpha5Parameters
+) -> None:
+    """Add the pairs of bodies to be checked."""
+    left_out = {
+        frozenset(pair) for pairs in unchecked_pairs(arm).values() for pair in pairs
+    }
+    links = [model.frames[body.parentFrame].name for body in geometry.geometryObjects]
+    for one, other in combinations(range(len(links)), 2):
+        pair = frozenset((links[one], links[other]))
+        if len(pair) == 2 and pair not in left_out:
+            geometry.addCollisionPair(pin.CollisionPair(one, other))
 
 
 def _urdf_of_bodies(gripper: str, arm: Alpha5Parameters) -> str:
@@ -211,80 +224,12 @@ def without_self_collision(
     wrist = record.joints[3]
     angles = np.linspace(wrist.lower, wrist.upper, count("wrists", wrists))
     rows = position.reshape(-1, 4).copy()
-    pairs = _wrist_pairs(record)
+    scene = self_collision(record)
 
-    free = np.zeros(len(rows), np.bool_)
-    left = np.flatnonzero(~_collides(pairs.model, pairs.before_wrist, rows))
-    for angle in (None, *angles):
-        if angle is not None:
-            rows[left, 3] = angle
-        hits = _collides(pairs.model, pairs.with_wrist, rows[left])
-        free[left[~hits]] = True
-        left = left[hits]
-        if not len(left):
+    hits = scene.touches(rows)
+    for angle in angles:
+        rows[:, 3] = angle
+        hits = scene.touches(rows, asked=hits)
+        if not hits.any():
             break
-    return free.reshape(position.shape[:-1])
-
-
-class _WristPairs(NamedTuple):
-    """The pairs of bodies of the arm with closed jaws.
-
-    Attributes:
-        model: pin.Model of the arm.
-        before_wrist: pin.GeometryModel with the pairs that the wrist does not move.
-        with_wrist: The same with the pairs that it moves.
-    """
-
-    model: pin.Model
-    before_wrist: Any
-    with_wrist: Any
-
-
-@lru_cache(maxsize=_ARMS)
-def _wrist_pairs(arm: Alpha5Parameters) -> _WristPairs:
-    """The pairs of bodies of an arm, split by whether the wrist moves them."""
-    model = pin.buildModelFromXML(_urdf("locked", arm))
-    wrist = model.getJointId(arm.joints[3].name)
-
-    before_wrist = collision_geometry(model, arm)
-    with_wrist = collision_geometry(model, arm)
-    for pair in _pairs(before_wrist):
-        geometry = before_wrist if _moved_by(wrist, pair, before_wrist) else with_wrist
-        geometry.removeCollisionPair(pair)
-
-    return _WristPairs(model=model, before_wrist=before_wrist, with_wrist=with_wrist)
-
-
-def _pairs(geometry: pin.GeometryModel) -> list[Any]:
-    """Copies of the collision pairs.
-
-    The elements of ``geometry.collisionPairs`` are references into Pinocchio's vector:
-    removing one of them makes the others refer to the pairs that follow.
-    """
-    return [
-        pin.CollisionPair(pair.first, pair.second) for pair in geometry.collisionPairs
-    ]
-
-
-def _moved_by(joint: int, pair: Any, geometry: pin.GeometryModel) -> bool:
-    """Whether one body of a pair is on a joint, which moves it against the other."""
-    first = geometry.geometryObjects[pair.first]
-    second = geometry.geometryObjects[pair.second]
-    return joint in (first.parentJoint, second.parentJoint)
-
-
-def _collides(
-    model: pin.Model, geometry: pin.GeometryModel, q: FloatArray
-) -> BoolArray:
-    """Whether any pair touches at q, (N, 4)."""
-    data = model.createData()
-    objects = geometry.createData()
-    # A search that starts from the result of the last one has missed overlaps.
-    objects.collisionRequests[:] = [coal.CollisionRequest()] * len(
-        objects.collisionRequests
-    )
-    tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
-        model, geometry, objects
-    )
-    hits = [pin.computeCollisions(model, data, tree, row, True) for row in q]
-    return np.array(hits, np.bool_)
+    return ~hits.reshape(position.shape[:-1])

@@ -8,9 +8,6 @@ from typing import Any
 
 import pinocchio as pin
 
-from alpha5_model.dynamics.collision import CollisionModel
-from alpha5_model.numbers.parameters import Alpha5Parameters
-
 
 class Scratch(threading.local):
     """The memory that Pinocchio computes in, one set for each thread.
@@ -28,7 +25,6 @@ class Scratch(threading.local):
         fluid: pin.Model,
         net: pin.Model,
         callers: pin.Model,
-        parameters: Alpha5Parameters,
     ) -> None:
         """Make the memory of a thread.
 
@@ -37,7 +33,6 @@ class Scratch(threading.local):
             fluid: pin.Model of the displaced fluid.
             net: pin.Model of weight less buoyancy.
             callers: pin.Model for the caller, `Arm.model`.
-            parameters: The arm's.
         """
         self.data = model.createData()
         self.fluid_data = fluid.createData()
@@ -45,18 +40,12 @@ class Scratch(threading.local):
         self.placements = [self.data.oMf[i] for i in range(model.nframes)]
         self._model = model
         self._callers = callers
-        self._parameters = parameters
         self._pools: dict[int, Any] = {}
 
     @cached_property
     def callers_data(self) -> Any:
         """pin.Data of the caller's own model, made on first use."""
         return self._callers.createData()
-
-    @cached_property
-    def collisions(self) -> CollisionModel:
-        """The collision bodies, made on first use."""
-        return CollisionModel(self._model, self._parameters)
 
     def pool(self, model: pin.Model, threads: int = 1) -> pin.ModelPool:
         """pin.ModelPool of a model for at least this number of threads.

@@ -63,7 +63,8 @@ def _shapes(dimensions: Dimensions) -> dict[str, list[Primitive]]:
         "finger_1": finger,
         "finger_2": finger,
     }
-    for name, frame in frames_in_links(dimensions).items():
+    for name, rows in frames_in_links(dimensions).items():
+        frame = np.vstack([rows, [0.0, 0.0, 0.0, 1.0]])
         shapes[name] = [shape.moved(frame) for shape in shapes[name]]
     return shapes
 

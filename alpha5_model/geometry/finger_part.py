@@ -10,6 +10,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.geometry.dimensions import Dimensions
 from alpha5_model.geometry.parts import Part
 from alpha5_model.geometry.solid import Solid, box, cylinder, kernel, loft, union
+from alpha5_model.geometry.spline import cubic_spline
 
 #: Points on either side of a finger's blade.
 STATIONS = 33
@@ -99,8 +100,6 @@ def ribbon(
         start, stop: Shares of the centre line.
         inset: By how much the outline is drawn in.
     """
-    from scipy.interpolate import CubicSpline
-
     x, y, half_thickness = np.array(d.centre_line).T
     x_steps = np.diff(x, prepend=x[0])
     y_steps = np.diff(y, prepend=y[0])
@@ -108,7 +107,7 @@ def ribbon(
     knots = lengths / lengths[-1]
 
     shares = np.linspace(start, stop, STATIONS)
-    points = CubicSpline(knots, np.column_stack([x, y]))(shares)
+    points = cubic_spline(knots, np.column_stack([x, y]), shares)
     half = np.interp(shares, knots, half_thickness)
 
     tangent = np.gradient(points, axis=0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import FloatArray, rigid_transform
 from alpha5_model._support.spatial import Triple, pose, rpy_from_rotation
 from alpha5_model.geometry.solid import AXES
 
@@ -29,8 +29,12 @@ class Primitive:
     rpy: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     def moved(self, frame: FloatArray) -> Primitive:
-        """The shape in another frame, to which ``frame`` maps, (3, 4) or (4, 4)."""
-        placed = frame[:3] @ pose(self.xyz, self.rpy)
+        """The shape in another frame, to which ``frame`` maps, (4, 4).
+
+        Raises:
+            InputError: Not a rigid transform.
+        """
+        placed = rigid_transform("frame", frame)[:3] @ pose(self.xyz, self.rpy)
         return replace(
             self,
             xyz=tuple(placed[:3, 3].tolist()),

@@ -22,14 +22,10 @@ from arm_keys import WHOLE, changes
 import alpha5_model as a5
 from alpha5_model._support.paths import XACRO_PATH
 from alpha5_model.cli import main
+from alpha5_model.collision.link_pairs import NEVER_PAIRS
 from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
 from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files, sdf_world
-from alpha5_model.description.srdf import (
-    NAMED_POSES,
-    NEVER_PAIRS,
-    named_pose,
-    srdf,
-)
+from alpha5_model.description.srdf import NAMED_POSES, named_pose, srdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.errors import InputError
@@ -503,6 +499,9 @@ def concerned(key: str) -> set[str]:
         return set()
     if name.endswith(("volume", "cob")):
         return {"mjcf", "sdf"}
+    if key in ("zeros.axis_d", "zeros.axis_c"):
+        # Other links can meet within the limits.
+        return {*ROBOTS, "srdf"}
     if table == "joint_limits":
         return limit_concerns(key)
     return ROBOTS

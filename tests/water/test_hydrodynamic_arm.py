@@ -334,6 +334,7 @@ def test_what_is_asked_of_the_arm_in_still_water():
         "center_of_buoyancy",
         "center_of_mass",
         "collision_distance",
+        "collision_distance_gradient",
         "data",
         "forward_kinematics",
         "gravity_torque",

@@ -307,6 +307,7 @@ static PyObject *width(PyObject *module, PyObject *most)
 
 #include "casadi_functions.h"
 #include "inverse_kinematics.h"
+#include "self_collision.h"
 
 static PyMethodDef methods[] = {
     {"bind", (PyCFunction)(void (*)(void))bind, METH_FASTCALL,
@@ -320,6 +321,21 @@ static PyMethodDef methods[] = {
      "arm is what bind makes of the kernel and the numbers of an arm other than the catalogue's.\n"
      "None where position is not a float64 array (3,) or a list or tuple of three floats, wrist not a\n"
      "float, or a number too large or not finite."},
+    {"scene", (PyCFunction)(void (*)(void))scene, METH_FASTCALL,
+     "scene(bodies, shapes, pairs, *tables) -> scene: see `alpha5_model.collision.compiled`."},
+    {"self_collision", (PyCFunction)(void (*)(void))self_collision, METH_FASTCALL,
+     "self_collision(scene, angles, margin) -> bool; None where angles are not a row of finite float64."},
+    {"self_collision_rows", (PyCFunction)(void (*)(void))self_collision_rows, METH_FASTCALL,
+     "self_collision_rows(scene, angles, margin, asked, hits) -> whether it was computed.\n\n"
+     "A row with NaN does not collide, nor does one that is not asked for."},
+    {"best_solution", (PyCFunction)(void (*)(void))best_solution, METH_FASTCALL,
+     "best_solution(scene, solutions, q_reference, allow_collision) -> (4,); None where one target is not plainly solved."},
+    {"nearest_bodies_rows", (PyCFunction)(void (*)(void))nearest_bodies_rows, METH_FASTCALL,
+     "nearest_bodies_rows(scene, angles, out) -> whether it was computed.\n\n"
+     "Each row of out holds the distance, the numbers of two shapes and their nearest points."},
+    {"free_shares", (PyCFunction)(void (*)(void))free_shares, METH_FASTCALL,
+     "free_shares(scene, rates, from, to, margin, shares) -> whether it was computed.\n\n"
+     "Each of shares is how much of the line between two rows is proved free of self-collision."},
     {"width", width, METH_O,
      "width(most) -> name of the instructions in use. For tests: a positive number chooses the\n"
      "widest that this processor has of at most so many doubles, for all threads; 0 leaves it."},

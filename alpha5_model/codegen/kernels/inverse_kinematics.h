@@ -51,18 +51,18 @@ static int real(PyObject *given, double *x)
     return 0;
 }
 
-/* x, y, z of an array, list or tuple. */
-static int three(PyObject *given, double *x)
+/* The numbers of an array (n,), list or tuple. */
+static int numbers_of(PyObject *given, int n, double *x)
 {
     if (plain(given, NPY_ARRAY_CARRAY_RO)) {
         PyArrayObject *array = (PyArrayObject *)given;
-        if (PyArray_NDIM(array) != 1 || PyArray_DIM(array, 0) != 3)
+        if (PyArray_NDIM(array) != 1 || PyArray_DIM(array, 0) != n)
             return 0;
-        memcpy(x, PyArray_DATA(array), 3 * sizeof *x);
+        memcpy(x, PyArray_DATA(array), n * sizeof *x);
         return 1;
     }
-    int good = (PyList_CheckExact(given) || PyTuple_CheckExact(given)) && PyObject_Size(given) == 3;
-    for (int i = 0; i < 3 && good; i++) {
+    int good = (PyList_CheckExact(given) || PyTuple_CheckExact(given)) && PyObject_Size(given) == n;
+    for (int i = 0; i < n && good; i++) {
         PyObject *item = PySequence_GetItem(given, i);
         good = item != NULL && real(item, &x[i]);
         Py_XDECREF(item);
@@ -96,7 +96,7 @@ static PyObject *inverse_kinematics(PyObject *module, PyObject *const *given, Py
         kernel = ((Bound *)given[3])->kernel;
         k = ((Bound *)given[3])->k;
     }
-    if (!three(given[1], x) || !real(given[2], x + 3) || !row(kernel, k, in, y))
+    if (!numbers_of(given[1], 3, x) || !real(given[2], x + 3) || !row(kernel, k, in, y))
         Py_RETURN_NONE;
     PyObject *arguments = Py_BuildValue("((NOOON))", read_only(2, 4, 4, y), flag(y + EXISTS), flag(y + WITHIN),
                                         singular[y[SINGULAR] != 0.0], read_only(1, 3, 0, x));

@@ -1,0 +1,230 @@
+"""The approximate distance of JAX and CasADi against coal's, and its gradients."""
+
+from __future__ import annotations
+
+import casadi
+import jax
+import numpy as np
+import pytest
+from fk import sample
+from own_arm import random_arm, within
+from reference import LOWER, UPPER
+
+import alpha5_model as a5
+import alpha5_model.casadi as in_casadi
+import alpha5_model.jax as in_jax
+from alpha5_model.collision import approximate_distance as module
+from alpha5_model.collision.bodies import CollisionBodies, collision_bodies
+from alpha5_model.collision.coal_scene import CoalScene
+from alpha5_model.collision.spheres import (
+    SHORT_BY,
+    STICKING_OUT,
+    signed_distances,
+    spheres_for,
+    surface_places,
+)
+from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.geometry.primitives import Primitive
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+
+#: What the docstrings promise [m].
+OFF = 0.008
+
+
+def distances(arm: Alpha5Parameters, q: np.ndarray, **options: float) -> np.ndarray:
+    """By CasADi, (N,)."""
+    function = in_casadi.approximate_collision_distance(arm, **options)
+    return np.array(function(q.T)).ravel()
+
+
+def in_double(function, *given):  # type: ignore[no-untyped-def]
+    with jax.enable_x64(True):
+        return jax.tree.map(np.asarray, function(*given))
+
+
+def of_the_same_shapes(arm: Alpha5Parameters, q: np.ndarray) -> np.ndarray:
+    """The exact distance of shapes that can touch, by coal, (N,)."""
+    bodies = collision_bodies(arm)
+    scene = CoalScene(bodies)
+    scene._pairs = np.array(numbered(arm, bodies))
+    return np.array([scene.nearest(row).distance for row in q])
+
+
+def numbered(arm: Alpha5Parameters, bodies: CollisionBodies) -> list[tuple[int, int]]:
+    """Pairs of shapes that can touch, by their numbers among all shapes."""
+    owners = [body for body, _ in bodies.shapes]
+    return [
+        (owners.index(one) + first, owners.index(other) + second)
+        for (one, other), pairs in module._may_touch(arm, bodies).items()
+        for first, second in pairs
+    ]
+
+
+def test_how_far_it_is_off_of_the_catalogues_arm() -> None:
+    q = np.concatenate([sample(2000, seed=40), near_the_mount(200)])
+    found = distances(parameters(), q)
+    arm = a5.load()
+    touches = arm.in_collision(q)
+    assert 0.05 < touches.mean() < 0.6
+
+    off = found - of_the_same_shapes(parameters(), q)
+    assert np.abs(off).max() < OFF
+    assert off.mean() < -0.002, "mostly too small"
+    assert off[~touches].max() < 0.001
+    # Where the arm touches itself, it is the distance that `Arm` has.
+    deep = found[touches] - arm.collision_distance(q[touches])
+    assert np.abs(deep).max() < OFF
+    # Elsewhere that one may be smaller, by links that pass each other at a joint.
+    assert (found - arm.collision_distance(q)).min() > -OFF
+    assert (found[touches] < 0.0).all(), "no collision is missed"
+    assert (found[~touches] > 0.0).mean() > 0.85
+    assert found.max() > 0.04
+
+
+def near_the_mount(count: int) -> np.ndarray:
+    """Positions in which links 0 and 2 touch or nearly do."""
+    rng = np.random.default_rng(41)
+    return rng.uniform([0.02, 0.5, 0.5, 0.0], [0.8, 1.4, 3.0, 6.0], (count, 4))
+
+
+def test_how_far_it_is_off_of_another_arm() -> None:
+    arm = random_arm(np.random.default_rng(1), off_axis=False)
+    q = within(arm, 400, seed=1)
+    found = distances(arm, q)
+    touches = a5.load(arm=arm).in_collision(q)
+    off = found - of_the_same_shapes(arm, q)
+    assert np.abs(off).max() < OFF
+    assert (found[touches] < 0.0).all()
+    assert touches.any()
+    # It is not the catalogue's.
+    assert np.abs(found - distances(parameters(), q)).max() > 0.01
+
+
+def test_jax_agrees_with_casadi() -> None:
+    """Values of the catalogue's arm in single precision, of another one in double."""
+    q = sample(60, seed=42)
+    mapped = jax.jit(jax.vmap(in_jax.approximate_collision_distance))
+    single = np.asarray(mapped(q.astype(np.float32)))
+    assert single.dtype == np.float32
+    assert single == pytest.approx(distances(parameters(), q), abs=2e-5)
+    arm = random_arm(np.random.default_rng(1), off_axis=False)
+    own = jax.jit(
+        jax.vmap(lambda row: in_jax.approximate_collision_distance(row, arm=arm))
+    )
+    assert in_double(own, q) == pytest.approx(distances(arm, q), abs=1e-12)
+
+
+def test_gradients_by_finite_differences_and_of_each_other() -> None:
+    q = sample(40, seed=43)
+    q = np.concatenate([q, near_the_mount(20)])
+    function = in_casadi.approximate_collision_distance()
+    gradient = casadi.Function(
+        "g", [x := casadi.SX.sym("x", 4)], [casadi.gradient(function(x), x)]
+    )
+    found = np.array(gradient(q.T)).T
+    with_value = jax.jit(
+        jax.vmap(jax.value_and_grad(in_jax.approximate_collision_distance))
+    )
+    value, slope = in_double(with_value, q)
+    assert value == pytest.approx(distances(parameters(), q), abs=1e-12)
+    assert slope == pytest.approx(found, abs=1e-9)
+    step = 1e-6
+    for joint in range(4):
+        ahead = q + step * np.eye(4)[joint]
+        behind = q - step * np.eye(4)[joint]
+        difference = np.array(function(ahead.T) - function(behind.T)).ravel()
+        assert difference / (2 * step) == pytest.approx(found[:, joint], abs=2e-5)
+    assert np.abs(found).max(axis=0) == pytest.approx([0.1, 0.1, 0.1, 0.01], rel=2)
+
+
+def test_along_a_line_the_gradient_does_not_jump() -> None:
+    """As an optimiser meets it: from free into contact, in small steps."""
+    line = np.tile([0.0, 0.7, 1.5, 1.5], (4000, 1))
+    line[:, 0] = np.linspace(1.1, 0.3, 4000)
+    function = in_casadi.approximate_collision_distance()
+    jacobian = function.jacobian()
+    slopes = np.array([jacobian(row, 0.0)[0] for row in line[::10]]).ravel()
+    found = distances(parameters(), line)
+    assert found[0] > 0.01 > 0.0 > found[-1]
+    jumps = np.abs(np.diff(slopes))
+    assert jumps.max() < 0.03
+    exact = [a5.load().collision_distance_gradient(row)[0] for row in line[::10]]
+    assert jumps.max() < np.abs(np.diff(exact)).max()
+
+
+def test_more_smoothing_makes_it_smaller() -> None:
+    q = sample(100, seed=44)
+    sharp = distances(parameters(), q, smoothing=1e-5)
+    usual = distances(parameters(), q)
+    soft = distances(parameters(), q, smoothing=0.005)
+    assert (soft < usual).all()
+    assert (usual < sharp).all()
+    assert (usual > sharp - 0.001 * np.log(2000)).all()
+
+
+def test_wrong_input_is_refused() -> None:
+    for bad in (0.0, -1.0, np.nan, "soft"):
+        with pytest.raises(InputError, match="smoothing"):
+            in_casadi.approximate_collision_distance(smoothing=bad)
+        with pytest.raises(InputError, match="smoothing"):
+            in_jax.approximate_collision_distance(np.ones(4), smoothing=bad)
+    with pytest.raises(ShapeError, match=r"q: expected shape \(4,\)"):
+        in_jax.approximate_collision_distance(np.ones(5))
+    for function in (
+        in_casadi.approximate_collision_distance,
+        lambda arm: in_jax.approximate_collision_distance(np.ones(4), arm=arm),
+    ):
+        with pytest.raises(InputError, match="arm"):
+            function("my_arm.toml")
+
+
+def test_it_says_that_it_is_approximate() -> None:
+    made = in_casadi.approximate_collision_distance()
+    assert "approximate" in made.name()
+    assert "pproximate" in made.__doc__
+    for function in (
+        in_casadi.approximate_collision_distance,
+        in_jax.approximate_collision_distance,
+    ):
+        assert f"within {1e3 * OFF:.0f} mm" in function.__doc__
+        assert "`Arm.in_collision`" in function.__doc__
+
+
+@pytest.mark.parametrize("link", [2, 4])
+def test_spheres_are_as_near_the_shapes_as_they_say(link: int) -> None:
+    shapes = collision_bodies(parameters()).bodies[link].shapes
+    centres, radii = spheres_for(shapes)
+    # Places in between those that the spheres were chosen by.
+    rng = np.random.default_rng(45)
+    places = np.vstack([surface_places(shape) for shape in shapes])
+    places = places[rng.integers(len(places), size=3000)]
+    places += rng.uniform(-0.002, 0.002, places.shape)
+    depth = np.min([signed_distances(shape, places) for shape in shapes], axis=0)
+    inside = places[(depth <= 0.0)]
+    assert len(inside) > 500
+    from_spheres = np.linalg.norm(inside[:, None] - centres, axis=2) - radii
+    bare = from_spheres.min(axis=1)
+    exposed = depth[depth <= 0.0] > -0.0005
+    assert bare[exposed].max() < SHORT_BY + 0.002
+    turned = rng.normal(size=(2000, 3))
+    turned /= np.linalg.norm(turned, axis=1)[:, None]
+    chosen = rng.integers(len(radii), size=2000)
+    skin = centres[chosen] + radii[chosen, None] * turned
+    out = np.min([signed_distances(shape, skin) for shape in shapes], axis=0)
+    assert out.max() < STICKING_OUT + 0.0015
+
+
+def test_one_sphere_would_do_for_a_cube_that_is_small() -> None:
+    cube = Primitive(kind="box", size=(0.006, 0.006, 0.006), xyz=(0.1, 0.0, 0.0))
+    centres, radii = spheres_for((cube,))
+    assert len(radii) == 1
+    assert centres[0] == pytest.approx([0.1, 0.0, 0.0], abs=0.003)
+    assert signed_distances(cube, np.array([[0.1, 0.0, 0.0]])) == pytest.approx(-0.003)
+    corner = np.array([[0.1 + 0.004, 0.004, 0.004]])
+    assert signed_distances(cube, corner) == pytest.approx(0.001 * np.sqrt(3))
+
+
+def test_limits_hold_the_samples() -> None:
+    q = near_the_mount(100)
+    assert (q > LOWER).all()
+    assert (q < UPPER).all()
