@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray, flag
+from alpha5_model.collision.self_collision import SelfCollision, self_collision
 from alpha5_model.kinematics import (
     approach,
     areas,
     boundaries,
     choosing,
+    colliding,
     half_plane,
     nearest_points,
     path_search,
@@ -75,25 +78,63 @@ class ArmKinematics:
         """The hand, which orientations and approach directions are about."""
         return Hand.from_parameters(self.parameters)
 
+    @cached_property
+    def self_collision(self) -> SelfCollision:
+        """Where the arm touches itself, with its jaws closed."""
+        return self_collision(self.parameters)
+
+    def _compared(self, allow_collision: bool) -> SelfCollision | None:
+        """What solutions are compared with; None if they may collide."""
+        if flag("allow_collision", allow_collision):
+            return None
+        return self.self_collision
+
+    @cached_property
+    def _best_of_one(self) -> Callable[[Any, Any, bool], FloatArray | None]:
+        return self.self_collision.best_solution()
+
     def inverse_kinematics(
         self, position: ArrayLike, wrist: ArrayLike = 0.0
     ) -> SolutionArrays:
         """Every joint position that puts the tcp at a point."""
         return solver.solve(SolutionArrays, position, wrist, self.shape)
 
-    def best(self, solutions: SolutionArrays, q_reference: ArrayLike) -> FloatArray:
-        """The solution within the limits that is nearest to a joint position."""
-        return choosing.best(solutions, q_reference, self.shape, self._wrist)
+    def collides(self, solutions: SolutionArrays | PoseSolutionArrays) -> BoolArray:
+        """Which solutions within the limits touch the arm itself."""
+        return colliding.collides(solutions, self.self_collision)
+
+    def best(
+        self,
+        solutions: SolutionArrays,
+        q_reference: ArrayLike,
+        allow_collision: bool = False,
+    ) -> FloatArray:
+        """The free solution within the limits that is nearest to a joint position."""
+        chosen = self._best_of_one(solutions, q_reference, allow_collision)
+        if chosen is not None:
+            return chosen
+        scene = (
+            None if flag("allow_collision", allow_collision) else self.self_collision
+        )
+        return choosing.best(solutions, q_reference, self.shape, self._wrist, scene)
 
     def inverse_kinematics_pose(self, transform: Any) -> PoseSolutionArrays:
         """Joint positions for a position exactly, and an orientation closely."""
         return pose_solver.solve_poses(self.hand, transform)
 
     def best_pose(
-        self, solutions: PoseSolutionArrays, q_reference: ArrayLike
+        self,
+        solutions: PoseSolutionArrays,
+        q_reference: ArrayLike,
+        allow_collision: bool = False,
     ) -> FloatArray:
-        """The solution within the limits with the least rotation error."""
-        return choosing.best_pose(solutions, q_reference, self.shape, self._wrist)
+        """The free solution within the limits with the least rotation error."""
+        scene = (
+            None if flag("allow_collision", allow_collision) else self.self_collision
+        )
+        return choosing.best_pose(
+            solutions, q_reference, self.shape, self._wrist, scene
+        )
 
     def inverse_kinematics_path(
         self,
@@ -101,10 +142,14 @@ class ArmKinematics:
         q_start: ArrayLike | None = None,
         wrist: ArrayLike | None = None,
         max_step: float = MAX_STEP,
+        allow_collision: bool = False,
     ) -> FloatArray:
-        """Joint positions along a path of points, continuous and within the limits."""
+        """Joint positions along a path of points, continuous, within limits, free."""
+        scene = (
+            None if flag("allow_collision", allow_collision) else self.self_collision
+        )
         return path_search.solve_path(
-            self.shape, self._wrist, positions, q_start, wrist, max_step
+            self.shape, self._wrist, scene, positions, q_start, wrist, max_step
         )
 
     def approach_directions(self, position: ArrayLike) -> ApproachDirections:

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.errors import SelfCollisionError
 from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.path_points import Front, PathPoints, Ways, step_sizes
 
@@ -80,12 +81,14 @@ class _Crossing(NamedTuple):
         motion: On the axis.
         yaw_steps: Sizes of the steps of theta_0, (L,) [rad].
         start: Index in the front of the position where it begins.
+        end: Index of the end where it leads to.
     """
 
     travel: float
     motion: _Motion
     yaw_steps: FloatArray
     start: int
+    end: int
 
     def q(self, shape: ArmShape) -> FloatArray:
         """Joint positions at the points and at the end, (L, 4) [rad]."""
@@ -119,9 +122,10 @@ def along_axis(points: PathPoints, first: int, stop: int, front: Front) -> Ways:
 
     path_goes_on = stop < points.number
     ends = points.options(stop) if path_goes_on else np.full((1, 4), np.nan)
-    crossings = _best_crossings(points, elbows, ends, front, first_yaw_step)
+    crossings = list(_crossings(points, elbows, ends, front, first_yaw_step))
     if not crossings:
         raise points.jump(stop, _least_needed_step(points, elbows, ends, front))
+    crossings = _best_free(points, first, front, crossings)
 
     q = np.array([crossing.q(points.shape) for crossing in crossings])
     return Ways(
@@ -141,22 +145,56 @@ def _steps_into_limits(yaw: FloatArray, shape: ArmShape) -> FloatArray:
     return np.nan_to_num(np.abs(within - yaw))
 
 
-def _best_crossings(
+def _crossings(
     points: PathPoints,
     elbows: _ElbowWays,
     ends: FloatArray,
     front: Front,
     first_yaw_step: FloatArray,
-) -> list[_Crossing]:
-    """The crossing of least travel to each end (E, 4) that one leads to."""
-    best: dict[int, _Crossing] = {}
+) -> Iterator[_Crossing]:
+    """Every crossing to ends (E, 4) that a joint's largest step allows."""
     for start, j, motion in _motions(points, elbows, ends, front):
-        if motion.needed_step > points.max_step:
+        if motion.needed_step <= points.max_step:
+            yield _crossing(points, front, start, j, motion, first_yaw_step[start])
+
+
+def _best_free(
+    points: PathPoints, first: int, front: Front, crossings: list[_Crossing]
+) -> list[_Crossing]:
+    """The crossing of least travel to each end, of those that are free of collision.
+
+    Joints 1 to 3 of a crossing are those of least travel, whether they collide or not.
+
+    Raises:
+        SelfCollisionError: All crossings collide.
+    """
+    best: dict[int, _Crossing] = {}
+    collisions = []
+    for crossing in sorted(crossings, key=lambda crossing: crossing.travel):
+        if crossing.end in best:
             continue
-        crossing = _crossing(points, front, start, motion, first_yaw_step[start])
-        if j not in best or crossing.travel < best[j].travel:
-            best[j] = crossing
+        collision = _collision(points, first, front, crossing)
+        if collision is None:
+            best[crossing.end] = crossing
+        else:
+            collisions.append(collision)
+    if not best:
+        raise collisions[0]
     return list(best.values())
+
+
+def _collision(
+    points: PathPoints, first: int, front: Front, crossing: _Crossing
+) -> SelfCollisionError | None:
+    """The error of the first step of a crossing that collides; None if none does."""
+    q = crossing.q(points.shape)
+    q = q[~np.isnan(q).any(axis=1)]  # the path may end on the axis
+    before = np.vstack([front.q[crossing.start], q[:-1]])
+    free = points.are_free(before, q)
+    if free.all():
+        return None
+    step = int(free.argmin())
+    return points.collision(first + step, before[step], q[step])
 
 
 def _least_needed_step(
@@ -185,10 +223,11 @@ def _crossing(
     points: PathPoints,
     front: Front,
     start: int,
+    end: int,
     motion: _Motion,
     first_yaw_step: float,
 ) -> _Crossing:
-    """A motion from a start of the front, with the best steps of theta_0."""
+    """A motion from a start of the front to an end, with the best steps of theta_0."""
     turn = abs(motion.end_yaw - motion.start_yaw)
     yaw_steps = shared_turn(motion.sizes, turn, first_yaw_step, points.max_step)
     travel_on_axis = np.sqrt(motion.sizes**2 + yaw_steps**2).sum()
@@ -197,6 +236,7 @@ def _crossing(
         motion=motion,
         yaw_steps=yaw_steps,
         start=start,
+        end=end,
     )
 
 
@@ -220,7 +260,7 @@ def _elbow_ways(
     for k in stretch:
         # On the axis the underarm and the overarm branch are one solution, and
         # `BRANCHES` lists them side by side: every second option is a repetition.
-        options = points.options(k)[::2, 1:]
+        options = points.options_at_any_yaw(k)[::2, 1:]
         size, largest = step_sizes(options - positions[-1][:, None])
         if k == stretch.start:
             largest = np.maximum(largest, first_yaw_step[:, None])

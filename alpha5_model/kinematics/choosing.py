@@ -8,8 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray, float_array
+from alpha5_model.collision.self_collision import SelfCollision
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
 from alpha5_model.kinematics.arm_shape import ArmShape
+from alpha5_model.kinematics.colliding import (
+    collides,
+    collision_error,
+    nearest_free_angle,
+)
 from alpha5_model.kinematics.nearest_points import nearest_reachable
 from alpha5_model.kinematics.plane import ArmPlane, on_axis
 from alpha5_model.kinematics.reachable_points import reachable
@@ -26,14 +32,25 @@ def best(
     q_reference: ArrayLike,
     shape: ArmShape,
     wrist: JointParameters,
+    scene: SelfCollision | None,
 ) -> FloatArray:
-    """The solutions within the limits that are nearest to a reference, (..., 4)."""
+    """The solutions within the limits that are nearest to a reference, (..., 4).
+
+    Of those that are free of self-collision, if there is a scene.
+    """
     require_solution(solutions, shape, wrist)
     free = on_axis(solutions.position)
-    q = solutions.q
     if free.any():
-        q = _yaw_of_reference(q, q_reference, free, shape)
-    return _nearest(q, q_reference, solutions.within_limits)
+        yaw = _yaw_of_reference(solutions.q, q_reference, free, shape)
+        solutions = solutions._replace(q=yaw)
+    if scene is None:
+        return _nearest(solutions.q, q_reference, solutions.within_limits)
+
+    valid = solutions.within_limits & ~collides(solutions, scene)
+    if free.any() and not valid.any(axis=-1).all():
+        solutions, valid = _with_free_yaw(solutions, valid, free, shape, scene)
+    _require_free(solutions, valid, q_reference, shape, scene)
+    return _nearest(solutions.q, q_reference, valid)
 
 
 def best_pose(
@@ -41,13 +58,46 @@ def best_pose(
     q_reference: ArrayLike,
     shape: ArmShape,
     wrist: JointParameters,
+    scene: SelfCollision | None,
 ) -> FloatArray:
-    """The solutions within the limits with the least rotation error, (..., 4)."""
+    """The solutions within the limits with the least rotation error, (..., 4).
+
+    Of those that are free of self-collision, if there is a scene.
+    """
     require_solution(solutions, shape, wrist)
-    within_limits = solutions.within_limits
-    error = np.where(within_limits, solutions.rotation_error, np.inf)
+    valid = solutions.within_limits
+    if scene is not None:
+        valid = valid & ~collides(solutions, scene)
+        _require_free(solutions, valid, q_reference, shape, scene)
+    error = np.where(valid, solutions.rotation_error, np.inf)
     least = error <= error.min(axis=-1, keepdims=True) + TIE
-    return _nearest(solutions.q, q_reference, least & within_limits)
+    return _nearest(solutions.q, q_reference, least & valid)
+
+
+def _require_free(
+    solutions: SolutionArrays | PoseSolutionArrays,
+    valid: BoolArray,
+    q_reference: ArrayLike,
+    shape: ArmShape,
+    scene: SelfCollision,
+) -> None:
+    """Raise for the first target that no valid solution reaches.
+
+    Raises:
+        SelfCollisionError: There is one.
+    """
+    solved = valid.any(axis=-1)
+    if solved.all():
+        return
+    index, row = _first(np.logical_not(solved))
+    chosen = _nearest(solutions.q, q_reference, solutions.within_limits)
+    raise collision_error(solutions.position[index], chosen[index], shape, scene, row)
+
+
+def _first(which: BoolArray) -> tuple[tuple[int, ...], str]:
+    """The first place where an array is True, and its words in a message."""
+    index = tuple(int(i) for i in np.argwhere(which)[0])
+    return index, f" (row {', '.join(map(str, index))})" if index else ""
 
 
 def require_solution(
@@ -67,9 +117,8 @@ def require_solution(
     if solved.all():
         return
 
-    index = tuple(int(i) for i in np.argwhere(~solved)[0])
+    index, row = _first(np.logical_not(solved))
     target = solutions.position[index]
-    row = f" (row {', '.join(map(str, index))})" if index else ""
     reason = f" within the joint limits{row}"
     if not shape.has_tool_on_axis:
         exists = solutions.exists[index]
@@ -117,6 +166,33 @@ def _yaw_of_reference(
     replaced = free[..., None] & ~np.isnan(q[..., 0])
     turned[..., 0] = np.where(replaced, yaw[..., None], q[..., 0])
     return turned
+
+
+def _with_free_yaw(
+    solutions: SolutionArrays,
+    valid: BoolArray,
+    on_yaw_axis: BoolArray,
+    shape: ArmShape,
+    scene: SelfCollision,
+) -> tuple[SolutionArrays, BoolArray]:
+    """Solutions on the yaw axis with the nearest theta_0 that is free of collision.
+
+    Only those that collide are turned, of targets that all solutions collide at.
+
+    Returns:
+        The solutions, and which are valid, (..., 4).
+    """
+    q = solutions.q.copy()
+    valid = valid.copy()
+    stuck = on_yaw_axis & ~valid.any(axis=-1)
+    for index in np.argwhere(stuck[..., None] & solutions.within_limits):
+        place = tuple(index)
+        lower, upper = shape.lower[0], shape.upper[0]
+        yaw = nearest_free_angle(scene, q[place], 0, lower, upper)
+        if not math.isnan(yaw):
+            q[place][0] = yaw
+            valid[place] = True
+    return solutions._replace(q=q), valid
 
 
 def _nearest(q: FloatArray, q_reference: ArrayLike, valid: BoolArray) -> FloatArray:

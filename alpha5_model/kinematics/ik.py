@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.codegen.kernels.choice import module
 from alpha5_model.kinematics import published_formulas, solver
 from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
@@ -58,14 +58,24 @@ class Solutions(SolutionArrays):
 
     __slots__ = ()
 
-    def best(self, q_reference: ArrayLike) -> FloatArray:
-        """The solution within the limits that is nearest to a joint position.
+    @property
+    def collides(self) -> BoolArray:
+        """It is within the limits, and the arm touches itself there, (..., 4).
+
+        The jaws are closed, and bodies are as in `Arm.in_collision`.
+        """
+        return catalogue().collides(self)
+
+    def best(self, q_reference: ArrayLike, allow_collision: bool = False) -> FloatArray:
+        """The solution nearest to a joint position, within limits and free.
 
         Nearest means the least Euclidean norm of the four joint differences [rad]. On
-        the yaw axis theta_0 is free: the reference's is taken, clipped to its range.
+        the yaw axis theta_0 is free: the reference's is taken, clipped to its range. If
+        the arm touches itself there, the nearest theta_0 at which it does not is taken.
 
         Args:
             q_reference: (4,) or (..., 4) [rad].
+            allow_collision: Choose also among the solutions that collide.
 
         Returns:
             (..., 4) [rad].
@@ -73,9 +83,11 @@ class Solutions(SolutionArrays):
         Raises:
             UnreachableError: A target that no branch reaches within the limits, with
                 the distance to the nearest point that is reached and that point.
+            SelfCollisionError: A kind of it: all branches within the limits collide.
+                The error names the links and what would free the target.
             JointLimitError: The given wrist angle is beyond the limits of axis_b.
         """
-        return catalogue().best(self, q_reference)
+        return catalogue().best(self, q_reference, allow_collision)
 
 
 class ArmSolutions(Solutions):
@@ -87,13 +99,18 @@ class ArmSolutions(Solutions):
 
     arm: Alpha5Parameters
 
-    def best(self, q_reference: ArrayLike) -> FloatArray:
-        """The solution within the limits that is nearest to a joint position.
+    @property
+    def collides(self) -> BoolArray:
+        """It is within the limits, and the arm touches itself there, (..., 4)."""
+        return kinematics_of(self.arm).collides(self)
+
+    def best(self, q_reference: ArrayLike, allow_collision: bool = False) -> FloatArray:
+        """The solution nearest to a joint position, within limits and free.
 
         As `Solutions.best`. With a tool beside the wrist axis, the error of a target
         that is out of reach does not know the nearest point.
         """
-        return kinematics_of(self.arm).best(self, q_reference)
+        return kinematics_of(self.arm).best(self, q_reference, allow_collision)
 
 
 def inverse_kinematics(

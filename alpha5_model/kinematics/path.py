@@ -25,16 +25,21 @@ def inverse_kinematics_path(
     wrist: ArrayLike | None = None,
     max_step: float = MAX_STEP,
     *,
+    allow_collision: bool = False,
     arm: Alpha5Parameters | None = None,
 ) -> FloatArray:
-    """Joint positions along a path of points, continuous and within the limits.
+    """Joint positions along a path of points: continuous, within the limits, free.
+
+    All positions and the straight lines between them are proved free of self-collision
+    (`alpha5_model.collision.self_collision`), with the jaws closed.
 
     The sum of the Euclidean joint steps is the least possible. On the yaw axis theta_0
     turns from its value before the axis to its value after it, in proportion to the
     steps of the other joints. If the whole path lies on the axis, it is the middle of
-    its range. There is one exception to the least sum: if ``max_step`` limits the turn
-    of theta_0 and still lets the elbow change on the axis, the elbow is chosen by the
-    travel of the other joints alone.
+    its range. There are two exceptions to the least sum. If ``max_step`` limits the
+    turn of theta_0 and still lets the elbow change on the axis, the elbow is chosen by
+    the travel of the other joints alone. And if that way along the axis collides, no
+    other way of the elbow is tried.
 
     Args:
         positions: tcp in ``base_link``, (N, 3) [m].
@@ -44,6 +49,7 @@ def inverse_kinematics_path(
         max_step: No joint moves farther than this between two points (and from
             ``q_start`` to the first one) [rad]. A path that needs more is sampled too
             coarsely, or jumps.
+        allow_collision: Let the arm touch itself.
         arm: Record of the arm; None is the catalogue's.
 
     Returns:
@@ -51,9 +57,13 @@ def inverse_kinematics_path(
 
     Raises:
         DiscontinuousPathError: Names the first point that no continuous motion reaches.
+        SelfCollisionError: Names the first point that is reached only by a collision,
+            at it or on the line to it, and the links.
         UnreachableError: A point out of reach, reached before any such jump.
         JointLimitError: A wrist angle beyond its limits.
         InputError: Bad input.
     """
     of_arm = kinematics_of(arm)
-    return of_arm.inverse_kinematics_path(positions, q_start, wrist, max_step)
+    return of_arm.inverse_kinematics_path(
+        positions, q_start, wrist, max_step, allow_collision
+    )

@@ -7,10 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alpha5_model._support.checks import FloatArray
-from alpha5_model.errors import DiscontinuousPathError
+from alpha5_model._support.checks import BoolArray, FloatArray, instance
+from alpha5_model.collision.self_collision import SelfCollision
+from alpha5_model.errors import DiscontinuousPathError, SelfCollisionError
 from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.choosing import require_solution
+from alpha5_model.kinematics.colliding import collision_error
 from alpha5_model.kinematics.solutions import SolutionArrays
 from alpha5_model.numbers.parameters import JointParameters
 
@@ -58,15 +60,19 @@ class PathPoints(NamedTuple):
 
     Attributes:
         solutions: All solutions of all N points.
+        hits: Which of them touch the arm itself, (N, 4).
         max_step: No joint moves farther than this from one point to the next [rad].
         shape: Lengths, zeros and limits of the arm.
         wrist: The arm's joint 3.
+        scene: Where the arm touches itself; None if it may.
     """
 
     solutions: SolutionArrays
+    hits: BoolArray
     max_step: float
     shape: ArmShape
     wrist: JointParameters
+    scene: SelfCollision | None
 
     @property
     def number(self) -> int:
@@ -74,7 +80,31 @@ class PathPoints(NamedTuple):
         return len(self.solutions.position)
 
     def options(self, k: int) -> FloatArray:
+        """Free solutions of point k within the limits, (M, 4).
+
+        Raises:
+            UnreachableError, JointLimitError: There is none.
+            SelfCollisionError: All of them touch the arm itself.
+        """
+        within_limits = self.options_at_any_yaw(k)
+        options: FloatArray = self.solutions.q[k][
+            self.solutions.within_limits[k] & ~self.hits[k]
+        ]
+        if not len(options) and self.scene is not None:
+            raise collision_error(
+                self.solutions.position[k],
+                within_limits[0],
+                self.shape,
+                self.scene,
+                f" (row {k})",
+            )
+        return options
+
+    def options_at_any_yaw(self, k: int) -> FloatArray:
         """Solutions of point k within the limits, (M, 4).
+
+        On the yaw axis they may collide at the theta_0 that they have, and not at
+        another.
 
         Raises:
             UnreachableError, JointLimitError: There is none.
@@ -84,6 +114,35 @@ class PathPoints(NamedTuple):
             so_far = SolutionArrays._make(array[: k + 1] for array in self.solutions)
             require_solution(so_far, self.shape, self.wrist)
         return options
+
+    def are_free(self, start: FloatArray, end: FloatArray) -> BoolArray:
+        """Whether straight lines of joint positions (M, 4) are proved free, (M,).
+
+        A line from nowhere, NaN, is.
+        """
+        free = np.ones(len(start), np.bool_)
+        if self.scene is not None:
+            known = ~np.isnan(start).any(axis=1)
+            free[known] = self.scene.free_shares(start[known], end[known]) == 1.0
+        return free
+
+    def collision(
+        self, k: int, start: FloatArray, end: FloatArray
+    ) -> SelfCollisionError:
+        """The error to raise if the step from start to end (4,), at point k, collides.
+
+        Raises:
+            InputError: The scene is None, so that nothing collides.
+        """
+        scene = instance("scene", self.scene, SelfCollision)
+        share = scene.free_shares(start[None], end[None])[0]
+        contact = scene.nearest(start + share * (end - start))
+        return SelfCollisionError(
+            self.solutions.position[k],
+            links=scene.links(contact),
+            depth=max(0.0, -contact.distance),
+            place=f" from the position before (row {k})",
+        )
 
     def jump(self, k: int, needed: float) -> DiscontinuousPathError:
         """The error to raise if no continuous motion reaches point k."""

@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, float_array, real, shaped
+from alpha5_model.collision.self_collision import SelfCollision
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.axis_crossing import along_axis
+from alpha5_model.kinematics.colliding import collides
 from alpha5_model.kinematics.path_points import Front, PathPoints, Ways, step_sizes
 from alpha5_model.kinematics.plane import on_axis
 from alpha5_model.kinematics.solutions import SolutionArrays
@@ -31,12 +33,17 @@ MAX_STEP = 0.5
 def solve_path(
     shape: ArmShape,
     wrist_joint: JointParameters,
+    scene: SelfCollision | None,
     positions: ArrayLike,
     q_start: ArrayLike | None,
     wrist: ArrayLike | None,
     max_step: float,
 ) -> FloatArray:
-    """Joint positions along points (N, 3), continuous and within the limits, (N, 4)."""
+    """Joint positions along points (N, 3), continuous and within the limits, (N, 4).
+
+    They are free of self-collision, and so are the straight lines between them, if
+    there is a scene.
+    """
     target = float_array("positions", positions, (3,))
     if target.ndim != 2:
         raise ShapeError("positions", target.shape, "shape (N, 3)")
@@ -47,11 +54,15 @@ def solve_path(
     if angle.shape not in ((), (len(target),)):
         raise InputError("wrist", angle.shape, f"shape () or ({len(target)},)")
 
+    solutions = solve(SolutionArrays, target, angle, shape)
+    no_hits = np.zeros(solutions.exists.shape, np.bool_)
     points = PathPoints(
-        solutions=solve(SolutionArrays, target, angle, shape),
+        solutions=solutions,
+        hits=no_hits if scene is None else collides(solutions, scene),
         max_step=max_step,
         shape=shape,
         wrist=wrist_joint,
+        scene=scene,
     )
     return _least_travel(_stages(points, start), len(target))
 
@@ -81,12 +92,20 @@ def _step(points: PathPoints, k: int, front: Front) -> Ways:
     """Ways of least travel from a front to each solution of point k."""
     options = points.options(k)
     size, largest = step_sizes(options[:, None, :] - front.q)
-    travel = np.where(largest <= points.max_step, front.travel + size, np.inf)
+    steps = np.argwhere(largest <= points.max_step)
+    if not len(steps):
+        raise points.jump(k, float(largest.min()))
+
+    to, at = steps.T
+    free = points.are_free(front.q[at], options[to])
+    if not free.any():
+        raise points.collision(k, front.q[at[0]], options[to[0]])
+
+    travel = np.full(size.shape, np.inf)
+    travel[to[free], at[free]] = (front.travel + size)[to[free], at[free]]
     origin = travel.argmin(axis=1)
     least = travel[np.arange(len(options)), origin]
     kept = np.isfinite(least)
-    if not kept.any():
-        raise points.jump(k, float(largest.min()))
     return Ways(
         first=k, q=options[kept][:, None], travel=least[kept], origin=origin[kept]
     )

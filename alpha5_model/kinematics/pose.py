@@ -11,7 +11,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.approach import ApproachDirections
 from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.kinematics.solutions import PoseSolutionArrays
@@ -44,22 +44,32 @@ class PoseSolutions(PoseSolutionArrays):
 
     __slots__ = ()
 
-    def best(self, q_reference: ArrayLike) -> FloatArray:
-        """The solution within the limits with the least rotation error.
+    @property
+    def collides(self) -> BoolArray:
+        """It is within the limits, and the arm touches itself there, (..., 4).
+
+        The jaws are closed, and bodies are as in `Arm.in_collision`.
+        """
+        return catalogue().collides(self)
+
+    def best(self, q_reference: ArrayLike, allow_collision: bool = False) -> FloatArray:
+        """The solution with the least rotation error, within limits and free.
 
         If several are equally good, the one nearest to ``q_reference`` in the Euclidean
         norm of the joint differences [rad].
 
         Args:
             q_reference: (4,) or (..., 4) [rad].
+            allow_collision: Choose also among the solutions that collide.
 
         Returns:
             (..., 4) [rad].
 
         Raises:
             UnreachableError: A position that no branch reaches within the limits.
+            SelfCollisionError: A kind of it: all branches within the limits collide.
         """
-        return catalogue().best_pose(self, q_reference)
+        return catalogue().best_pose(self, q_reference, allow_collision)
 
 
 class ArmPoseSolutions(PoseSolutions):
@@ -71,13 +81,18 @@ class ArmPoseSolutions(PoseSolutions):
 
     arm: Alpha5Parameters
 
-    def best(self, q_reference: ArrayLike) -> FloatArray:
-        """The solution within the limits with the least rotation error.
+    @property
+    def collides(self) -> BoolArray:
+        """It is within the limits, and the arm touches itself there, (..., 4)."""
+        return kinematics_of(self.arm).collides(self)
+
+    def best(self, q_reference: ArrayLike, allow_collision: bool = False) -> FloatArray:
+        """The solution with the least rotation error, within limits and free.
 
         As `PoseSolutions.best`. With a tool beside the wrist axis, the error of a
         target that is out of reach does not know the nearest point.
         """
-        return kinematics_of(self.arm).best_pose(self, q_reference)
+        return kinematics_of(self.arm).best_pose(self, q_reference, allow_collision)
 
 
 def inverse_kinematics_pose(

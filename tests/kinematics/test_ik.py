@@ -225,10 +225,16 @@ def test_memory_is_the_output_and_a_fixed_scratch() -> None:
 def test_best_is_the_nearest() -> None:
     q = sample(5000, seed=12)
     s = a5.inverse_kinematics(tip(q), q[:, 3])
-    assert np.linalg.norm(tip(s.best(q)) - s.position, axis=-1).max() < 1e-12
-    assert np.quantile(np.abs(s.best(q) - q).max(axis=-1), 0.999) < 1e-12
+    assert (
+        np.linalg.norm(tip(s.best(q, allow_collision=True)) - s.position, axis=-1).max()
+        < 1e-12
+    )
+    assert (
+        np.quantile(np.abs(s.best(q, allow_collision=True) - q).max(axis=-1), 0.999)
+        < 1e-12
+    )
     reference = np.array([3.0, 1.0, 2.0, 1.0])
-    best = s.best(reference)
+    best = s.best(reference, allow_collision=True)
     for i in range(0, 5000, 50):
         options = s.q[i][s.within_limits[i]]
         travel = np.linalg.norm(options - reference, axis=-1)

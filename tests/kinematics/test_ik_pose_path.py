@@ -30,7 +30,7 @@ def test_attainable_poses_are_attained() -> None:
     pose = fk(q)
     s = a5.inverse_kinematics_pose(pose)
     assert (s.exact & s.within_limits).any(axis=-1).all()
-    best = s.best(q)
+    best = s.best(q, allow_collision=True)
     np.testing.assert_allclose(fk(best), pose, rtol=0, atol=1e-7)
     assert np.quantile(np.abs(best - q).max(axis=-1), 0.99) < 1e-11
 
@@ -87,7 +87,7 @@ def test_wrist_stays_within_its_limits_in_the_gap() -> None:
     q = sample(200, seed=73)
     q[:, 3] = np.linspace(6.2, 2 * math.pi, 200)
     s = a5.inverse_kinematics_pose(fk(q))
-    best = s.best(q)
+    best = s.best(q, allow_collision=True)
     missed = np.minimum(q[:, 3] - UPPER[3], 2 * math.pi - q[:, 3])
     reached = angle_between(fk(best)[:, :3, :3], fk(q)[:, :3, :3])
     assert (best[:, 3] >= LOWER[3]).all()
@@ -158,7 +158,9 @@ def test_paths_through_joint_space_are_recovered() -> None:
     ends = sample(40, seed=80).reshape(20, 2, 4)
     for first, last in ends:
         q = first + (last - first) * np.linspace(0, 1, 150)[:, None]
-        path = a5.inverse_kinematics_path(tip(q), q[0], wrist=q[:, 3])
+        path = a5.inverse_kinematics_path(
+            tip(q), q[0], wrist=q[:, 3], allow_collision=True
+        )
         np.testing.assert_allclose(tip(path), tip(q), rtol=0, atol=1e-12)
         assert ((path >= LOWER) & (path <= UPPER)).all()
         assert np.abs(np.diff(path, axis=0)).max() < 0.5
@@ -182,13 +184,13 @@ def test_path_has_the_least_travel_by_brute_force() -> None:
             if np.abs(step).max() <= 0.5:
                 best = min(best, np.linalg.norm(step, axis=-1).sum())
         if best < math.inf:
-            path = a5.inverse_kinematics_path(tip(q), wrist=1.0)
+            path = a5.inverse_kinematics_path(tip(q), wrist=1.0, allow_collision=True)
             travel = np.linalg.norm(np.diff(path, axis=0), axis=-1).sum()
             assert travel == pytest.approx(best, abs=1e-9)
             compared += 1
         else:
             with pytest.raises(DiscontinuousPathError):
-                a5.inverse_kinematics_path(tip(q), wrist=1.0)
+                a5.inverse_kinematics_path(tip(q), wrist=1.0, allow_collision=True)
     assert compared > 10
 
 
@@ -224,16 +226,16 @@ def test_a_full_circle_stops_at_the_wedge() -> None:
         "every point is in reach, one after the other is not"
     )
     with pytest.raises(DiscontinuousPathError) as caught:
-        a5.inverse_kinematics_path(target)
+        a5.inverse_kinematics_path(target, allow_collision=True)
     k = caught.value.index
     assert turn[k - 1] + math.pi <= UPPER[0] + 1e-9 < turn[k] + math.pi
     assert caught.value.step > 3.0
-    part = a5.inverse_kinematics_path(target[:k])
+    part = a5.inverse_kinematics_path(target[:k], allow_collision=True)
     assert np.abs(np.diff(part, axis=0)).max() < 0.1
     # Farther out, the overarm pose does not reach, so no pose reaches the wedge.
     turn, target = circle(0.3, 0.1)
     with pytest.raises(a5.UnreachableError, match=rf"row {k}\b"):
-        a5.inverse_kinematics_path(target)
+        a5.inverse_kinematics_path(target, allow_collision=True)
 
 
 def test_the_first_point_without_continuation_is_named() -> None:
