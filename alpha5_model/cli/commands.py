@@ -23,6 +23,7 @@ COMMANDS = (
     "trajectory",
     "fk",
     "ik",
+    "move",
     "workspace",
     "dh",
     "planar",
@@ -31,7 +32,7 @@ COMMANDS = (
 )
 #: Commands whose arguments are numbers. A word such as -0.1 is an argument there, not
 #: an unknown option.
-_WITH_NUMBERS = ("fk", "ik", "dh", "planar")
+_WITH_NUMBERS = ("fk", "ik", "move", "dh", "planar")
 
 
 def _print_version(wanted: bool) -> None:

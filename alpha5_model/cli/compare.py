@@ -14,7 +14,7 @@ from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.words import WORDS
-from alpha5_model.errors import InputError, OutputError
+from alpha5_model.errors import OutputError
 from alpha5_model.proofs.comparison import measure
 from alpha5_model.proofs.comparison.arm_of_model import (
     ArmOfModel,
@@ -63,9 +63,9 @@ def compare(
     check_outputs([other], **outputs)
     if write_arm is not None and write_arm.exists():
         raise OutputError(write_arm, "it exists; name another file")
-    names = _pairs("map", joints.split(","), "=")
-    packages = _pairs("package", package or [], "=")
-    arguments = _pairs("arg", arg or [], ":=")
+    names = values.pairs("map", joints.split(","), "=")
+    packages = values.pairs("package", package or [], "=")
+    arguments = values.pairs("arg", arg or [], ":=")
     own = values.arm_record(arm_file)
     with printing.spinner("comparing"):
         # Read once: a xacro file is a program.
@@ -89,23 +89,6 @@ def compare(
         record["arm_file"] = {"left_out": [*described.left_out]}
     printing.show(as_json, record, _text(comparison, described), picture, written)
     return 0 if comparison.agrees else 1
-
-
-def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
-    """Names and values, from texts with a sign between the two."""
-    form = "axis_e=NAME,axis_d=NAME,..." if option == "map" else f"NAME{sign}VALUE"
-    may_be_empty = option == "arg"
-
-    pairs: dict[str, str] = {}
-    for part in parts:
-        if not part.strip():
-            continue
-        name, equals, value = part.strip().partition(sign)
-        complete = name and equals and (value or may_be_empty)
-        if not complete or name.strip() in pairs:
-            raise InputError(option, ",".join(parts), f"{form} with each name once")
-        pairs[name.strip()] = value.strip()
-    return pairs
 
 
 def _text(comparison: Comparison, described: ArmOfModel | None) -> printing.Lines:

@@ -7,9 +7,11 @@ from typing import Annotated, Any
 import numpy as np
 from typer import Argument, Option
 
+from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import wrap
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
+from alpha5_model.errors import SelfCollisionError
 from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
 from alpha5_model.numbers.parameters import parameters
 
@@ -27,7 +29,8 @@ def ik(
 ) -> None:
     """All inverse kinematics solutions of a tcp position.
 
-    Exit status: 0 solved, 2 out of reach within the joint limits.
+    Exit status: 0 solved, 2 out of reach within the joint limits or without
+    self-collision. A branch that collides is within the limits.
 
     Example: alpha5 ik 0.25 -0.1 0.05 --wrist 90deg
     """
@@ -36,14 +39,27 @@ def ik(
     middle = [(joint.lower + joint.upper) / 2 for joint in joints]
 
     solutions = inverse_kinematics([x, y, z], wrist, arm=own)
+    best, collision = _best(solutions, middle)
     record: dict[str, Any] = {
         "position": [x, y, z],
         "singular": solutions.singular,
-        "best": solutions.best(middle),
+        "best": best,
         "branches": [_branch(solutions, index) for index in range(len(BRANCHES))],
     }
     names = [joint.name for joint in joints]
     printing.show(as_json, record, _text(record, names))
+    if collision is not None:
+        raise collision
+
+
+def _best(
+    solutions: Solutions, q_reference: list[float]
+) -> tuple[FloatArray | None, SelfCollisionError | None]:
+    """The best solution, or the error of a target whose solutions all collide."""
+    try:
+        return solutions.best(q_reference), None
+    except SelfCollisionError as error:
+        return None, error
 
 
 def _branch(solutions: Solutions, index: int) -> dict[str, Any]:
@@ -52,6 +68,7 @@ def _branch(solutions: Solutions, index: int) -> dict[str, Any]:
         "name": BRANCHES[index],
         "exists": exists,
         "within_limits": solutions.within_limits[index],
+        "collides": solutions.collides[index],
         "q": solutions.q[index] if exists else None,
         "same_as": _met_branch(solutions, index) if exists else None,
     }
@@ -70,8 +87,9 @@ def _text(record: dict[str, Any], joints: list[str]) -> printing.Lines:
     yield "joint positions (rad)"
     yield from table(rows, "<>>>><")
 
-    best = ",".join(f"{angle:.9g}" for angle in record["best"])
-    yield f"nearest to mid-range: --q={best}"
+    if record["best"] is not None:
+        best = ",".join(f"{angle:.9g}" for angle in record["best"])
+        yield f"nearest to mid-range: --q={best}"
     if record["singular"]:
         yield (
             "The target is singular: "
@@ -80,12 +98,14 @@ def _text(record: dict[str, Any], joints: list[str]) -> printing.Lines:
 
 
 def _cells(branch: dict[str, Any]) -> list[str]:
-    """The angles of a branch and how they stand to the limits."""
+    """The angles of a branch, how they stand to the limits, and whether it collides."""
     if not branch["exists"]:
         return [*["-"] * 4, "out of reach"]
 
     angles = [f"{angle:.6f}" for angle in branch["q"]]
     limits = "within" if branch["within_limits"] else "beyond"
+    if branch["collides"]:
+        limits = "collides"
     if branch["same_as"] is not None:
         limits += f", as row {BRANCHES.index(branch['same_as']) + 1}"
     return [*angles, limits]

@@ -109,6 +109,10 @@ def _text(record: Record) -> printing.Lines:
         yield "current of the jaw rod: its screw's lead is not published"
     if not all(joint["within_limits"] for joint in joints):
         yield "* position beyond the joint's limits"
+    if "self_collision" in record:
+        place = record["self_collision"]
+        links = " and ".join(place["links"])
+        yield f"self-collision: {links} overlap by {place['depth'] * 1e3:.3g} mm"
 
 
 def _torque_table(joints: list[Record]) -> list[str]:

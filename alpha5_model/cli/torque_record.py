@@ -99,9 +99,20 @@ def torque_record(
         "constants": actuators[0].constants,
         "efficiency": motors.efficiency,
         "joints": _rows(columns),
+        "self_collision": _self_collision(arm, state.q),
         "mount": _mount(wrench, water),
     }
     return {key: value for key, value in record.items() if value is not None}
+
+
+def _self_collision(arm: Arm, q: list[float]) -> Record | None:
+    """Where the arm touches itself, as far as it is compared; None if it does not."""
+    from alpha5_model.dynamics.collision import CollisionModel
+
+    if not arm.in_collision(q):
+        return None
+    place = CollisionModel(arm.model, arm.parameters).clearance(np.array(q))
+    return {"links": place.links, "depth": max(0.0, -place.distance)}
 
 
 def _causes(arm: Arm, state: State) -> dict[str, FloatArray]:

@@ -28,6 +28,7 @@ _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 _File = Annotated[Path, Argument(help=options.HELP["file"])]
 _Topic = Annotated[str | None, Option(help="Of a bag with several arms.")]
 _Prefix = Annotated[str | None, Option(help="Before the joints' names: left_.")]
+_Map = Annotated[str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")]
 _Output = Annotated[Path | None, Option("--output", "-o", help="Table, .csv or .json.")]
 _Gripper = Annotated[str, Option(help=options.HELP["gripper"])]
 _Smoothing = Annotated[str, Option(help="spline, savgol or interpolate (no noise).")]
@@ -46,6 +47,7 @@ def trajectory(
     file: _File,
     topic: _Topic = None,
     prefix: _Prefix = None,
+    joints: _Map = "",
     output: _Output = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
@@ -85,10 +87,11 @@ def trajectory(
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
 
     own = values.arm_record(arm_file)
+    names = values.pairs("map", joints.split(","), "=")
 
     with printing.progress_bars() as progress:
         motion = library.read_motion(
-            file, progress, topic=topic, prefix=prefix, arm=own
+            file, progress, topic=topic, prefix=prefix, arm=own, joints=names
         )
         variant = _gripper(gripper, motion)
         analysis = library.analyse(

@@ -184,6 +184,27 @@ def names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
+def pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
+    """Names and values, from texts with a sign between the two.
+
+    Raises:
+        InputError: A name without a value, or one that stands twice.
+    """
+    form = "axis_e=NAME,axis_d=NAME,..." if option == "map" else f"NAME{sign}VALUE"
+    may_be_empty = option == "arg"
+
+    pairs: dict[str, str] = {}
+    for part in parts:
+        if not part.strip():
+            continue
+        name, equals, value = part.strip().partition(sign)
+        complete = name and equals and (value or may_be_empty)
+        if not complete or name.strip() in pairs:
+            raise InputError(option, ",".join(parts), f"{form} with each name once")
+        pairs[name.strip()] = value.strip()
+    return pairs
+
+
 def arm_record(file: Path | None) -> Alpha5Parameters | None:
     """The record of an arm file; None for no file.
 

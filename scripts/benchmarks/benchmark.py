@@ -27,7 +27,15 @@ from benchmarks.timing import Row
 
 #: Modules of ``scripts/benchmarks`` with ``rows() -> list[Row]`` and ``missing() ->
 #: list[str]``.
-SECTIONS = ("kernels", "kinematics", "own_arm", "dynamics", "trajectory")
+SECTIONS = (
+    "kernels",
+    "kinematics",
+    "own_arm",
+    "self_collision",
+    "planning",
+    "dynamics",
+    "trajectory",
+)
 
 
 def ratio(row: Row, rows: Sequence[Row]) -> float:

@@ -166,3 +166,16 @@ def test_bad_input_is_one_line_and_status_2(capsys, arguments, message):
     assert out.out == ""
     assert len(out.err.strip().splitlines()) == 1
     assert message in out.err
+
+
+def test_a_position_that_touches_itself_is_named(capsys):
+    folded = ["--q", "0", "0", "0", "0"]
+    printed = run(capsys, *folded)
+    place = json.loads(run(capsys, *folded, "--json"))["self_collision"]
+    assert place["depth"] == pytest.approx(-a5.load().collision_distance(np.zeros(4)))
+    links = " and ".join(place["links"])
+    millimetres = f"{place['depth'] * 1e3:.3g} mm"
+    assert printed.endswith(f"self-collision: {links} overlap by {millimetres}\n")
+    assert "self_collision" not in json.loads(run(capsys, "--q", *text(Q), "--json"))
+    jaws = run(capsys, "--q", "0 0 0 0 0.01", "--gripper", "jaws")
+    assert "self-collision: link_0 and" in jaws

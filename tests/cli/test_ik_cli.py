@@ -26,19 +26,39 @@ def test_ik_prints_the_branches(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_ik_json(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["ik", "-0.25", "-0.1", "0.05", "--json"]) == 0
+    assert main(["ik", "0.25", "-0.1", "0.05", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert [b["name"] for b in answer["branches"]] == list(a5.BRANCHES)
     np.testing.assert_allclose(
-        tip(np.array(answer["best"])), [-0.25, -0.1, 0.05], atol=1e-12
+        tip(np.array(answer["best"])), [0.25, -0.1, 0.05], atol=1e-12
     )
     for branch in answer["branches"]:
         if branch["exists"]:
             np.testing.assert_allclose(
-                tip(np.array(branch["q"])), [-0.25, -0.1, 0.05], atol=1e-12
+                tip(np.array(branch["q"])), [0.25, -0.1, 0.05], atol=1e-12
             )
         else:
             assert branch["q"] is None
+
+
+def test_ik_marks_what_collides(capsys: pytest.CaptureFixture[str]) -> None:
+    behind = ["ik", "-0.25", "-0.1", "0.05"]
+    assert main([*behind, "--json"]) == 2
+    answer = capsys.readouterr()
+    branches = json.loads(answer.out)["branches"]
+    arm = a5.load()
+    for branch in branches:
+        hits = branch["within_limits"] and arm.in_collision(branch["q"])
+        assert branch["collides"] == hits
+    assert any(branch["collides"] for branch in branches)
+    assert json.loads(answer.out)["best"] is None
+    assert "without self-collision: link_0 and link_2 overlap" in answer.err
+    assert answer.err.count("\n") == 1
+
+    assert main(behind) == 2
+    answer = capsys.readouterr()
+    assert "0.000000  collides\n" in answer.out
+    assert "nearest to mid-range" not in answer.out
 
 
 @pytest.mark.parametrize(

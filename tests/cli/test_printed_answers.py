@@ -53,6 +53,11 @@ ANSWERS = {
     "generate": ("generate", "--gripper", "jaws", "--output", "made/arm.urdf"),
     "ik": ("ik", "0.25", "-0.1", "0.05", "--wrist", "90deg"),
     "ik-singular": ("ik", "0", "0", "0.3"),
+    "move": ("move", "home", "0.2", "0.1", "0.1", "--output", "planned.csv"),
+    "move-limits": (
+        *("move", "3.1", "1.2", "1.8", "0", "reach", "--obstacles", "scene.toml"),
+        *("--supply-voltage", "9", "--current-limit", "1"),
+    ),
     "planar": ("planar", "5", "4", "1", "--radius", "3"),
     "planar-limits": ("planar", "5", "4", "-l", "none", "-l", "-1", "1"),
     "sweep": ("sweep", "study.toml", "--output", "results"),
@@ -110,6 +115,8 @@ def folder_of_a_user() -> None:
         for n, f in zip("abc", forms, strict=True)
     )
     Path("my_arm.toml").write_text(MY_ARM, "utf-8")
+    post = "[post]\ncylinder = [0.03, 1.0]\nxyz = [0.22, 0.15, 0.0]\n"
+    Path("scene.toml").write_text(post, "utf-8")
     Path("study.toml").write_text(f"[axes]\nmount_roll = 0.3\n{axes}{outputs}", "utf-8")
     time = np.arange(0, 12, 0.02)
     q = [1.5 + swing * np.sin(time) for swing in (0.8, 0.3, 0.2, 0.5)] + [

@@ -1,0 +1,174 @@
+"""``alpha5 move``: a motion that is free of collision, and its file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from typer import Argument, Option
+
+from alpha5_model._support.outputs import check_outputs
+from alpha5_model._support.text import table
+from alpha5_model.cli import options, printing, values
+from alpha5_model.description.srdf import NAMED_POSES, named_pose
+from alpha5_model.errors import InputError
+
+if TYPE_CHECKING:
+    from alpha5_model.numbers.parameters import Alpha5Parameters
+    from alpha5_model.planning.planned_motion import PlannedMotion
+
+_FORMATS = (".csv",)
+_EXPECTED = (
+    f"two places, each {', '.join(NAMED_POSES)} or 4 angles (rad); "
+    "the second also a point, 3 numbers (m)"
+)
+
+# The options of this command.
+_Places = Annotated[list[str], Argument(metavar="FROM TO", help=options.HELP["places"])]
+_Output = Annotated[Path | None, Option("--output", "-o", help="The motion, .csv.")]
+_Obstacles = Annotated[Path | None, Option(help=options.HELP["obstacles"])]
+_Speed = Annotated[
+    float | None, Option(help="Of each joint at most (rad/s); rated if left out.")
+]
+_Acceleration = Annotated[float, Option(help="Of each joint at most (rad/s^2).")]
+_Margin = Annotated[float, Option(help="Kept to obstacles (m).", parser=values.metres)]
+_Wrist = Annotated[
+    float | None, Option(help="theta_3 at a point (rad).", parser=values.radians)
+]
+_Line = Annotated[
+    bool,
+    Option("--line", help="Lead the tcp along a straight line to a point; by toppra."),
+]
+_SupplyVoltage = Annotated[float | None, Option(help="For limits (V); not published.")]
+_CurrentLimit = Annotated[
+    float | None, Option(help="Of each motor (A); not published.")
+]
+
+
+def move(
+    places: _Places,
+    output: _Output = None,
+    obstacles: _Obstacles = None,
+    speed: _Speed = None,
+    acceleration: _Acceleration = 1.0,
+    margin: _Margin = 0.005,
+    wrist: _Wrist = None,
+    line: _Line = False,
+    fluid: options.Fluid = "sea",
+    gravity: options.Gravity = options.DOWN,
+    mount: options.Mount = None,
+    payload: options.Payload = None,
+    supply_voltage: _SupplyVoltage = None,
+    current_limit: _CurrentLimit = None,
+    arm_file: options.Arm = None,
+    as_json: options.Json = False,
+) -> None:
+    """Move from one place to another without collision, within all limits.
+
+    FROM is stow, home, reach or four joint positions (rad); TO is the same, or
+    a point x y z of the tcp in base_link (m). The motion (--output) is a file
+    for alpha5 trajectory and alpha5 view --motion. --obstacles names a TOML file
+    with a table for each obstacle: its name, then box = edges, cylinder =
+    radius and length, sphere = radius, or mesh = a binary STL file, and xyz and
+    rpy in base_link (m, rad).
+
+    Exit status: 0 found, 2 no way, or beyond a limit at any speed.
+
+    Example: alpha5 move home 0.2 0.1 0.1 --output planned.csv
+    """
+    check_outputs([obstacles, arm_file], output=(output, _FORMATS))
+    own = values.arm_record(arm_file)
+    start, target = _places(places, own)
+
+    from alpha5_model.planning.obstacle_file import read_obstacles
+    from alpha5_model.planning.planner import plan
+
+    motion = plan(
+        start,
+        target,
+        arm=values.arm_in(fluid, gravity, "locked", mount, payload, own),
+        obstacles=() if obstacles is None else read_obstacles(obstacles),
+        speed=speed,
+        acceleration=acceleration,
+        margin=margin,
+        wrist=wrist,
+        line=line,
+        supply_voltage=supply_voltage,
+        current_limit=current_limit,
+    )
+    if output is not None:
+        motion.write(output)
+    printing.show(as_json, _record(motion), _text(motion), output)
+
+
+def _places(words: list[str], own: Alpha5Parameters | None) -> tuple[Any, Any]:
+    """Start and target from words: names or numbers."""
+    left = list(words)
+    start = _place(left, 4, own)
+    target = _place(left, 3 if len(left) == 3 else 4, own)
+    if start is None or target is None or left:
+        raise InputError("FROM TO", " ".join(words), _EXPECTED)
+    return start, target
+
+
+def _place(left: list[str], count: int, own: Alpha5Parameters | None) -> Any:
+    """The place that the words start with; they are removed. None if there is none."""
+    if left and left[0] in NAMED_POSES:
+        return named_pose(left.pop(0), own)
+    taken = [left.pop(0) for _ in range(min(count, len(left)))]
+    if len(taken) < count:
+        return None
+    name, unit = ("TO", "m") if count == 3 else ("joint positions", "rad")
+    return values.numbers(name, " ".join(taken), (count,), unit)
+
+
+def _record(motion: PlannedMotion) -> dict[str, Any]:
+    return {
+        "duration_s": motion.duration,
+        "samples": motion.time.size,
+        "kind": motion.kind,
+        "branch": motion.branch,
+        "way": motion.way,
+        "slowed": motion.slowed,
+        "peaks": [
+            {
+                "joint": peak.joint,
+                "quantity": peak.quantity,
+                "value": peak.value,
+                "limit": peak.limit,
+                "unit": peak.unit,
+            }
+            for peak in motion.peaks
+        ],
+        "tcp": motion.analysis.tcp[[0, -1]],
+    }
+
+
+def _text(motion: PlannedMotion) -> printing.Lines:
+    branch = f", to the branch {motion.branch}" if motion.branch else ""
+    yield f"{motion.kind}{branch}: {motion.duration:.2f} s"
+    if motion.slowed > 1.0:
+        yield f"{motion.slowed:.2f} times as long for the limits of the motors"
+
+    names = motion.motion.joints
+    yield "\nway (rad)"
+    rows = [["", *names]]
+    for number, q in enumerate(motion.way):
+        rows.append([str(number), *(f"{angle:.4f}" for angle in q)])
+    yield from table(rows, "<>>>>")
+
+    yield "\npeaks, and their limits"
+    rows = [["", *names]]
+    for quantity, unit in _quantities(motion).items():
+        found = [peak for peak in motion.peaks if peak.quantity == quantity]
+        rows.append([f"{quantity} ({unit})", *(f"{p.value:.3g}" for p in found)])
+        if np.isfinite([peak.limit for peak in found]).any():
+            limits = ["-" if np.isnan(p.limit) else f"{p.limit:.3g}" for p in found]
+            rows.append(["  limit", *limits])
+    yield from table(rows, "<>>>>")
+
+
+def _quantities(motion: PlannedMotion) -> dict[str, str]:
+    """Unit of each quantity."""
+    return {peak.quantity: peak.unit for peak in motion.peaks}

@@ -1,0 +1,210 @@
+"""Fixed bodies beside the arm: a vehicle's hull, a post, the sea bed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import (
+    FloatArray,
+    array,
+    bounded,
+    float_array,
+    frozen,
+    instance,
+    listed,
+    real,
+)
+from alpha5_model._support.spatial import moved, pose
+from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.geometry.primitives import Primitive
+
+_ORIGIN = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles in base_link.
+
+    Attributes:
+        vertices: (V, 3) [m].
+        triangles: Numbers of three vertices each, (T, 3).
+    """
+
+    vertices: FloatArray
+    triangles: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Obstacle:
+    """A fixed body that the arm must not touch. Make it by one of the four methods.
+
+    A mesh is its surface: nothing is inside it. A motion that starts outside of a
+    closed mesh stays outside, because it does not cross the surface.
+
+    Attributes:
+        name: For messages.
+        shape: In base_link.
+    """
+
+    name: str
+    shape: Primitive | Mesh
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InputError("name", self.name, "the obstacle's name, a text")
+        if not isinstance(self.shape, Primitive | Mesh):
+            expected = "a shape from Obstacle.box, cylinder, sphere or mesh"
+            raise InputError("shape", self.shape, expected)
+
+    @classmethod
+    def box(
+        cls,
+        name: str,
+        edges: ArrayLike,
+        xyz: ArrayLike = _ORIGIN,
+        rpy: ArrayLike = _ORIGIN,
+    ) -> Obstacle:
+        """A box.
+
+        Args:
+            name: For messages.
+            edges: Along its x, y and z, (3,) [m].
+            xyz: Its centre in base_link, (3,) [m].
+            rpy: Fixed-axis roll, pitch, yaw, (3,) [rad].
+
+        Raises:
+            InputError: Not finite numbers of these shapes, or an edge not above 0.
+        """
+        size = tuple(array("edges", edges, 3).tolist())
+        for number, edge in enumerate(size):
+            real(f"edges[{number}]", edge, minimum=0.0, strict=True)
+        return cls(name, _primitive("box", size, xyz, rpy))
+
+    @classmethod
+    def cylinder(
+        cls,
+        name: str,
+        radius: float,
+        length: float,
+        xyz: ArrayLike = _ORIGIN,
+        rpy: ArrayLike = _ORIGIN,
+    ) -> Obstacle:
+        """A cylinder along its own z.
+
+        Args:
+            name: For messages.
+            radius, length: [m].
+            xyz: Its centre in base_link, (3,) [m].
+            rpy: Fixed-axis roll, pitch, yaw, (3,) [rad].
+
+        Raises:
+            InputError: Not finite numbers of these shapes, or a size not above 0.
+        """
+        size = (
+            real("radius", radius, minimum=0.0, strict=True),
+            real("length", length, minimum=0.0, strict=True),
+        )
+        return cls(name, _primitive("cylinder", size, xyz, rpy))
+
+    @classmethod
+    def sphere(cls, name: str, radius: float, xyz: ArrayLike = _ORIGIN) -> Obstacle:
+        """A sphere.
+
+        Args:
+            name: For messages.
+            radius: [m].
+            xyz: Its centre in base_link, (3,) [m].
+
+        Raises:
+            InputError: Not finite numbers of these shapes, or a radius not above 0.
+        """
+        size = (real("radius", radius, minimum=0.0, strict=True),)
+        return cls(name, _primitive("sphere", size, xyz, _ORIGIN))
+
+    @classmethod
+    def mesh(
+        cls,
+        name: str,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        xyz: ArrayLike = _ORIGIN,
+        rpy: ArrayLike = _ORIGIN,
+    ) -> Obstacle:
+        """A surface of triangles.
+
+        Args:
+            name: For messages.
+            vertices: In the mesh's frame, (V, 3) [m].
+            triangles: Numbers of three vertices each, from 0, (T, 3).
+            xyz: Origin of the mesh's frame in base_link, (3,) [m].
+            rpy: Fixed-axis roll, pitch, yaw of that frame, (3,) [rad].
+
+        Raises:
+            InputError: Not finite numbers of these shapes, no triangle, or numbers of
+                vertices that do not exist.
+        """
+        points = bounded("vertices", float_array("vertices", vertices, (3,)))
+        if points.ndim != 2:
+            raise ShapeError("vertices", points.shape, "shape (V, 3)")
+        numbers = float_array("triangles", triangles, (3,))
+        if numbers.ndim != 2 or not len(numbers):
+            raise ShapeError("triangles", numbers.shape, "shape (T, 3), T at least 1")
+
+        known = (numbers >= 0) & (numbers < len(points)) & (numbers % 1 == 0)
+        if not known.all():
+            worst = float(numbers[~known][0])
+            expected = f"whole numbers from 0 to {len(points) - 1}"
+            raise InputError("triangles", worst, expected)
+
+        frame = pose(array("xyz", xyz, 3), array("rpy", rpy, 3))
+        corners = numbers.astype(np.intp)
+        corners.flags.writeable = False
+        return cls(name, Mesh(vertices=frozen(moved(frame, points)), triangles=corners))
+
+
+def seen_from(frame: FloatArray, shape: Primitive | Mesh) -> Primitive | Mesh:
+    """A shape of base_link in another frame, whose pose (4, 4) in base_link is given.
+
+    Args:
+        frame: Its columns are unit vectors.
+        shape: In base_link.
+    """
+    inverse = np.eye(4)
+    inverse[:3, :3] = frame[:3, :3].T
+    inverse[:3, 3] = -frame[:3, :3].T @ frame[:3, 3]
+    if isinstance(shape, Primitive):
+        return shape.moved(inverse)
+    vertices = frozen(moved(inverse, shape.vertices))
+    return Mesh(vertices=vertices, triangles=shape.triangles)
+
+
+def _primitive(
+    kind: str, size: tuple[float, ...], xyz: ArrayLike, rpy: ArrayLike
+) -> Primitive:
+    return Primitive(
+        kind=kind,
+        size=size,
+        xyz=tuple(array("xyz", xyz, 3).tolist()),
+        rpy=tuple(array("rpy", rpy, 3).tolist()),
+    )
+
+
+def checked_obstacles(obstacles: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
+    """Obstacles whose names differ.
+
+    Raises:
+        InputError: Something else than obstacles, or a name twice.
+    """
+    expected = "a list of Obstacle"
+    given = tuple(listed("obstacles", obstacles, expected))
+    names = set()
+    for number, obstacle in enumerate(given):
+        name = instance(f"obstacles[{number}]", obstacle, Obstacle).name
+        if name in names:
+            raise InputError("obstacles", name, "names that differ")
+        names.add(name)
+    return given

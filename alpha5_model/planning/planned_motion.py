@@ -1,0 +1,92 @@
+"""A motion that was planned, proved free and replayed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.files import PathLike
+from alpha5_model._support.outputs import output_format
+from alpha5_model._support.writing import atomic_write
+from alpha5_model.planning.replay import Peak
+from alpha5_model.trajectory.analysis import Analysis
+from alpha5_model.trajectory.motions import Motion
+
+#: Of the table of a motion.
+FORMATS = (".csv",)
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedMotion:
+    """A motion of axis_e to axis_b at equal steps of time. Arrays are read-only.
+
+    Between two samples the arm is on the planned path as well, if position is
+    interpolated from position and velocity.
+
+    Attributes:
+        time: (N,) [s].
+        position: (N, 4) [rad].
+        velocity: (N, 4) [rad/s].
+        acceleration: (N, 4) [rad/s^2].
+        way: Ends of the straight joint lines that it consists of, (K, 4) [rad]. A
+            straight line of the tcp has its start and end.
+        kind: ``straight``, ``another branch``, ``by retracted poses`` or
+            ``tcp line``.
+        branch: Of the inverse kinematics that it ends in; None if joint positions were
+            asked for.
+        slowed: Factor by which the motors' limits made it longer; 1.0 if they did not.
+        peaks: Speed, torque, current and voltage of each joint, with their limits.
+        analysis: The replay: torques, currents, powers and load on the mount.
+    """
+
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    way: FloatArray
+    kind: str
+    branch: str | None
+    slowed: float
+    peaks: tuple[Peak, ...]
+    analysis: Analysis
+
+    @property
+    def duration(self) -> float:
+        """[s]."""
+        return float(self.time[-1])
+
+    @property
+    def motion(self) -> Motion:
+        """The same for `alpha5_model.trajectory` and `alpha5_model.view`."""
+        return self.analysis.motion
+
+    def write(self, path: PathLike) -> Path:
+        """Write time, positions, velocities and accelerations.
+
+        Columns are ``time_secs`` and, for each joint, ``axis_e_pos``, ``axis_e_vel``
+        and ``axis_e_acc``. `alpha5_model.trajectory.read_motion` can read the file.
+
+        Args:
+            path: ``.csv``, ``-``, a device or a pipe.
+
+        Raises:
+            UnknownNameError: Another suffix.
+            OutputError: The file cannot be written.
+        """
+        output_format("motion format", path, FORMATS)
+        names = ["time_secs"]
+        columns = [self.time]
+        for k, joint in enumerate(self.motion.joints):
+            names += [f"{joint}_pos", f"{joint}_vel", f"{joint}_acc"]
+            columns += [
+                self.position[:, k],
+                self.velocity[:, k],
+                self.acceleration[:, k],
+            ]
+        # All digits: a replay of the file is that of the motion.
+        rows = np.stack(columns, axis=1).tolist()
+        lines = [",".join(map(repr, row)) for row in rows]
+        return atomic_write(Path(path), "\n".join([",".join(names), *lines]) + "\n")

@@ -1,0 +1,319 @@
+"""`plan`: from a joint position to a target, proved free and replayed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import lru_cache, partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import FloatArray, flag, float_array, frozen, real
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.load import load
+from alpha5_model.errors import BlockedMotionError, InputError, MotionLimitError
+from alpha5_model.numbers.chosen_arm import chosen_arm
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.planning.goals import (
+    Goal,
+    Target,
+    goals,
+    joint_position,
+    other_wrists,
+    target_of,
+)
+from alpha5_model.planning.obstacles import Obstacle, checked_obstacles
+from alpha5_model.planning.planned_motion import PlannedMotion
+from alpha5_model.planning.replay import peaks, replayed, worst
+from alpha5_model.planning.retracted import retracted_poses
+from alpha5_model.planning.routes import TCP_LINE, Route, Search
+from alpha5_model.planning.s_curve import JointLimits, Samples, sampled
+from alpha5_model.planning.surroundings import Surroundings
+from alpha5_model.planning.tcp_line import check_free, tcp_line
+
+#: Acceleration of the joints [rad/s^2]. None is published.
+ACCELERATION = 1.0
+#: Kept to obstacles [m].
+MARGIN = 0.005
+#: A motion beyond a limit is tried again in this times its time, up to so many times.
+_SLOWER = 1.1
+_SLOWEST = 10.0
+#: The motion along a route, within limits of the joints.
+_Samples = Callable[[JointLimits], Samples]
+
+
+class _Drive(NamedTuple):
+    """What `alpha5_model.trajectory.analyse` is told of the motors."""
+
+    supply_voltage: float | None
+    current_limit: float | None
+
+
+def plan(
+    q0: ArrayLike,
+    target: Any,
+    *,
+    arm: Alpha5Parameters | Arm | None = None,
+    obstacles: Iterable[Obstacle] = (),
+    speed: ArrayLike | None = None,
+    acceleration: ArrayLike = ACCELERATION,
+    margin: float = MARGIN,
+    wrist: float | None = None,
+    line: bool = False,
+    supply_voltage: float | None = None,
+    current_limit: float | None = None,
+) -> PlannedMotion:
+    """A motion from a joint position to a target, free of collision, within limits.
+
+    The way is a straight joint line to the branch that it reaches first. If that is
+    not free, it leads to another branch, or by retracted poses. Each line is proved
+    free between its ends, not sampled (`alpha5_model.planning.surroundings`). Joints
+    move by S-curves and rest where two lines meet. The motion is replayed through
+    `alpha5_model.trajectory.analyse`; if a torque, a current or a voltage is beyond
+    its limit, the motion is slowed down.
+
+    This is no general planner: there may be a way if none is found. Bodies that are
+    attached to links, and what the jaws hold, are not compared with obstacles.
+
+    Args:
+        q0: Where the arm is, (4,) [rad].
+        target: Of the tcp, a point in base_link (3,) [m] or a pose (4, 4), also a
+            ``pinocchio.SE3``, that is reached as `alpha5_model.inverse_kinematics_pose`
+            says; or joint positions, (4,) [rad].
+        arm: Record of the arm, None for the catalogue's, in sea water. Or an `Arm` on a
+            fixed base with closed jaws, in another fluid or with a payload.
+        obstacles: That the arm must not touch. What is fixed to link_0 may be touched
+            by it.
+        speed: Of the joints at most, one number or (4,) [rad/s]; none is faster than
+            its rated speed, and None is that.
+        acceleration: Of the joints at most, one number or (4,) [rad/s^2]. None is
+            published.
+        margin: Distance that is kept to obstacles [m]. The arm may come as near to
+            itself as it can without touching.
+        wrist: theta_3 at the point [rad]; None for that of ``q0``, or another one if
+            that is not free. Only for a point.
+        line: Lead the tcp along a straight line, in the least time that speeds and
+            accelerations allow. The branch changes on the yaw axis only. Only to a
+            point; it needs toppra. theta_3 stays, or changes evenly to ``wrist``.
+        supply_voltage: Of the motors [V]; None for that of the arm's record.
+        current_limit: Of the motors' drives [A]; None for those of the arm's record.
+
+    Returns:
+        The motion, at rest at both ends, with its replay.
+
+    Raises:
+        InputError: Arguments that are not as described.
+        JointLimitError: ``q0`` or the target is beyond a joint's limit.
+        UnreachableError: No joint position within the limits reaches the target.
+        BlockedMotionError: No way without collision was found; it names what collides.
+        DiscontinuousPathError: On the straight line a joint would have to jump.
+        MotionLimitError: A joint is beyond a limit at any speed.
+    """
+    loaded = _loaded(arm)
+    record = loaded.parameters
+    limits = _limits(record, speed, acceleration)
+    start = joint_position("q0", q0, record)
+    wanted = target_of(target)
+    if wrist is not None and wanted.kind != "position":
+        raise InputError("wrist", wrist, "no value: only a point leaves it open")
+    if flag("line", line) and wanted.kind != "position":
+        expected = "a point (3,) [m]: a straight line leads to one"
+        raise InputError("target", wanted.value.tolist(), expected)
+
+    surroundings = Surroundings(
+        record, checked_obstacles(obstacles), real("margin", margin, minimum=0.0)
+    )
+    _check_start(surroundings, start)
+    drive = _Drive(supply_voltage, current_limit)
+    if line:
+        route, samples_within = _line(surroundings, start, wanted.value, wrist, loaded)
+    else:
+        route = _route(surroundings, start, wanted, wrist, record, limits)
+        samples_within = partial(sampled, route.way)
+    return _timed(route, samples_within, loaded, limits, drive)
+
+
+def _loaded(arm: Alpha5Parameters | Arm | None) -> Arm:
+    """The arm that a caller means.
+
+    Raises:
+        InputError: Neither a record nor an `Arm` with four joints on a fixed base.
+    """
+    if not isinstance(arm, Arm):
+        return _in_sea_water(chosen_arm(arm))
+    if arm.floating_base or arm.model.nv != 4:
+        found = f"an Arm with nv = {arm.model.nv}"
+        raise InputError("arm", found, "one with closed jaws on a fixed base")
+    return arm
+
+
+@lru_cache(maxsize=16)
+def _in_sea_water(record: Alpha5Parameters) -> Arm:
+    return load(arm=record)
+
+
+def _limits(
+    record: Alpha5Parameters, speed: ArrayLike | None, acceleration: ArrayLike
+) -> JointLimits:
+    """The bounds of the joints' motion.
+
+    Raises:
+        InputError: Neither one number nor four, or one that is not above 0.
+    """
+    rated = np.array([joint.velocity for joint in record.joints[:4]])
+    fastest = rated
+    if speed is not None:
+        fastest = np.minimum(rated, _per_joint("speed", speed))
+    return JointLimits(
+        speed=fastest, acceleration=_per_joint("acceleration", acceleration)
+    )
+
+
+def _per_joint(name: str, given: ArrayLike) -> FloatArray:
+    values = float_array(name, given, ())
+    if values.shape not in ((), (4,)) or not (values > 0.0).all():
+        raise InputError(name, values.tolist(), "one number above 0, or four")
+    return np.broadcast_to(values, (4,))
+
+
+def _check_start(surroundings: Surroundings, start: FloatArray) -> None:
+    """Refuse a start that is not free.
+
+    Raises:
+        BlockedMotionError: It is not.
+    """
+    contact = surroundings.contact(start)
+    if contact is not None:
+        problem = "q0 is not free"
+        raise BlockedMotionError(problem, contact.names, start, contact.distance)
+
+
+def _line(
+    surroundings: Surroundings,
+    start: FloatArray,
+    target: FloatArray,
+    wrist: float | None,
+    arm: Arm,
+) -> tuple[Route, _Samples]:
+    """The straight line of the tcp, and its samples within limits.
+
+    Raises:
+        BlockedMotionError: It is not free.
+    """
+    tcp = arm.forward_kinematics(start).translation
+    angle = float(start[3]) if wrist is None else real("wrist", wrist)
+    line = tcp_line(start, tcp, target, angle, arm.parameters)
+    check_free(line, surroundings)
+    end = line.way[-1]
+    reached = goals(Target(kind="position", value=target), start, angle, arm.parameters)
+    goal = min(reached, key=lambda goal: float(np.abs(goal.q - end).max()))
+    ends = np.array([start, end])
+    return Route(way=ends, kind=TCP_LINE, branch=goal.branch), line.sampled
+
+
+def _route(
+    surroundings: Surroundings,
+    start: FloatArray,
+    target: Target,
+    wrist: float | None,
+    arm: Alpha5Parameters,
+    limits: JointLimits,
+) -> Route:
+    """A way that is proved free.
+
+    Raises:
+        BlockedMotionError: None was found.
+    """
+    first = goals(target, start, wrist, arm)
+    search = Search(surroundings, start, limits)
+    choices = [first]
+    if target.kind == "position" and wrist is None:
+        choices += other_wrists(target, start, arm)
+    for choice in choices:
+        route = _route_to(surroundings, search, choice, arm)
+        if route is not None:
+            return route
+    raise _blocked(surroundings, search, start, first)
+
+
+def _route_to(
+    surroundings: Surroundings,
+    search: Search,
+    choice: list[Goal],
+    arm: Alpha5Parameters,
+) -> Route | None:
+    touching = surroundings.touches(np.array([goal.q for goal in choice]))
+    free = [goal for goal, hit in zip(choice, touching, strict=True) if not hit]
+    if not free:
+        return None
+    route = search.straight(free)
+    if route is None:
+        route = search.by_retracted(free, retracted_poses(arm))
+    return route
+
+
+def _blocked(
+    surroundings: Surroundings, search: Search, start: FloatArray, choice: list[Goal]
+) -> BlockedMotionError:
+    """Why no way was found."""
+    found = search.obstruction
+    problem = "no free way was found; on the straight line"
+    if found is None:
+        nearest = min(choice, key=lambda goal: float(np.abs(goal.q - start).max()))
+        found = surroundings.contact(nearest.q)
+        problem = "the target is not free"
+    assert found is not None
+    return BlockedMotionError(problem, found.names, found.q, found.distance)
+
+
+def _timed(
+    route: Route,
+    samples_within: _Samples,
+    arm: Arm,
+    limits: JointLimits,
+    drive: _Drive,
+) -> PlannedMotion:
+    """The route in time, slowed down until no limit is exceeded.
+
+    Args:
+        route: The way.
+        samples_within: Its motion within limits of the joints.
+        arm: Whose motors are asked.
+        limits: Of its joints.
+        drive: Of its motors.
+
+    Raises:
+        InputError: A joint of the arm must move, and its rated speed is 0.
+        MotionLimitError: A limit is exceeded at any speed.
+    """
+    moves = (route.way != route.way[0]).any(axis=0)
+    for number in np.flatnonzero(moves & (limits.speed == 0.0)):
+        name = f"{arm.parameters.joints[number].name}.velocity"
+        raise InputError(name, 0.0, "a speed above 0: the joint must move")
+
+    slowed = 1.0
+    while True:
+        samples = samples_within(limits.slower(slowed))
+        analysis = replayed(samples, arm, *drive)
+        found = list(peaks(analysis))
+        beyond = worst(found)
+        if beyond is None:
+            break
+        slowed *= _SLOWER
+        if slowed > _SLOWEST:
+            raise MotionLimitError(
+                beyond.joint, beyond.quantity, beyond.value, beyond.limit, beyond.unit
+            )
+    return PlannedMotion(
+        time=analysis.motion.time,
+        position=analysis.motion.position,
+        velocity=samples.velocity,
+        acceleration=frozen(samples.acceleration),
+        way=frozen(route.way),
+        kind=route.kind,
+        branch=route.branch,
+        slowed=slowed,
+        peaks=tuple(found),
+        analysis=analysis,
+    )

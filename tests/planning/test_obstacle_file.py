@@ -1,0 +1,109 @@
+"""Obstacles from TOML and STL files."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from alpha5_model.errors import (
+    Alpha5Error,
+    FileFormatError,
+    InputError,
+    MissingFileError,
+    UnknownNameError,
+)
+from alpha5_model.geometry.primitives import Primitive
+from alpha5_model.planning.obstacle_file import read_obstacles
+from alpha5_model.planning.obstacles import Mesh
+
+TEXT = """
+[hull]
+box = [0.4, 0.3, 0.2]
+xyz = [-0.2, 0, -0.1]
+rpy = [0, 0, 0.5]
+[post]
+cylinder = [0.03, 1]
+[buoy]
+sphere = 0.08
+xyz = [0.1, 0.2, 0.3]
+[frame]
+mesh = "frame.stl"
+scale = 0.001
+xyz = [0, 0, 1]
+"""
+CORNERS = np.array(
+    [[[0, 0, 0], [100, 0, 0], [0, 100, 0]], [[0, 0, 5], [1, 0, 5], [0, 1, 5]]]
+)
+
+
+def stl(corners: np.ndarray) -> bytes:
+    """A binary STL of triangles (T, 3, 3)."""
+    rows = [struct.pack("<12fH", 0, 0, 1, *row.ravel(), 0) for row in corners]
+    return b"solid by hand".ljust(80) + struct.pack("<I", len(rows)) + b"".join(rows)
+
+
+def written(folder: Path, text: str) -> Path:
+    (folder / "frame.stl").write_bytes(stl(CORNERS))
+    path = folder / "scene.toml"
+    path.write_text(text, "utf-8")
+    return path
+
+
+def test_every_kind_is_read(tmp_path: Path) -> None:
+    hull, post, buoy, frame = read_obstacles(written(tmp_path, TEXT))
+    assert hull.shape == Primitive(
+        kind="box", size=(0.4, 0.3, 0.2), xyz=(-0.2, 0.0, -0.1), rpy=(0.0, 0.0, 0.5)
+    )
+    assert post.shape == Primitive(kind="cylinder", size=(0.03, 1.0), xyz=(0.0,) * 3)
+    assert buoy.shape == Primitive(kind="sphere", size=(0.08,), xyz=(0.1, 0.2, 0.3))
+    names = [obstacle.name for obstacle in (hull, post, buoy, frame)]
+    assert names == ["hull", "post", "buoy", "frame"]
+    assert isinstance(frame.shape, Mesh)
+    vertices = frame.shape.vertices[frame.shape.triangles]
+    assert vertices == pytest.approx(CORNERS / 1000 + [0, 0, 1], abs=1e-7)
+
+
+def test_an_empty_file_has_no_obstacles(tmp_path: Path) -> None:
+    assert read_obstacles(written(tmp_path, "")) == ()
+
+
+BAD = [
+    ("box = 1", InputError, r"box: expected a table such as \[box\]"),
+    ("[a]\nxyz = [0, 0, 0]", InputError, "a: expected one of box, cylinder"),
+    ("[a]\nbox = [1, 1, 1]\nsphere = 1", InputError, "a: expected one of"),
+    ("[a]\nbox = [1, 1]", InputError, "a.edges"),
+    ("[a]\nbox = [1, 1, -1]", InputError, r"a.edges\[2\]"),
+    ("[a]\ncylinder = [1]", InputError, "a.cylinder"),
+    ("[a]\nsphere = '1'", InputError, "a.radius"),
+    ("[a]\nsphere = 1\nrpy = [0, 0, 0]", UnknownNameError, "key of a 'rpy'"),
+    ("[a]\nmesh = 3", InputError, "a.mesh: expected the name of a binary STL"),
+    ("[a]\nmesh = 'frame.stl'\nscale = 0", InputError, "a.scale"),
+    ("[a]\nmesh = 'missing.stl'", MissingFileError, "binary STL"),
+    ("[a]\nmesh = 'scene.toml'", FileFormatError, "no binary STL"),
+    ("[a", FileFormatError, "scene.toml"),
+    ("[a]\nbox = [1, 1, nan]", InputError, "a.edges"),
+]
+
+
+@pytest.mark.parametrize(("text", "kind", "message"), BAD, ids=range(len(BAD)))
+def test_bad_files(
+    text: str, kind: type[Alpha5Error], message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(kind, match=message):
+        read_obstacles(written(tmp_path, text))
+
+
+def test_a_file_that_is_no_text(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(FileFormatError, match="UTF-8"):
+        read_obstacles(path)
+    with pytest.raises(MissingFileError, match="TOML file of obstacles"):
+        read_obstacles(tmp_path / "none.toml")
+    (tmp_path / "cut.stl").write_bytes(stl(CORNERS)[:-1])
+    path.write_text("[a]\nmesh = 'cut.stl'", "utf-8")
+    with pytest.raises(FileFormatError, match="no binary STL"):
+        read_obstacles(tmp_path / "scene.toml")

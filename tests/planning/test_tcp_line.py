@@ -1,0 +1,144 @@
+"""Straight lines of the tcp: straight, within limits, fast, free, and refused."""
+
+from __future__ import annotations
+
+import builtins
+from typing import Any
+
+import numpy as np
+import pytest
+from coal_world import CoalWorld
+from own_arm import tips, with_tool
+from reference import dh_frames
+
+import alpha5_model as a5
+from alpha5_model.errors import (
+    BlockedMotionError,
+    DiscontinuousPathError,
+    InputError,
+    MissingDependencyError,
+    UnreachableError,
+)
+
+HOME = a5.named_pose("home")
+SPEED = np.array([joint.velocity for joint in a5.parameters().joints[:4]])
+#: Ends of lines on one branch [m].
+LINES = [
+    ([0.10, 0.25, 0.05], [0.30, -0.10, 0.15]),
+    ([0.20, 0.10, 0.25], [0.20, 0.10, 0.00]),
+    ([0.12, -0.15, 0.20], [0.30, -0.15, 0.05]),
+]
+
+
+def at(point: Any) -> np.ndarray:
+    return a5.inverse_kinematics(point).best(HOME)
+
+
+def off_line(points: np.ndarray, start: Any, end: Any) -> float:
+    """Largest distance of points (N, 3) from a line [m]."""
+    direction = np.subtract(end, start) / np.linalg.norm(np.subtract(end, start))
+    away = points - start
+    return float(np.linalg.norm(np.cross(away, direction), axis=1).max())
+
+
+@pytest.mark.parametrize(("start", "end"), LINES)
+def test_a_line_is_straight_and_within_limits(start: Any, end: Any) -> None:
+    motion = a5.plan(at(start), end, line=True, acceleration=0.8)
+    assert motion.kind == "tcp line"
+    assert motion.branch == "underarm"
+    tips_at = np.array([dh_frames(q)[-1][:3, 3] for q in motion.position])
+    assert off_line(tips_at, np.array(start), np.array(end)) < 1e-5
+    assert tips_at[[0, -1]] == pytest.approx(np.array([start, end]), abs=1e-9)
+    assert (np.diff(tips_at @ np.subtract(end, start)) > -1e-12).all()
+
+    # Speeds by finite differences of the positions, at rest at both ends.
+    step = motion.time[1]
+    speed = np.abs(np.diff(motion.position, axis=0)) / step
+    assert (speed <= SPEED).all()
+    assert not motion.velocity[[0, -1]].any()
+    assert np.abs(motion.acceleration).max() <= 0.8
+    middle = motion.velocity[1:-1]
+    differences = (motion.position[2:] - motion.position[:-2]) / (2 * step)
+    assert middle == pytest.approx(differences, abs=0.8 * step)
+
+
+def test_a_line_is_fast() -> None:
+    """At each moment a joint is near its speed or its acceleration."""
+    motion = a5.plan(at(LINES[0][0]), LINES[0][1], line=True)
+    of_speed = (np.abs(motion.velocity) / SPEED).max(axis=1)
+    of_acceleration = np.abs(motion.acceleration).max(axis=1)
+    assert motion.slowed == 1.0
+    busy = np.maximum(of_speed, of_acceleration) > 0.98
+    assert busy.mean() > 0.9
+
+
+def test_a_line_is_free_for_coal() -> None:
+    post = a5.Obstacle.cylinder("post", 0.02, 1.0, (0.36, 0.05, 0.0))
+    start, end = LINES[0]
+    motion = a5.plan(at(start), end, line=True, obstacles=[post])
+    world = CoalWorld(obstacles=[post])
+    assert min(world.distances(q).min() for q in motion.position[::5]) > 0.004
+
+    near = a5.Obstacle.cylinder("post", 0.02, 1.0, (0.22, 0.05, 0.0))
+    with pytest.raises(BlockedMotionError, match="straight line of the tcp") as error:
+        a5.plan(at(start), end, line=True, obstacles=[near])
+    assert "post" in error.value.names
+
+
+def test_the_wrist_turns_evenly() -> None:
+    start, end = LINES[1]
+    motion = a5.plan(at(start), end, line=True, wrist=1.0)
+    assert motion.position[-1, 3] == pytest.approx(1.0, abs=1e-12)
+    tips_at = np.array([dh_frames(q)[-1][:3, 3] for q in motion.position])
+    share = (tips_at - start) @ np.subtract(end, start) / 0.0625
+    turned = motion.position[:, 3] - motion.position[0, 3]
+    assert turned == pytest.approx(share * turned[-1], abs=1e-5)
+
+
+def test_a_line_to_where_the_tcp_is() -> None:
+    q0 = at(LINES[0][0])
+    motion = a5.plan(q0, LINES[0][0], line=True)
+    assert motion.position == pytest.approx(np.tile(q0, (len(motion.time), 1)))
+
+
+def test_lines_of_an_arm_of_ones_own() -> None:
+    arm = with_tool(0.015, -0.01, -0.25)
+    q0 = np.array([3.0, 1.0, 2.6, 1.0])
+    start = tips(arm, q0[None])[0]
+    end = start * [0.8, 0.8, 1.1]
+    motion = a5.plan(q0, end, arm=arm, line=True)
+    assert off_line(tips(arm, motion.position), start, end) < 1e-5
+
+
+def test_a_line_that_leaves_the_workspace() -> None:
+    with pytest.raises(UnreachableError, match=r"\(row \d+\)"):
+        a5.plan(at([0.15, 0.2, 0.1]), [0.15, -0.2, 0.9], line=True)
+
+
+def test_a_line_across_the_gap_of_axis_e() -> None:
+    q0 = np.array([0.1, 1.5, 1.5, 1.0])
+    beyond = np.array([-0.3, 1.5, 1.5, 1.0])
+    start, end = (dh_frames(q)[-1][:3, 3] for q in (q0, beyond))
+    assert np.linalg.norm(end - start) < 0.15
+    with pytest.raises(DiscontinuousPathError, match="jump"):
+        a5.plan(q0, end, line=True)
+
+
+def test_only_a_point_is_reached_by_a_line() -> None:
+    with pytest.raises(InputError, match="target: expected a point"):
+        a5.plan(HOME, a5.named_pose("reach"), line=True)
+    with pytest.raises(InputError, match="line"):
+        a5.plan(HOME, LINES[0][1], line=1)  # type: ignore[arg-type]
+
+
+def test_without_toppra(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = builtins.__import__
+
+    def without(name: str, *rest: Any) -> Any:
+        if name.partition(".")[0] == "toppra":
+            raise ImportError(name=name)
+        return own(name, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(MissingDependencyError, match=r"alpha5-model\[line\]"):
+        a5.plan(at(LINES[0][0]), LINES[0][1], line=True)
