@@ -14,6 +14,7 @@ from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory.bag_limits import Budget, limited
 from alpha5_model.trajectory.file_table import Progress, library
 from alpha5_model.trajectory.names import only_choice, prefixes
+from alpha5_model.trajectory.text_table import refuse_git_lfs_pointer
 
 _JOINT_STATE = "sensor_msgs/msg/JointState"
 #: Messages read between two reports of progress.
@@ -78,6 +79,9 @@ def joint_states(
 
         if not file.exists():
             raise MissingFileError(path, "a ROS bag")
+        if file.is_file():
+            with file.open("rb") as stream:
+                refuse_git_lfs_pointer(path, stream.read(100))
 
         # The message is the same in every release: the definitions in the bag are not
         # needed.

@@ -12,6 +12,7 @@ from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.files import PathLike
 from alpha5_model.trajectory.bag_messages import Message, joint_states, select
 from alpha5_model.trajectory.file_table import FileTable, Progress, seconds
+from alpha5_model.trajectory.joint_map import JointMap
 from alpha5_model.trajectory.warning import MotionWarning
 
 _IntArray = NDArray[np.int64]
@@ -35,9 +36,11 @@ class BagTable(FileTable):
         path: PathLike,
         topic: str | None,
         prefix: str | None,
+        joints: JointMap,
         progress: Progress | None,
     ) -> None:
         streams = joint_states(path, topic, progress)
+        _rename(streams, joints)
         chosen = select(path, streams, prefix)
         stream = streams[chosen.topic]
         complete = _complete(stream, chosen.joints)
@@ -69,6 +72,19 @@ class BagTable(FileTable):
         """Where a number is in the bag, for messages."""
         message = f"message {self._message_numbers[row]} of {self._topic}"
         return f"{message} ({self.header[column]})" if column else message
+
+
+def _rename(streams: dict[str, list[Message]], joints: JointMap) -> None:
+    """Give the joints in the messages the arm's names.
+
+    Raises:
+        InputError: A name that no message has.
+    """
+    messages = [message for stream in streams.values() for message in stream]
+    names = dict.fromkeys(name for m in messages for name in m.content.name)
+    ours = dict(zip(names, joints.renamed(names), strict=True))
+    for message in messages:
+        message.content.name = [ours[name] for name in message.content.name]
 
 
 class _Samples(NamedTuple):

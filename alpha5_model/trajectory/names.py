@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.trajectory.column_units import scale, split_unit
 
 POSITION = "position"
 VELOCITY = "velocity"
@@ -83,6 +84,8 @@ _REASONS = 4
 
 #: The last joint in a name. ``axis_e2`` is not ``axis_e``.
 _JOINT = re.compile(rf"(.*)({'|'.join(JOINT_NAMES)})(?![A-Za-z0-9])(.*)", re.DOTALL)
+#: The same in the name of a column, where capitals do not matter.
+_JOINT_OF_COLUMN = re.compile(_JOINT.pattern, re.DOTALL | re.IGNORECASE)
 #: A word, as in ``tau_``, ``jointVelocity/`` and ``arm2.``. Any other sign is a word.
 _WORD = re.compile(r"^-|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+|[^\sA-Za-z0-9_./:\-\[\]()]")
 _SEPARATORS = re.compile(r"[\s_./:\-\[\]()]*")
@@ -99,12 +102,14 @@ class Column:
             ``dq_left_axis_e``. Columns of one arm have the same group.
         meaning: ``"position"``, ``"velocity"``, ``"effort"``, or another one, such as
             ``"torque"``, ``"command"`` or ``"unknown"``.
+        scale: SI units in the unit of its name; 1 if it names none.
     """
 
     name: str
     joint: str
     group: str
     meaning: str
+    scale: float = 1.0
 
 
 def joint_columns(
@@ -119,16 +124,28 @@ def joint_columns(
     wanted_group = None if wanted_prefix is None else _group(wanted_prefix)
     columns = []
     for name in header:
-        match = _JOINT.fullmatch(name)
+        match = _JOINT_OF_COLUMN.fullmatch(name)
         if not match:
             continue
         before, joint, after = match.groups()
         group = _group(before)
+        on_request = group == wanted_group
+        meaning = _meaning(before, after, on_request)
+        factor = 1.0
+
+        after_without_unit, unit = split_unit(after)
+        if unit:
+            of_stem = _meaning(before, after_without_unit, on_request)
+            known = scale(joint.lower(), of_stem, unit)
+            if known is not None:
+                meaning = of_stem
+                factor = known
         column = Column(
             name=name,
-            joint=joint,
+            joint=joint.lower(),
             group=group,
-            meaning=_meaning(before, after, on_request=group == wanted_group),
+            meaning=meaning,
+            scale=factor,
         )
         columns.append(column)
     return columns

@@ -16,6 +16,8 @@ from alpha5_model.trajectory.file_table import (
     library,
     seconds,
 )
+from alpha5_model.trajectory.joint_map import JointMap
+from alpha5_model.trajectory.text_table import refuse_git_lfs_pointer
 
 #: Any Parquet file may expand to this size [bytes], because equal rows take almost no
 #: space in it.
@@ -30,21 +32,23 @@ class ParquetTable(FileTable):
         FileFormatError: The file is not a Parquet file.
     """
 
-    def __init__(self, path: PathLike) -> None:
+    def __init__(self, path: PathLike, joints: JointMap) -> None:
         self._path = path
         with library(path, "parquet"):
             from pyarrow import BufferReader, parquet
 
             content = read_named(path, "a Parquet file of joint motion")
+            refuse_git_lfs_pointer(path, content)
             self._file = parquet.ParquetFile(BufferReader(content))
             self._largest = _LEAST_EXPANSION + EXPANSION * len(content)
-            self.header = self._file.schema_arrow.names
+            self._names = self._file.schema_arrow.names
+            self.header = joints.renamed(self._names)
 
     def read(
         self, needed: list[int], efforts: list[int]
     ) -> tuple[FloatArray, str | None]:
         """The numbers of some columns; see `FileTable.read`."""
-        names = [self.header[column] for column in (*needed, *efforts)]
+        names = [self._names[column] for column in (*needed, *efforts)]
         with library(self._path, "parquet"):
             from pyarrow import types
 

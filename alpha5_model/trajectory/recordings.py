@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from alpha5_model.trajectory.bag_table import BagTable
 from alpha5_model.trajectory.checks import Origin, checked
 from alpha5_model.trajectory.csv_table import CsvTable
 from alpha5_model.trajectory.file_table import PER_SECOND, FileTable, Progress
+from alpha5_model.trajectory.joint_map import JointMap
 from alpha5_model.trajectory.motions import Motion
 from alpha5_model.trajectory.parquet_table import ParquetTable
 from alpha5_model.trajectory.roles import Roles, find_roles
@@ -33,8 +35,14 @@ def read_motion(
     topic: str | None = None,
     prefix: str | None = None,
     arm: Alpha5Parameters | None = None,
+    joints: Mapping[str, str] | None = None,
 ) -> Motion:
     """Read joint motion from a CSV or Parquet file, or from a ROS bag.
+
+    A CSV is UTF-8 or UTF-16 text. Commas, semicolons or tabs separate its columns;
+    where commas do not, they are decimal commas. Lines that start with ``#`` are
+    comments, of which the last may hold the names of the columns. One row in a hundred
+    may be unreadable: it is left out with a warning. More are an error.
 
     A table has these columns, in any order:
 
@@ -46,16 +54,27 @@ def read_motion(
       ``axis_b_velocity`` or ``dq_axis_b``;
     - efforts [N m], optional, NaN if unknown: ``axis_b_effort`` or ``effort_axis_b``.
 
-    The name of a robot may come before the joint. A column holds positions only if each
-    word of its name agrees: torques, currents, commands, errors and unknown words do
-    not. Such columns are ignored and listed in `Motion.ignored`; a warning names
-    commands. If there are no positions, the error explains what the columns are.
+    The name of a robot may come before the joint; capitals do not matter. A column
+    holds positions only if each word of its name agrees: torques, currents, commands,
+    errors and unknown words do not. Such columns are ignored and listed in
+    `Motion.ignored`; a warning names commands. If there are no positions, the error
+    explains what the columns are.
+
+    A unit may stand behind the name of a column, as in ``axis_e_pos [deg]``,
+    ``axis_e_deg``, ``axis_e_vel [deg/s]`` or ``axis_a_pos [mm]``.
+
+    Numbered columns (``position[0]``, ``field.position0``) belong to the joints that
+    ``name[0]`` and so on name in each row. A CSV of ``ros2 topic echo --csv`` has no
+    names of columns.
 
     A column ``time`` with steps of a second or more is read in milliseconds, or in a
     smaller unit, if the joints can move that fast; a warning says so. If there is no
     such column, the time is the first of ``timestamp``, ``ros_time``, ``sim_time``,
-    ``wall_time_sec`` and the like. In Parquet files (``.parquet``, needs pyarrow) the
-    time may have one of Parquet's types of time.
+    ``wall_time_sec`` and the like, of PlotJuggler's ``__time``, of ``%time`` as
+    ``rostopic echo -p`` writes it, or of a stamp's ``header.stamp.sec`` and
+    ``header.stamp.nanosec``. In a CSV it may be a date and time of ISO 8601
+    (``2026-11-23 18:53:54.25``), in Parquet files (``.parquet``, needs pyarrow) one of
+    Parquet's types of time.
 
     A bag (ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its
     ``metadata.yaml``; needs rosbags) holds ``sensor_msgs/JointState`` messages. Their
@@ -73,29 +92,33 @@ def read_motion(
             Torques never are.
         arm: Record of an arm of your own, for its ranges and rated speeds; None for the
             catalogue's.
+        joints: Joint of the arm -> its name in the file, for a file with other names:
+            ``{"axis_e": "joint_1", ...}`` reads ``joint_1_pos`` as ``axis_e_pos``.
 
     Raises:
         InputError: Not a path, fewer than 5 samples, a topic for a file that is no bag,
-            several topics or prefixes to choose from.
-        UnknownNameError: A topic that the bag does not have.
+            several topics or prefixes to choose from, a name of a joint that the file
+            does not have.
+        UnknownNameError: A topic that the bag does not have, or no joint of the arm.
         MissingFileError: No such file.
         MissingDependencyError: rosbags or pyarrow is not installed.
         FileFormatError: A missing or doubled column, another separator, an empty file,
-            a line of another length, text or NaN for a number, or time that runs back;
-            the message names the place. Or a bag that is damaged or has no joint states
-            of the arm.
+            a Git LFS pointer, several rows of another length or with text or NaN for a
+            number, or time that runs back; the message names the place. Or a bag that
+            is damaged or has no joint states of the arm.
     """
     table: FileTable
+    named = JointMap(joints)
     if _is_bag(path):
-        bag = BagTable(path, topic, prefix, progress)
+        bag = BagTable(path, topic, prefix, named, progress)
         table = bag
         prefix = bag.prefix
     elif topic is not None:
         raise InputError("topic", topic, "no value: only a ROS bag has topics")
     elif _file(path).suffix.lower() in _PARQUET:
-        table = ParquetTable(path)
+        table = ParquetTable(path, named)
     else:
-        table = CsvTable(path, progress)
+        table = CsvTable(path, named, progress)
 
     roles = find_roles(path, table, prefix)
     origin = _FileOrigin(path, table, roles)
@@ -155,11 +178,13 @@ def _recorded(
     needed = roles.needed
     effort_columns = [*roles.efforts.values()]
     numbers, unit = table.read(needed, effort_columns)
+    for k, column in enumerate([*needed, *effort_columns][: numbers.shape[1]]):
+        numbers[:, k] *= roles.scales.get(column, 1.0)
 
     n = len(roles.joints)
     time = numbers[:, 0]
     position = numbers[:, 1 : 1 + n]
-    velocity = numbers[:, 1 + n : len(needed)] if roles.velocities else None
+    velocity = numbers[:, 1 + n : 1 + 2 * n] if roles.velocities else None
     effort = _effort(numbers[:, len(needed) :], roles)
 
     used = {*needed}
@@ -168,6 +193,9 @@ def _recorded(
     unused = [name for k, name in enumerate(table.header) if k not in used]
 
     warnings = [*table.warnings, *roles.warnings]
+    if roles.nanoseconds is not None:
+        time = time + numbers[:, len(needed) - 1] / PER_SECOND["ns"]
+        unit = "s"
     if unit is None:
         name = table.header[roles.time]
         unit, doubt = time_unit(name, time, position, parameters)

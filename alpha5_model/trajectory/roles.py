@@ -20,6 +20,7 @@ from alpha5_model.trajectory.names import (
     joint_columns,
     only_choice,
 )
+from alpha5_model.trajectory.ros_columns import nanoseconds_of
 from alpha5_model.trajectory.time_units import CLOCK, TIME_WITH_UNIT
 from alpha5_model.trajectory.warning import MotionWarning
 
@@ -32,24 +33,33 @@ class Roles:
 
     Attributes:
         time: Column of the time.
+        nanoseconds: Column of the nanoseconds of a stamp, if the time is its seconds.
         joints: Joints with a position, base to tip.
         positions, velocities: Columns, joint by joint; no velocities if none is
             recorded.
         efforts: Joint -> column, of the joints that have one.
         warnings: About columns that the caller may miss.
+        scales: Column -> SI units in the unit of its name, of the columns that name
+            one.
     """
 
     time: int
+    nanoseconds: int | None
     joints: tuple[str, ...]
     positions: list[int]
     velocities: list[int]
     efforts: dict[str, int]
     warnings: list[MotionWarning]
+    scales: dict[int, float]
 
     @property
     def needed(self) -> list[int]:
-        """The columns whose numbers must be finite: time, positions, velocities."""
-        return [self.time, *self.positions, *self.velocities]
+        """The columns whose numbers must be finite.
+
+        Time, positions, velocities, and the nanoseconds of the time if it has some.
+        """
+        needed = [self.time, *self.positions, *self.velocities]
+        return needed if self.nanoseconds is None else [*needed, self.nanoseconds]
 
 
 def find_roles(path: PathLike, table: FileTable, wanted_prefix: str | None) -> Roles:
@@ -73,11 +83,13 @@ def find_roles(path: PathLike, table: FileTable, wanted_prefix: str | None) -> R
     joints = JOINT_NAMES if has_rod else JOINT_NAMES[:4]
     return Roles(
         time=time,
+        nanoseconds=nanoseconds_of(table.header[time], table.header),
         joints=joints,
         positions=[columns.position(joint) for joint in joints],
         velocities=columns.velocities(joints),
         efforts=columns.efforts(joints),
         warnings=[*time_warnings, *columns.command_warnings()],
+        scales=columns.scales(),
     )
 
 
@@ -158,6 +170,12 @@ class _Columns:
                 columns[joint] = self.only(names, f"the effort of {joint}")
         return columns
 
+    def scales(self) -> dict[int, float]:
+        """Column -> SI units in the unit of its name, of those that are not in SI."""
+        scale_of = {c.name: c.scale for c in self._arm if c.scale != 1.0}
+        header = self._table.header
+        return {k: scale_of[name] for k, name in enumerate(header) if name in scale_of}
+
     def command_warnings(self) -> list[MotionWarning]:
         """A warning about commands, which are not measured, if there are any."""
         commands = [column.name for column in self._named if column.meaning == COMMAND]
@@ -181,7 +199,7 @@ class _Columns:
 def _time_names(table: FileTable) -> tuple[list[str], list[MotionWarning]]:
     """The names of columns that hold the time, and a warning if one was picked."""
     header = table.header
-    plain = [name for name in header if name in _TIME]
+    plain = [name for name in header if name.lower() in _TIME]
     if plain:
         return plain, []
     with_unit = [name for name in header if TIME_WITH_UNIT.fullmatch(name)]

@@ -12,8 +12,9 @@ class MotionWarning:
     Attributes:
         kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``,
             ``"velocity"``, ``"effort"``, ``"time_unit"``, ``"time_column"`` or
-            ``"command"``; of a bag also ``"missing_joints"``, ``"not_finite"``,
-            ``"no_stamp"``, ``"out_of_order"`` or ``"publishers"``.
+            ``"command"``; of a CSV also ``"bad_row"``; of a bag also
+            ``"missing_joints"``, ``"not_finite"``, ``"no_stamp"``, ``"out_of_order"``
+            or ``"publishers"``.
         count: How often it occurs.
         first: Where it occurs first.
         text: What it is, and how it is handled.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import time
 import tomllib
 import warnings
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from arm_keys import SENSOR, changes
+from least_time import least_time
 
 import alpha5_model as a5
 from alpha5_model.errors import (
@@ -463,12 +463,16 @@ HOSTILE = [
 def test_hostile_values_are_refused_at_once(
     tmp_path: Path, key: str, number: int
 ) -> None:
-    started = time.process_time()
     message = ""
-    try:
-        read(tmp_path, f"format = 1\n{key} = {HOSTILE[number]}")
-    except Alpha5Error as error:
-        message = str(error)
+
+    def try_to_read() -> None:
+        nonlocal message
+        try:
+            read(tmp_path, f"format = 1\n{key} = {HOSTILE[number]}")
+        except Alpha5Error as error:
+            message = str(error)
+
+    assert least_time(try_to_read, 1.0) < 1.0
     assert "\n" not in message
     assert len(message) < 1001
     # A number that vanishes is a rotor without inertia; 0.1111... is a length.
@@ -476,4 +480,3 @@ def test_hostile_values_are_refused_at_once(
         key.startswith("[lengths]") and HOSTILE[number].startswith("0.1")
     )
     assert bool(message) != accepted
-    assert time.process_time() - started < 1.0

@@ -248,3 +248,22 @@ def test_a_link_4_without_room_for_the_jaws_is_named() -> None:
     own = dataclasses.replace(ARM, links=(*ARM.links[:4], slender))
     with pytest.raises(InputError, match="link_4: expected a body that leaves a poss"):
         split_link_4(own)
+
+
+def test_the_jaw_rod_is_a_solid_cylinder() -> None:
+    """Summed over points, which fill it evenly."""
+    jaws = ARM.jaws
+    even = (np.arange(60) + 0.5) / 60
+    radius = jaws.rod_diameter / 2 * np.sqrt(even)
+    turn = 2 * np.pi * even
+    height = jaws.rod_length * (even - 0.5)
+    r, a, z = (grid.ravel() for grid in np.meshgrid(radius, turn, height))
+    points = np.column_stack([r * np.cos(a), r * np.sin(a), z])
+    volume = math.pi * (jaws.rod_diameter / 2) ** 2 * jaws.rod_length
+    mass = jaws.rod_density * volume
+    squares = points.T @ points / len(points)
+    inertia = mass * (np.trace(squares) * np.eye(3) - squares)
+
+    rod = split_link_4(ARM).rod
+    assert rod.mass == pytest.approx(mass, rel=1e-12)
+    assert rod.inertia == pytest.approx(inertia, rel=1e-3, abs=1e-14)

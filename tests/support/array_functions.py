@@ -40,6 +40,7 @@ NOT_CALLED = {
     "Identification": "a record",
     "Interval": "a record",
     "Motion": "a record",
+    "Problem": "a record",
     "Sample": "a record",
     "Sensitivity": "a record",
     "Singularities": "a record",
@@ -244,11 +245,13 @@ def kinematics_calls() -> list[tuple[str, Call]]:
     q = rng.uniform(0.5, 3.0, (ROWS, 4))
     reached = {"positions": positions[np.asarray(a5.reachable(positions))]}
     solved = a5.inverse_kinematics(reached["positions"])
+    is_free = (solved.within_limits & ~solved.collides).any(axis=-1)
+    solved = a5.inverse_kinematics(reached["positions"][is_free])
     poses = a5.dh.DHChain.alpha5().forward_kinematics(q)
     path = np.linspace([0.2, 0.1, 0.1], [0.2, 0.12, 0.1], 20)
     plane = {"radius": rng.uniform(0.0, 0.4, ROWS), "z": rng.uniform(-0.3, 0.4, ROWS)}
     posed = a5.inverse_kinematics_pose(poses[:, :, :])
-    inside = posed.within_limits.any(axis=-1)
+    inside = (posed.within_limits & ~posed.collides).any(axis=-1)
     posed = a5.inverse_kinematics_pose(poses[inside])
     space = a5.workspace
     table: list[tuple[str, Any, dict[str, Any], dict[str, Any]]] = [
@@ -364,6 +367,7 @@ def theory_calls() -> list[tuple[str, Call]]:
         *_planar_calls(rows),
         *_recording_calls(rows),
         *_water_calls(rows),
+        *_obstacle_calls(rows),
     ]
     return [(name, Call(*call)) for name, *call in table]
 
@@ -646,6 +650,44 @@ def _recording_calls(rows: _TheoryRows) -> list[_Row]:
     ]
 
 
+def _obstacle_calls(rows: _TheoryRows) -> list[_Row]:
+    """Of obstacles and motions, (name, call)."""
+    placed = {"xyz": rows.com[0], "rpy": rows.com[1]}
+    points = {"vertices": rows.com, "triangles": np.array([[0.0, 1, 2], [1, 2, 3]])}
+    obstacle = a5.Obstacle
+    ball = obstacle.sphere("o", 0.1).shape
+    named = {"name": "o"}
+    round_one = {"radius": 0.1, "length": 0.2}
+    return [
+        (
+            "Obstacle.box",
+            obstacle.box,
+            {"edges": np.abs(rows.com[2]), **placed},
+            named,
+        ),
+        ("Obstacle.cylinder", obstacle.cylinder, placed, named | round_one),
+        (
+            "Obstacle.sphere",
+            obstacle.sphere,
+            {"xyz": rows.com[0]},
+            {"name": "o", "radius": 0.1},
+        ),
+        ("Obstacle.mesh", obstacle.mesh, points | placed, named),
+        ("Primitive.moved", ball.moved, {"frame": rows.pose}, {}),
+        (
+            "plan",
+            lambda **given: a5.plan(**given).position,
+            {
+                "q0": np.array(a5.named_pose("home")),
+                "target": np.array([0.2, 0.1, 0.1]),
+                "speed": np.array([0.1, 0.2, 0.3, 0.4]),
+                "acceleration": np.array([0.5, 0.6, 0.7, 0.8]),
+            },
+            {},
+        ),
+    ]
+
+
 def _water_calls(rows: _TheoryRows) -> list[_Row]:
     """Of strips and vehicles in water, (name, call)."""
     return [
@@ -690,6 +732,8 @@ def jax_calls() -> list[tuple[str, Call]]:
     calls.append(
         ("jax.inverse_kinematics", Call(jax_arms.inverse_kinematics, target, {}))
     )
+    near = Call(jax_arms.approximate_collision_distance, {"q": state["q"]}, {})
+    calls.append(("jax.approximate_collision_distance", near))
     held = Call(lambda **given: arm.with_payload(0.6, **given).parameters, _LOAD, {})
     calls.append(("JaxArm.with_payload", held))
     return calls

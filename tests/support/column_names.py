@@ -37,7 +37,7 @@ status_*|*_status|mode_*|*_mode|fault_*|error_code_*|flags_*|enabled_*|is_homed_
 stamp_*|*_stamp|timestamp_*|*_time|age_*|delay_*|latency_*|dt_*|seq_*|count_*
 load_*|*_load|present_load_*|force_*|*_force|wrench_*|moment_*|strain_*|mom_*|F_*
 humidity_*|internal_humidity_*|pressure_*|leak_*|depth_*|friction_*|gravity_*|coriolis_*|inertia_*|buoyancy_*
-deg_*|*_deg|*_pos_deg|* [deg]|angle_deg_*|*_degrees|mass_*|drag_*|weight_*|foo_*
+deg_*|angle_deg_*|deg_*_pos|*_vel_deg|*_deg_cmd|mass_*|drag_*|weight_*|foo_*
 τ_*|ω_*|Δ_*|σ_*|dq*|*'|*_dot|-*|*²|qpos_err_*
 """
 

@@ -154,6 +154,7 @@ URDFS = {
 ANSWERED = {
     *(f"program {name}" for name in PROGRAMS),
     *(f"mesh {name}" for name in ADDRESSES),
+    *(f"cell {name}" for name in PROGRAMS),  # one bad row of a recording
     "include",
     "xinclude",
     "style sheet",

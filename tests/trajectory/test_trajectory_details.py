@@ -441,7 +441,7 @@ def test_quoted_cells_and_unused_columns(tmp_path: Path) -> None:
         ),
         (f'"a",0.3,1.0,{"?" * 90},2,3', r"got '\?{40}'$"),
     ):
-        path.write_text("\n".join([header, *rows[:3], bad, *rows[4:]]))
+        path.write_text("\n".join([header, *rows[:3], bad, bad, *rows[5:]]))
         with pytest.raises(FileFormatError, match=words):
             a5.trajectory.read_motion(path)
 

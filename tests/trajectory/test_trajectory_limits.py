@@ -100,7 +100,7 @@ def test_what_expands_without_measure_is_refused(
     path = write_bag(tmp_path, kind, states(6, frame="a" * 20_000_000), compression)
     assert path.is_dir() or path.stat().st_size < 1_000_000
     with (
-        within(3, 150),
+        within(8, 150),
         pytest.raises(FileFormatError, match="100 times its size") as caught,
     ):
         a5.trajectory.read_motion(path)
@@ -158,7 +158,7 @@ def test_65_kilobytes_of_two_gigabytes(tmp_path: Path) -> None:
         path.write_bytes(mcap(compressed, size, copies))
         assert path.stat().st_size < 200_000
         with (
-            within(2, 40),
+            within(8, 40),
             pytest.raises(FileFormatError, match="expands to more than"),
         ):
             a5.trajectory.read_motion(path)
@@ -170,7 +170,7 @@ def test_an_index_that_names_a_chunk_many_times(tmp_path: Path) -> None:
     path = tmp_path / "again.mcap"
     path.write_bytes(mcap(compressed, len(content), copies=900))
     assert path.stat().st_size < 110_000
-    with within(2, 80), pytest.raises(FileFormatError, match="expands to more than"):
+    with within(8, 80), pytest.raises(FileFormatError, match="expands to more than"):
         a5.trajectory.read_motion(path)
 
 
@@ -188,7 +188,7 @@ def test_chunks_of_ros_1_that_share_an_index(tmp_path: Path) -> None:
     assert content.count(once) == 1
     many = content.replace(once, b"chunk_count=" + struct.pack("<I", 901))
     path.write_bytes(many + again * 900)
-    with within(2, 40), pytest.raises(FileFormatError, match="expands to more than"):
+    with within(8, 40), pytest.raises(FileFormatError, match="expands to more than"):
         a5.trajectory.read_motion(path)
 
 
@@ -211,7 +211,7 @@ def test_columns_that_are_formulas(formula: str, tmp_path: Path) -> None:
         database.execute("INSERT INTO messages(topic_id, timestamp) VALUES (1, 1)")
     database.close()
     with (
-        within(2, 80),
+        within(8, 80),
         pytest.raises(FileFormatError, match="columns that are formulas"),
     ):
         a5.trajectory.read_motion(path)
@@ -237,7 +237,7 @@ def test_a_table_whose_pages_are_one_page(tmp_path: Path) -> None:
     content[28:32] = struct.pack(">I", count + 4)
     path.write_bytes(content)
     assert len(content) < 100_000
-    with within(2, 80), pytest.raises(FileFormatError, match="expands to more than"):
+    with within(8, 80), pytest.raises(FileFormatError, match="expands to more than"):
         a5.trajectory.read_motion(path)
 
 
@@ -287,7 +287,7 @@ def test_metadata_that_grows_or_does_something(
     monkeypatch.chdir(tmp_path)
     path = write_bag(tmp_path, "folder", states(6))
     (path / "metadata.yaml").write_text(YAML[name])
-    with within(2, 80), pytest.raises(FileFormatError) as caught:
+    with within(8, 80), pytest.raises(FileFormatError) as caught:
         a5.trajectory.read_motion(path)
     assert "\n" not in str(caught.value)
     assert not (tmp_path / "hacked").exists()
@@ -299,7 +299,7 @@ def test_qualities_of_service_are_not_read(tmp_path: Path) -> None:
     with sqlite3.connect(path) as database:
         database.execute("UPDATE topics SET offered_qos_profiles = ?", ["[" * 90_000])
     database.close()
-    with within(2, 80):
+    with within(8, 80):
         assert a5.trajectory.read_motion(path).time.size == 6
 
 
@@ -324,7 +324,7 @@ def test_parquet_that_expands_without_measure(tmp_path: Path) -> None:
     parquet.write_table(table, path)
     assert path.stat().st_size < 300_000
     with (
-        within(2, 80),
+        within(8, 80),
         pytest.raises(FileFormatError, match=r"expands to more than .* MB"),
     ):
         a5.trajectory.read_motion(path)
@@ -337,11 +337,26 @@ def test_parquet_that_expands_without_measure(tmp_path: Path) -> None:
     assert a5.trajectory.read_motion(path).time.size == 300_000
 
 
+def test_a_large_parquet_file_may_expand_by_its_size(tmp_path: Path) -> None:
+    """Noise does not compress: a file of 2 MB may hold more than the least limit."""
+    rng = np.random.default_rng(3)
+    noise = pyarrow.array(rng.uniform(1.0, 2.0, 250_000))
+    time = pyarrow.array(0.01 * np.arange(250_000))
+    note = pyarrow.array(["x" * 999] * 250_000)
+    table = pyarrow.table(
+        {"time": time} | dict.fromkeys(NAMES, noise) | {"axis_a": noise, "note": note}
+    )
+    path = tmp_path / "large.parquet"
+    parquet.write_table(table, path, compression="zstd")
+    assert path.stat().st_size > 2_000_000
+    assert a5.trajectory.read_motion(path).time.size == 250_000
+
+
 def test_wide_parquet_takes_linear_time(tmp_path: Path) -> None:
     columns = {f"c{k}": np.zeros(1) for k in range(5000)}
     path = tmp_path / "wide.parquet"
     parquet.write_table(pyarrow.table(columns), path)
-    with within(2, 200), pytest.raises(FileFormatError, match="no column for the time"):
+    with within(8, 200), pytest.raises(FileFormatError, match="no column for the time"):
         a5.trajectory.read_motion(path)
 
 
@@ -350,14 +365,14 @@ MANY = "".join(f"{k / 100},1,1,1,1\n" for k in range(7000))
 #: About 100 kB each; the words of the answer, "" if it is a motion.
 TABLES = {
     "quotes": ('"' * 90_000, "no column for the time"),
-    "commas": ("," * 90_000, "no column for the time"),
-    "separators": (";" * 90_000, "';'"),
+    "commas": ("," * 90_000, "is empty"),
+    "separators": (";" * 90_000, "is empty"),
     "lines": ("\n" * 90_000, "is empty"),
     "zero bytes": (HEAD + "\0" * 90_000, "1 fields"),
     "open quote": ('"' + HEAD + MANY, "no column for the time"),
     "quoted": (HEAD + "".join(f'"{k}","1","1","1","1"\n' for k in range(4000)), ""),
     "lines in a quote": (HEAD + '1,"' + "\n" * 90_000 + '",1,1,1\n', "2 fields"),
-    "the last line": (HEAD + MANY + "x,1,1,1,1\n", "line 7002, column 1"),
+    "the last line": (HEAD + MANY + "x,1,1,1,1\n" * 71, "line 7002, column 1"),
     "digits": (HEAD + f"{'1' * 300},1,1,1,1\n" * 300, "at most 1e"),
     "one number": (HEAD + "1" * 90_000 + ",1,1,1,1\n", "a finite number"),
     "fields": (HEAD + "1," * 45_000, "45001 fields"),
@@ -376,7 +391,7 @@ def test_tables_that_nobody_wrote(name: str, tmp_path: Path) -> None:
     content, words = TABLES[name]
     path = tmp_path / "m.csv"
     path.write_text(content)
-    with within(2, 100):
+    with within(8, 100):
         if not words:
             assert a5.trajectory.read_motion(path).time.size == 4000
             return
@@ -397,7 +412,7 @@ def test_a_gap_without_measure() -> None:
     smooth = a5.trajectory.smooth(a5.trajectory.motion(hours, q), "savgol", 20.0)
     np.testing.assert_allclose(smooth.position, q, atol=1e-9)
     # The libraries are loaded by now.
-    with within(2, 100):
+    with within(8, 100):
         with pytest.raises(
             InputError, match="expected spline: a gap of the motion takes 1e"
         ):

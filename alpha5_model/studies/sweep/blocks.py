@@ -57,13 +57,13 @@ def blocks_of(study: Study, first: int, last: int) -> Iterator[Block]:
         start = block_of_case * BLOCK
         case_index = _case_index(study, case)
         states = _states(study, case_index, start)
+        if not len(states.number):
+            continue
+
         motion = states.motion
         arm = arm_of_case(study, tuple(case_index.items()))
-
-        first_row = case * _rows_per_case(study) + start
-        count = len(motion.time)
         yield Block(
-            rows=np.arange(first_row, first_row + count),
+            rows=case * _rows_per_case(study) + states.number,
             index={**case_index, **states.index},
             columns=states.columns,
             quantities=quantities_of(arm, motion, wanted),
@@ -108,7 +108,7 @@ def values_of_row(study: Study, row: int) -> dict[str, Any]:
 
     block = next(blocks_of(study, number, number + 1))
     table = table_of_block(study, block)
-    at = row - block.rows[0]
+    at = int(np.searchsorted(block.rows, row))
     return {name: values[at].item() for name, values in table.items()}
 
 

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.collision.self_collision import self_collision
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.sweep.study import Study
 from alpha5_model.trajectory import SmoothMotion, read_motion, smooth
@@ -26,11 +28,13 @@ class States:
     """Some states of a case.
 
     Attributes:
+        number: Of each among the states of its case, (n,).
         index: Axis -> index of its value, (n,).
         columns: Other columns that describe them: random numbers or times, (n,) each.
         motion: Positions, velocities and accelerations of the four joints, (n, 4).
     """
 
+    number: NDArray[np.int64]
     index: dict[str, NDArray[np.intp]]
     columns: dict[str, NDArray[Any]]
     motion: SmoothMotion
@@ -38,7 +42,10 @@ class States:
 
 @lru_cache(maxsize=32)
 def states_of(study: Study, first: int, last: int) -> States:
-    """States first to last - 1 of a case; all cases have the same states."""
+    """States first to last - 1 of a case; all cases have the same states.
+
+    Those in self-collision are not among them, if the study leaves them out.
+    """
     index = _grid_index(study, first, last)
     drawn = _drawn(study, first, last)
     on_grid = {name: np.array(study.states[name])[at] for name, at in index.items()}
@@ -58,7 +65,29 @@ def states_of(study: Study, first: int, last: int) -> States:
         from_velocity=False,
         deviation=zero,
     )
-    return States(index=index, columns=drawn, motion=motion)
+    number = np.arange(first, last)
+    states = States(number=number, index=index, columns=drawn, motion=motion)
+    return _free_states(states, study.arm) if study.leaves_out_collisions else states
+
+
+def _free_states(states: States, arm: Alpha5Parameters | None) -> States:
+    """The states at which the arm, its jaws closed, does not touch itself."""
+    motion = states.motion
+    free = ~self_collision(chosen_arm(arm)).touches(motion.position)
+    return States(
+        number=states.number[free],
+        index={name: index[free] for name, index in states.index.items()},
+        columns={name: column[free] for name, column in states.columns.items()},
+        motion=replace(
+            motion,
+            time=motion.time[free],
+            position=motion.position[free],
+            velocity=motion.velocity[free],
+            acceleration=motion.acceleration[free],
+            direction=motion.direction[free],
+            deviation=motion.deviation[free],
+        ),
+    )
 
 
 def _grid_index(study: Study, first: int, last: int) -> dict[str, NDArray[np.intp]]:
@@ -103,9 +132,11 @@ def recorded_states(path: Path, arm: Alpha5Parameters | None) -> States:
         Alpha5Error: The recording cannot be used.
     """
     motion = smooth(read_motion(path, arm=arm), arm=arm)
+    sample = np.arange(len(motion.time))
     return States(
+        number=sample,
         index={},
-        columns={"sample": np.arange(len(motion.time)), "time": motion.time},
+        columns={"sample": sample, "time": motion.time},
         motion=replace(
             motion,
             position=_arm_columns(motion.position),

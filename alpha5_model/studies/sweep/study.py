@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from alpha5_model._support.checks import count, generator, named
+from alpha5_model._support.checks import count, flag, generator, named
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import FileFormatError, InputError
@@ -65,6 +65,8 @@ class Study:
             is the first.
         drawn: Axis -> the range from which each state draws its own value.
         outputs: By name.
+        leaves_out_collisions: Leave out the states of the grid, and random ones, at
+            which the arm touches itself.
         arm: Record of an arm of your own; None for the catalogue's.
     """
 
@@ -77,6 +79,7 @@ class Study:
     states: dict[str, Sequence[float]]
     drawn: dict[str, Sequence[float]]
     outputs: dict[str, Output]
+    leaves_out_collisions: bool
     arm: Alpha5Parameters | None = None
 
     def sizes(self) -> Sizes:
@@ -178,7 +181,8 @@ def _checked(
     Raises:
         InputError: An invalid value, with its place.
     """
-    named("key", given, ("seed", "samples", "axes", "outputs"))
+    keys = ("seed", "samples", "leave_out_self_collision", "axes", "outputs")
+    named("key", given, keys)
     for key in ("axes", "outputs"):
         if not isinstance(given.get(key), dict) or not given[key]:
             raise InputError(key, given.get(key), "a table with at least one key")
@@ -204,4 +208,7 @@ def _checked(
             name: read_output(name, table, grid)
             for name, table in given["outputs"].items()
         },
+        leaves_out_collisions=flag(
+            "leave_out_self_collision", given.get("leave_out_self_collision", False)
+        ),
     )

@@ -1,0 +1,81 @@
+"""Units in the names of columns."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import alpha5_model as a5
+from alpha5_model.errors import FileFormatError
+
+JOINTS = [f"axis_{letter}" for letter in "edcb"]
+TIME = 0.125 * np.arange(12)
+#: (12, 4) [rad] or [rad/s]
+ANGLES = 1.0 + 0.25 * np.arange(4) + 0.015625 * np.arange(12)[:, None]
+ROD = 0.005 + 0.0001 * np.arange(12)
+
+
+def written(path: Path, columns: dict[str, np.ndarray]) -> Path:
+    rows = [[*columns], *zip(*columns.values(), strict=True)]
+    path.write_text("\n".join(",".join(map(str, row)) for row in rows), "utf-8")
+    return path
+
+
+def named(pattern: str, values: np.ndarray) -> dict[str, np.ndarray]:
+    return {pattern.replace("*", joint): values[:, k] for k, joint in enumerate(JOINTS)}
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        "*_pos [deg]",
+        "*_pos(deg)",
+        "*_pos_deg",
+        "*_deg",
+        "* [deg]",
+        "*_degrees",
+        "q_* [°]",
+        "left_*_position [Degrees]",
+        "*_DEG",
+    ],
+)
+def test_positions_in_degrees(pattern: str, tmp_path: Path) -> None:
+    table = {"time": TIME, **named(pattern, ANGLES * 180 / math.pi)}
+    motion = a5.trajectory.read_motion(written(tmp_path / "m.csv", table))
+    np.testing.assert_allclose(motion.position, ANGLES, rtol=4e-16)
+    assert motion.warnings == ()
+
+
+@pytest.mark.parametrize("pattern", ["*_pos [rad]", "*_rad", "* (radians)", "*"])
+def test_positions_in_radians(pattern: str, tmp_path: Path) -> None:
+    table = {"time": TIME, **named(pattern, ANGLES)}
+    motion = a5.trajectory.read_motion(written(tmp_path / "m.csv", table))
+    np.testing.assert_array_equal(motion.position, ANGLES)
+
+
+def test_each_quantity_has_its_own_units(tmp_path: Path) -> None:
+    table = {"time [ms]": TIME * 1e3, **named("*_pos [rad]", ANGLES)}
+    table |= {"axis_a_pos [mm]": ROD * 1e3, "axis_a_vel [mm/s]": ROD * 1e3}
+    table |= named("*_vel [deg/s]", ANGLES * 180 / math.pi)
+    table |= named("*_effort [Nm]", ANGLES)
+    motion = a5.trajectory.read_motion(written(tmp_path / "m.csv", table))
+    assert motion.velocity is not None
+    assert motion.effort is not None
+    expected = np.column_stack([ANGLES, ROD])
+    np.testing.assert_allclose(motion.time, TIME, rtol=1e-15)
+    np.testing.assert_allclose(motion.position, expected, rtol=4e-16)
+    np.testing.assert_allclose(motion.velocity, expected, rtol=4e-16)
+    np.testing.assert_array_equal(motion.effort[:, :4], ANGLES)
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    ["*_pos [mm]", "*_pos [Nm]", "*_pos [deg/s]", "*_pos [mA]", "*_mm", "*_pos [x]"],
+)
+def test_a_unit_of_another_quantity_is_refused(pattern: str, tmp_path: Path) -> None:
+    table = {"time": TIME, **named(pattern, ANGLES)}
+    with pytest.raises(FileFormatError, match="no column for the position of axis_e"):
+        a5.trajectory.read_motion(written(tmp_path / "m.csv", table))
