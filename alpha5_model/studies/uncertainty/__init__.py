@@ -30,6 +30,7 @@ from alpha5_model.studies.uncertainty.effects import (
     spread,
 )
 from alpha5_model.studies.uncertainty.identification import Identification, identify
+from alpha5_model.studies.uncertainty.misfit import Problem
 from alpha5_model.studies.uncertainty.printed import (
     ALTERNATIVES,
     PrintedNumber,
@@ -42,6 +43,7 @@ __all__ = [
     "Bounds",
     "Identification",
     "PrintedNumber",
+    "Problem",
     "Sample",
     "Sensitivity",
     "Spread",

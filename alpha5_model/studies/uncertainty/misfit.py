@@ -1,0 +1,261 @@
+"""Does the model fit a recording? Named causes why it may not, with their sizes.
+
+References:
+    [Rao1948] Rao: Large sample tests of statistical hypotheses concerning several
+    parameters, Proceedings of the Cambridge Philosophical Society 44(1).
+    [Schwarz1978] Schwarz: Estimating the dimension of a model, Annals of Statistics
+    6(2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.numbers.tables import JOINT_NAMES
+
+#: A misfit that is less probable than this without a cause is reported.
+SIGNIFICANCE = 1e-4
+#: Standard deviations by which a factor must be negative to be a wrong sign.
+_CERTAIN = 4.0
+#: Parts of a column that the fit explains up to this share are not told apart.
+_UNSEEN = 1e-6
+_COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+
+
+class Problem(NamedTuple):
+    """A cause that explains what the model does not.
+
+    Attributes:
+        name: "scale", "sign", "offset", "Coulomb", "viscous", "delay", "fluid",
+            "mass of link_2" and so on; "tables" if no numbers within the digits fit;
+            "untested" if there are too few samples to know the noise.
+        of: What the sizes belong to: joints, components of the load, or a link, (k,).
+        size: (k,). A scale and a sign: recorded over computed. An offset [N m, N].
+            Coulomb friction [N m], viscous friction [N m s/rad], a delay [s]. A fluid:
+            its density [kg/m^3]. A mass: true over printed. Tables: the squared misfit
+            over what noise explains. Untested: the number of samples.
+        deviation: Standard deviation of each size, (k,); NaN for tables and untested.
+        unit: Of size, "" for none.
+        gain: Squared misfit, in standard deviations of the noise, that the cause takes
+            away, less ``k log(samples)`` [Schwarz1978]; -inf for tables and untested.
+            The largest is rank 1.
+        rank: From 1. Only the first is likely to be the cause: others often explain a
+            part of the same misfit.
+    """
+
+    name: str
+    of: tuple[str, ...]
+    size: FloatArray
+    deviation: FloatArray
+    unit: str
+    gain: float
+    rank: int
+
+    def __str__(self) -> str:
+        if self.name == "untested":
+            return f"too few samples ({self.size[0]:.0f}): the model was not tested"
+        if self.name == "tables":
+            return (
+                "your data contradict the tables: the best numbers within the digits "
+                f"leave {self.size[0]:.3g} times the misfit that noise explains"
+            )
+        unit = f" {self.unit}" if self.unit else ""
+        parts = [
+            f"{of} {size:.4g} ± {deviation:.2g}{unit}"
+            for of, size, deviation in zip(
+                self.of, self.size, self.deviation, strict=True
+            )
+        ]
+        return f"{self.name}: {', '.join(parts)}"
+
+
+class Suspect(NamedTuple):
+    """A cause, and how the recording changes with its size.
+
+    Attributes:
+        name, of, unit: As of `Problem`.
+        columns: Change of the recorded channels by a size of 1, (N, n, k).
+        without: Size if the cause is absent: 1 for a factor, or the fluid's density.
+    """
+
+    name: str
+    of: tuple[str, ...]
+    unit: str
+    columns: FloatArray
+    without: float = 0.0
+
+
+def suspects(
+    regressor: FloatArray,
+    time: FloatArray,
+    velocity: FloatArray,
+    nominal: FloatArray,
+    by_density: FloatArray,
+    by_mass: FloatArray,
+    density: float,
+) -> tuple[Suspect, ...]:
+    """The causes that a recording can tell, of efforts (n = 4) or loads (n = 6).
+
+    Args:
+        regressor: (N, n, 38).
+        time: (N,) [s].
+        velocity: Of the joints, (N, 4) [rad/s].
+        nominal: Base parameters by the tables, (38,).
+        by_density: Their derivative by the fluid's density, (38,).
+        by_mass: Their derivative by each link's mass over the printed one, (5, 38).
+        density: Of the fluid [kg/m^3].
+    """
+    efforts = regressor.shape[1] == velocity.shape[1]
+    channels = JOINT_NAMES[:4] if efforts else _COMPONENTS
+    computed = regressor @ nominal
+    ones = np.ones_like(computed)
+    later = -np.gradient(computed, time, axis=0)[..., None]
+    units = "N m" if efforts else "N, N m"
+    by_density_column = (regressor @ by_density)[..., None]
+
+    def each(name: str, unit: str, rows: FloatArray, without: float = 0.0) -> Suspect:
+        """A cause with a size for each channel."""
+        return Suspect(
+            name=name, of=channels, unit=unit, columns=_each(rows), without=without
+        )
+
+    def single(
+        name: str, of: str, unit: str, columns: FloatArray, without: float = 0.0
+    ) -> Suspect:
+        """A cause with one size."""
+        return Suspect(name=name, of=(of,), unit=unit, columns=columns, without=without)
+
+    found = [
+        single("scale", "recording", "", computed[..., None], without=1.0),
+        each("scale", "", computed, without=1.0),
+        each("offset", units, ones),
+        single("delay", "recording", "s", later),
+        single("fluid", "density", "kg/m^3", by_density_column, without=density),
+    ]
+    if efforts:
+        found.append(each("Coulomb", "N m", np.sign(velocity)))
+        found.append(each("viscous", "N m s/rad", velocity))
+    for link, slope in enumerate(by_mass):
+        columns = (regressor @ slope)[..., None]
+        name = f"link_{link}"
+        found.append(single(f"mass of {name}", name, "", columns, without=1.0))
+    return tuple(found)
+
+
+def _each(rows: FloatArray) -> FloatArray:
+    """One column for each channel, (N, n) to (N, n, n)."""
+    return np.asarray(rows[..., None] * np.eye(rows.shape[1]))
+
+
+class Equations(NamedTuple):
+    """Least-squares equations of a recording, divided by the noise.
+
+    Attributes:
+        restricted: By the unknowns, with the equations of the digits below, (m, count).
+        of_suspects: By all columns of the suspects, (m, s).
+        rest: What is to be explained, (m,).
+        samples: Measured values.
+        independent: Of them, those that the noise leaves independent.
+    """
+
+    restricted: FloatArray
+    of_suspects: FloatArray
+    rest: FloatArray
+    samples: int
+    independent: float
+
+
+def named_causes(
+    equations: Equations, causes: tuple[Suspect, ...]
+) -> Iterator[Problem]:
+    """Score tests of each cause alone [Rao1948], without rank.
+
+    The size of slow noise is known from the independent samples only, so that F's
+    distribution replaces that of chi-squared.
+    """
+    from scipy.stats import f
+
+    basis, _ = np.linalg.qr(equations.restricted)
+    columns = equations.of_suspects
+    unexplained = columns - basis @ (basis.T @ columns)
+    rest = equations.rest - basis @ (basis.T @ equations.rest)
+    length = np.linalg.norm(unexplained, axis=0)
+    seen = length > _UNSEEN * np.linalg.norm(columns, axis=0)
+    first = 0
+    for cause in causes:
+        last = first + len(cause.of)
+        kept = first + np.flatnonzero(seen[first:last])
+        of = tuple(cause.of[k - first] for k in kept)
+        first = last
+        if not kept.size:
+            continue
+
+        left, singular, right = np.linalg.svd(unexplained[:, kept], full_matrices=False)
+        explained = left.T @ rest
+        squared = float(explained @ explained)
+        if f.sf(squared / kept.size, kept.size, equations.independent) > SIGNIFICANCE:
+            continue
+        inverse = right.T / singular
+        size = cause.without + inverse @ explained
+        deviation = np.linalg.norm(inverse, axis=1)
+        yield Problem(
+            name=_name(cause, size + _CERTAIN * deviation),
+            of=of,
+            size=size,
+            deviation=deviation,
+            unit=cause.unit,
+            gain=squared - kept.size * np.log(equations.samples),
+            rank=0,
+        )
+
+
+def _name(cause: Suspect, highest: FloatArray) -> str:
+    """The cause's name; a scale that is negative is a wrong sign."""
+    return "sign" if cause.name == "scale" and (highest < 0).any() else cause.name
+
+
+def contradiction(squared: float, rank: int, independent: float) -> Iterator[Problem]:
+    """Whether numbers within the digits leave more than noise explains, without rank.
+
+    Args:
+        squared: Least squared distance of base parameters within the digits from the
+            best unrestricted ones, in standard deviations of the noise.
+        rank: Independent combinations of base parameters that the recording tells.
+        independent: Samples that the noise leaves independent.
+    """
+    from scipy.stats import f
+
+    if f.sf(squared / rank, rank, independent) > SIGNIFICANCE:
+        return
+    yield Problem(
+        name="tables",
+        of=("tables",),
+        size=np.array([squared / rank]),
+        deviation=np.array([np.nan]),
+        unit="",
+        gain=-np.inf,
+        rank=0,
+    )
+
+
+def untested(samples: int) -> Problem:
+    """The problem of a recording whose noise cannot be told."""
+    return Problem(
+        name="untested",
+        of=("samples",),
+        size=np.array([float(samples)]),
+        deviation=np.array([np.nan]),
+        unit="",
+        gain=-np.inf,
+        rank=1,
+    )
+
+
+def ranked(problems: Iterable[Problem]) -> tuple[Problem, ...]:
+    """The problems, the likeliest first; "tables" comes last."""
+    order = sorted(problems, key=lambda problem: -problem.gain)
+    return tuple(one._replace(rank=k) for k, one in enumerate(order, 1))
