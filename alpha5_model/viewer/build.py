@@ -10,20 +10,34 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, array, choice, shaped
 from alpha5_model._support.paths import URDF_PATH
+from alpha5_model.collision.self_collision import self_collision
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.dynamics.load import arm_urdf
+from alpha5_model.errors import SelfCollisionError
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
+from alpha5_model.kinematics.solutions import SolutionArrays
 from alpha5_model.numbers.chosen_arm import is_catalogue
 from alpha5_model.numbers.parameters import parameters
+from alpha5_model.planning.planner import ACCELERATION
+from alpha5_model.planning.retracted import retracted_poses
+from alpha5_model.planning.s_curve import RAMP
 from alpha5_model.trajectory import Motion
 from alpha5_model.viewer import drawing
 from alpha5_model.viewer.framing import framed
 from alpha5_model.viewer.own_arm import own_arm, own_notes
 from alpha5_model.viewer.poses import link_poses, named_poses, tree_of, with_base
 from alpha5_model.viewer.reach_shapes import workspace_shapes
-from alpha5_model.viewer.scene import DEFAULT_SHOW, GROUPS, Label, Load, Scene, Shape
+from alpha5_model.viewer.scene import (
+    DEFAULT_SHOW,
+    GROUPS,
+    Label,
+    Load,
+    Scene,
+    Shape,
+    Travel,
+)
 from alpha5_model.viewer.statics import loads_of, statics_of, streams_of
 from alpha5_model.viewer.tracks import motion_track
 
@@ -86,7 +100,6 @@ def build_scene(
     loads = tuple(loads_of(arm, tree))
     if show is None:
         show = _default_show(target=target is not None, current=current is not None)
-    shown = tuple(choice("group", group, tuple(GROUPS)) for group in show)
 
     beyond = dict(zip(sliders, _beyond_limits(arm, position), strict=True))
     bodies = list(drawing.bodies(urdf, _FOLDER))
@@ -114,23 +127,42 @@ def build_scene(
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
         statics=statics_of(arm, loads, tree[0].parent),
-        show=shown,
+        show=tuple(choice("group", group, tuple(GROUPS)) for group in show),
         named_poses=named_poses(arm),
         motion=track,
         current=shown_current,
         streams=tuple(streams_of(arm)),
+        collision=self_collision(record, _gripper_of(arm)).bodies,
+        travel=_travel(arm),
         target=goal,
         own=own,
     )
     return framed(scene)
 
 
+def _travel(arm: Arm) -> Travel:
+    """How the page moves the arm; the jaws' rod has its speed after one ramp."""
+    joints = arm.parameters.joints[: len(arm.joint_names)]
+    speed = np.array([joint.velocity for joint in joints])
+    acceleration = np.where(np.arange(len(speed)) < 4, ACCELERATION, speed / RAMP)
+    return Travel(
+        speed=speed,
+        acceleration=acceleration,
+        ramp=RAMP,
+        retracted=retracted_poses(arm.parameters),
+    )
+
+
+def _gripper_of(arm: Arm) -> str:
+    """``jaws`` if they move, or ``locked``."""
+    return "jaws" if "axis_a" in arm.joint_names else "locked"
+
+
 def _urdf(arm: Arm) -> str:
     """The URDF that is drawn: the shipped one for the catalogue's arm."""
-    gripper = "jaws" if "axis_a" in arm.joint_names else "locked"
     record = arm.parameters
     # With other corrections, the joints of the shipped one are moved.
-    return arm_urdf(gripper, parameters() if is_catalogue(record) else record)
+    return arm_urdf(_gripper_of(arm), parameters() if is_catalogue(record) else record)
 
 
 def _start(arm: Arm, kinematics: ArmKinematics, goal: FloatArray | None) -> FloatArray:
@@ -147,7 +179,17 @@ def _start(arm: Arm, kinematics: ArmKinematics, goal: FloatArray | None) -> Floa
         return home if found is None else np.concatenate([found, home[4:]])
     nearest = kinematics.nearest_reachable(goal)
     solutions = kinematics.inverse_kinematics(nearest, home[3])
-    return np.concatenate([kinematics.best(solutions, home[:4]), home[4:]])
+    return np.concatenate([_nearest_to(home[:4], solutions, kinematics), home[4:]])
+
+
+def _nearest_to(
+    home: FloatArray, solutions: SolutionArrays, kinematics: ArmKinematics
+) -> FloatArray:
+    """The solution nearest to home (4,), free of self-collision if one is, (4,)."""
+    try:
+        return kinematics.best(solutions, home)
+    except SelfCollisionError:
+        return kinematics.best(solutions, home, allow_collision=True)
 
 
 def _beside(
@@ -155,17 +197,23 @@ def _beside(
 ) -> FloatArray | None:
     """The solution (4,) nearest to home (4,), with axis_b as little turned as needed.
 
-    None if no angle of axis_b that is tried reaches the goal (3,).
+    It is free of self-collision if one is. None if no angle of axis_b that is tried
+    reaches the goal (3,).
     """
     low = kinematics.shape.lower[3]
     high = kinematics.shape.upper[3]
     wrists = np.linspace(low, high, _WRISTS)
     nearest_first = wrists[np.argsort(np.abs(wrists - home[3]))]
+    colliding = None
     for wrist in [home[3], *nearest_first]:
         solutions = kinematics.inverse_kinematics(goal, wrist)
-        if solutions.within_limits.any():
+        if not solutions.within_limits.any():
+            continue
+        if (solutions.within_limits & ~kinematics.collides(solutions)).any():
             return kinematics.best(solutions, home)
-    return None
+        if colliding is None:
+            colliding = kinematics.best(solutions, home, allow_collision=True)
+    return colliding
 
 
 def _default_show(target: bool, current: bool) -> list[str]:

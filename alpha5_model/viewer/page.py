@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import re
 from collections.abc import Iterable
 from functools import cache
@@ -13,7 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from alpha5_model._support.spatial import pose
+from alpha5_model.collision.bodies import CollisionBodies
 from alpha5_model.errors import MissingDependencyError
+from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.kinematics.ik import BRANCHES
 from alpha5_model.viewer.commands import (
     anchors,
@@ -71,6 +75,8 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "statics": scene.statics,
         "current": scene.current,
         "streams": scene.streams,
+        "collision": _collision(scene.collision),
+        "travel": scene.travel._asdict(),
         "camera": scene.camera,
         "target": scene.target,
         "tree": [{**vars(joint), "source": joint.source} for joint in scene.tree],
@@ -96,6 +102,35 @@ def page_data(scene: Scene) -> dict[str, Any]:
             "dimensions": scene.own.dimensions,
         }
     return data
+
+
+def _collision(compared: CollisionBodies) -> dict[str, Any]:
+    """Bodies with their shapes, and the pairs of bodies that are compared."""
+    bodies = [
+        {"link": body.name, "shapes": [_shape(shape) for shape in body.shapes]}
+        for body in compared.bodies
+    ]
+    return {"bodies": bodies, "pairs": compared.pairs}
+
+
+def _shape(shape: Primitive) -> dict[str, Any]:
+    """A box or cylinder by half its edges, the ball around it, and its pose.
+
+    A cylinder has its radius twice.
+    """
+    is_round = shape.kind == "cylinder"
+    if is_round:
+        radius, length = shape.size
+        half = [radius, radius, length / 2]
+        to_rim = half[1:]
+    else:
+        half = to_rim = [edge / 2 for edge in shape.size]
+    return {
+        "round": is_round,
+        "half": half,
+        "radius": math.hypot(*to_rim),
+        "placement": pose(shape.xyz, shape.rpy),
+    }
 
 
 def _plane(scene: Scene) -> dict[str, Any] | None:

@@ -16,6 +16,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, transform
+from alpha5_model.collision.bodies import CollisionBodies
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.viewer.own_arm import OwnArm
@@ -257,6 +258,22 @@ class MotionTrack:
     loads: Mapping[str, FloatArray]
 
 
+class Travel(NamedTuple):
+    """How the page moves the arm from place to place.
+
+    Attributes:
+        speed: Rated speeds of the sliders' joints, (n,) [rad/s or m/s].
+        acceleration: (n,) [rad/s^2 or m/s^2].
+        ramp: Time in which an acceleration builds up [s].
+        retracted: theta_1 and theta_2 of poses in which the arm can turn.
+    """
+
+    speed: FloatArray
+    acceleration: FloatArray
+    ramp: float
+    retracted: tuple[tuple[float, float], ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """All that is drawn, and the numbers that the page computes with.
@@ -276,6 +293,8 @@ class Scene:
         motion: A motion to play, or None.
         current: Velocity of the water in the world, (3,) [m/s].
         streams: Added mass and drag of the links.
+        collision: Bodies that are compared for self-collision.
+        travel: How the page moves the arm.
         target: Target of the tcp in base_link, (3,) [m], or None.
         camera: The camera that sees the scene.
         own: Name and numbers of an arm of one's own, or None.
@@ -296,6 +315,8 @@ class Scene:
     motion: MotionTrack | None
     current: FloatArray
     streams: tuple[Stream, ...]
+    collision: CollisionBodies
+    travel: Travel
     target: FloatArray | None
     camera: Camera = field(default_factory=lambda: Camera(VIEWS["home"], np.zeros(3)))
     own: OwnArm | None = None

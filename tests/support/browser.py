@@ -142,8 +142,13 @@ def browser() -> Iterator[Any]:
 
 
 def new_tab(running: Any, size: tuple[int, int] = SIZE, **options: Any) -> Tab:
-    """An empty page that is watched; ``options`` are Playwright's."""
-    page = running.new_page(viewport={"width": size[0], "height": size[1]}, **options)
+    """An empty page that is watched; ``options`` are Playwright's.
+
+    The arm does not travel unless ``reduced_motion`` is "no-preference".
+    """
+    viewport = {"width": size[0], "height": size[1]}
+    options = {"reduced_motion": "reduce", **options}
+    page = running.new_page(viewport=viewport, **options)
     page.add_init_script(_ONE_SAMPLE)
     tab = Tab(page)
     page.on(

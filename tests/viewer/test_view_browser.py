@@ -68,7 +68,7 @@ def slide(page: Tab, joint: str, value: float) -> None:
     page.settle()
 
 
-def wait_for(condition: Callable[[], Any], seconds: float = 10.0) -> None:
+def wait_for(condition: Callable[[], Any], seconds: float = 30.0) -> None:
     """Wait for something that another thread does."""
     ends = time.perf_counter() + seconds
     while not condition():
@@ -266,8 +266,11 @@ def test_a_target_is_reached_by_the_branch_that_is_asked_for(
         )
     page.page.fill("#target input[name=x]", "900")
     assert not any(buttons.nth(i).is_enabled() for i in range(4))
+    # Without a target the buttons keep the tip where it is.
     page.page.fill("#target input[name=x]", "")
-    assert not any(buttons.nth(i).is_enabled() for i in range(4))
+    assert [
+        buttons.nth(i).is_enabled() for i in range(4)
+    ] == expected.within_limits.tolist()
     assert page.complaints == []
 
 
@@ -390,12 +393,15 @@ def test_the_motion_plays_in_real_time_and_can_be_sought(
     pose = arm.forward_kinematics(np.array(expected), frame="link_4").homogeneous
     np.testing.assert_allclose(shown_pose(page, "link_4"), pose, atol=1e-6)
     page.run("() => alpha5.seek(0)")
+    pressed = page.run("() => performance.now()")
     page.page.locator("#play").click()
-    started = time.perf_counter()
+    started = page.run("() => performance.now()")
     page.page.wait_for_timeout(1500)
-    clock = float(page.run("() => document.getElementById('time').value"))
-    passed = time.perf_counter() - started
-    assert clock == pytest.approx(passed, abs=0.4)
+    clock, now = page.run(
+        "() => [Number(document.getElementById('time').value), performance.now()]"
+    )
+    # a frame may be late on a machine that does other work, too
+    assert (now - started) / 1e3 - 0.4 < clock < (now - pressed) / 1e3
     page.page.locator("#play").click()
     stopped = page.run("() => document.getElementById('time').value")
     page.page.wait_for_timeout(150)

@@ -78,7 +78,7 @@ def tabs(chromium: Any, files: dict[str, Path]) -> Iterator[dict[str, Tab]]:
     out = {}
     for name in ("wide dark", "phone light"):
         size, scheme = WINDOWS[name]
-        one = new_tab(chromium, size, color_scheme=scheme, reduced_motion="reduce")
+        one = new_tab(chromium, size, color_scheme=scheme)
         one.open(files["motion"].as_uri())
         out[name.split()[0]] = one
     yield out

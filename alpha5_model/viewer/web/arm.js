@@ -1,7 +1,7 @@
 // Joint positions, and what follows from them: the poses of the links and the torques that hold the arm still.
 //
 // setPose(values, by) moves the arm; onPose(listener) calls listener(by) after every move. `by` is what moved
-// it: "hand", "motion", "python" or "page".
+// it: "hand", "travel", "motion", "python" or "page".
 const q = { ...data.q };
 let poses = {};
 const listeners = [];
@@ -19,6 +19,8 @@ const limit = (joint) => [joint.lower, joint.upper].find((end, i) => (i ? 1 : -1
 
 function setPose(values, by = "hand") {
   if (!isPose(values)) throw new RangeError(`expected ${data.sliders.length} finite numbers, got ${values}`);
+  say("guard", "");
+  if (by === "hand" && isBlocked(values)) return place("page");
   data.sliders.forEach((name, i) => { q[name] = values[i]; });
   place(by);
 }

@@ -5,6 +5,9 @@ const ghosts = data.branches.map((name, i) => {
   return { material: new THREE.MeshPhongMaterial(solid), group: new THREE.Group(), links: {}, label: null, open: false };
 });
 
+// Poses of all links at angles of the arm, with the jaws as they are.
+const posesAt = (turned) => forwardKinematics(named(withJaws(turned)));
+
 // Make a ghost when it is first needed; it shares the geometries of the bodies.
 function makeGhost(ghost) {
   for (const link in data.links) {
@@ -20,16 +23,18 @@ function makeGhost(ghost) {
 }
 
 // Draw the ghosts; links at the same pose as in the arm or in another ghost are left out.
-function drawGhosts(found) {
+function drawGhosts(found, wouldTouch) {
   const drawn = [poses];
   ghosts.forEach((ghost, i) => {
     ghost.label.element.disabled = !(ghost.open = found.within_limits[i]);
     ghost.group.visible = shown.ghosts && found.exists[i] && largestDifference(found.q[i], angles()) > 1e-6;
-    ghost.label.text = `${branchNames[i]}${ghost.open ? "" : ", beyond the limits"}`;
+    const collides = wouldTouch[i].length > 0;
+    ghost.label.text = `${branchNames[i]}${collides ? ", collides" : ghost.open ? "" : ", beyond the limits"}`;
+    ghost.material.color.set(collides ? RED : GHOSTS[i]);
     if (!ghost.group.visible) return;
     if (!ghost.group.parent) makeGhost(ghost);
     ghost.material.opacity = ghost.open ? 0.42 : 0.16;
-    ghost.poses = forwardKinematics(named(withJaws(found.q[i])));
+    ghost.poses = posesAt(found.q[i]);
     for (const link in ghost.links) {
       const pose = ghost.poses[link];
       ghost.links[link].matrix.copy(pose);

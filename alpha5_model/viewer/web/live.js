@@ -41,7 +41,7 @@ if (data.live) {
   let waiting = false;
   onPose((by) => {
     if (by === "hand") say("refused", "");
-    if (waiting || (by !== "hand" && by !== "motion")) return;
+    if (waiting || !["hand", "motion", "travel"].includes(by)) return;
     waiting = true;
     requestAnimationFrame(() => {
       waiting = false;

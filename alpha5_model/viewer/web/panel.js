@@ -22,13 +22,22 @@ function say(matter, text) {
 let degrees = true;
 const DIGITS = { rad: 4, "\u00b0": 2, mm: 2 };
 const UNITS = { rad: 1, "\u00b0": Math.PI / 180, mm: 1e-3 };
+// Keys of a slider, and the step of one of them: 0.1 degree or 0.1 mm.
+const SLIDER_KEYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
+const KEY_STEP = { revolute: 0.1 * Math.PI / 180, continuous: 0.1 * Math.PI / 180, prismatic: 1e-4 };
 const unit = (joint) => joint.kind === "prismatic" ? "mm" : degrees ? "\u00b0" : "rad";
 const rows = joints.map((joint) => {
   const row = added(byId("joints"), "div", { className: "joint" });
   added(row, "label", { textContent: joint.name, htmlFor: `${joint.name}-value` });
   const slider = added(row, "input", { type: "range", min: joint.lower, max: joint.upper, step: "any", name: joint.name });
   slider.setAttribute("aria-label", joint.name);
-  slider.oninput = () => setJoint(joint.name, slider.valueAsNumber);
+  slider.oninput = () => turn(joint, slider.valueAsNumber);
+  slider.onkeydown = (event) => {
+    const step = SLIDER_KEYS[event.key];
+    if (!step) return;
+    event.preventDefault();
+    turn(joint, clamp(q[joint.name] + step * KEY_STEP[joint.kind], joint.lower, joint.upper));
+  };
   slider.onchange = keepInSight;
   const value = added(row, "input", { type: "number", step: "any", id: `${joint.name}-value` });
   value.onchange = () => {
@@ -41,15 +50,20 @@ const rows = joints.map((joint) => {
 const units = document.querySelectorAll("#units button");
 for (const button of units) button.onclick = () => showJoints(degrees = button.value === "deg");
 for (const [name, values] of Object.entries(data.poses)) {
-  added(byId("poses"), "button", { textContent: name, onclick: () => keepInSight(setPose(values)) });
+  added(byId("poses"), "button", { textContent: name, onclick: () => { dropTarget(); travelTo(values, name); } });
 }
 
+// Turn one joint by hand. The arm leaves its target then.
+function turn(joint, value) {
+  dropTarget();
+  setJoint(joint.name, value);
+}
 // Move a joint to the typed value, or say why not. A displayed limit may be rounded to beyond the limit.
 function moveTo(joint, field) {
   const rounding = 0.5 * 10 ** -DIGITS[unit(joint)];
   const within = (end, sign) => sign * field.valueAsNumber <= sign * end / UNITS[unit(joint)] + rounding;
   if (within(joint.lower, -1) && within(joint.upper, 1)) {
-    setJoint(joint.name, clamp(field.valueAsNumber * UNITS[unit(joint)], joint.lower, joint.upper));
+    turn(joint, clamp(field.valueAsNumber * UNITS[unit(joint)], joint.lower, joint.upper));
     return;
   }
   const stays = `It stays at ${amount(joint, q[joint.name])}.`;
@@ -67,6 +81,7 @@ onPose((by) => { if (by === "hand") say("typed", ""); });
 function showJoints() {
   for (const { joint, row, slider, value, unit: sign } of rows) {
     slider.value = q[joint.name];
+    slider.setAttribute("aria-valuetext", amount(joint, q[joint.name]));
     if (value !== document.activeElement) value.value = shownValue(joint);
     sign.textContent = unit(joint);
     row.classList.toggle("beyond", limit(joint) !== undefined);
@@ -84,14 +99,28 @@ function showTorques() {
   });
 }
 
-// ---- joints beyond their limits: a message, a red row, a red body
+// ---- joints beyond their limits, and links that touch: a message, a red row, a red body
 const RED = new THREE.Color("#d40f0f");
 function showLimits() {
   const beyond = joints.filter((joint) => limit(joint) !== undefined);
   const side = (joint) => limit(joint) === joint.lower ? "below its lower" : "above its upper";
   say("limits", beyond.map((joint) => `${joint.name} at ${amount(joint, q[joint.name])} is ${side(joint)} limit, ${amount(joint, limit(joint))}.`).join(" "));
-  for (const joint of joints) {
-    for (const part of meshes(data.links[joint.child])) part.material.emissive.copy(RED).multiplyScalar(beyond.includes(joint) ? 0.55 : 0);
+  const pairs = touching(poses);
+  say("touching", pairs.length ? `The arm collides with itself: ${spoken(pairs)}.` : "");
+  const red = new Set([...beyond.map((joint) => joint.child), ...pairs.flat()]);
+  for (const link in data.links) {
+    for (const part of meshes(data.links[link])) part.material.emissive.copy(RED).multiplyScalar(red.has(link) ? 0.55 : 0);
   }
 }
+const spoken = (pairs) => pairs.map((pair) => pair.join(" with ")).join(", ");
 for (const show of [showJoints, showTorques, showLimits]) onPose(show);
+
+// ---- if it is wanted, a hand does not move the arm from a free position into itself
+const guard = byId("guard").firstChild;
+guard.onchange = () => say("guard", "");
+function isBlocked(values) {
+  if (!guard.checked || touching(poses).length) return false;
+  const pairs = touching(forwardKinematics(named(values)));
+  if (pairs.length) say("guard", `Stopped: ${spoken(pairs)} would touch.`);
+  return pairs.length > 0;
+}

@@ -7,6 +7,6 @@ unfold(narrow.matches || window.innerHeight > 720);
 look("home", false);
 globalThis.alpha5 = {
   viewer, data, q, holding, setJoint, setPose, onPose, setGroup, seek, play, pause, poses: () => poses,
-  look, free, reach, follow, setAim, aim: () => aim, ghosts, picture, record,
+  look, free, reach, touching: () => touching(poses), follow, setAim, travelTo, aim: () => aim, ghosts, picture, record,
 };
 document.documentElement.dataset.ready = "true";

@@ -13,7 +13,7 @@ const fields = ["x", "y", "z"].map((axis) => {
   };
   input.onchange = () => {
     if (!near(input)) refuse(input, axis);
-    else if (aim) follow(aim, currentBranch());
+    else if (aim) follow(aim, freeBranch(aim), (goal) => travelTo(goal, "Target"));
   };
   return input;
 });
@@ -42,32 +42,49 @@ function setAim(point) {
   showSolutions();
   viewer.set_dirty();
 }
+// Forget the target, which the arm leaves.
+function dropTarget() {
+  if (!aim) return;
+  for (const input of fields) input.value = "";
+  setAim(null);
+}
 // Move the tcp to a point in base_link, or as near to it as a branch can; the jaws stay as they are.
-function follow(point, branch) {
+function follow(point, branch, move = setPose) {
   aim = point;
   fill();
   const nearest = reach(point, branch);
-  setPose(withJaws(nearest.q));
+  move(withJaws(nearest.q));
   short = nearest.away > 1e-7;
   if (short) showSolutions();
 }
+// The branch of the arm, or another one that reaches the point if the arm would touch itself on its own.
+function freeBranch(point) {
+  const now = currentBranch();
+  const found = solutions(point);
+  const collides = (i) => touching(posesAt(found.q[i])).length > 0;
+  if (!found.within_limits[now] || !collides(now)) return now;
+  const free = branchNames.findIndex((_, i) => found.within_limits[i] && !collides(i));
+  return free < 0 ? now : free;
+}
 // Move the arm to another branch, with the tcp at the target or where it is.
 function take(branch) {
-  follow(aim || tcpInBase(), branch);
-  keepInSight();
+  follow(aim || tcpInBase(), branch, (goal) => travelTo(goal, branchNames[branch]));
 }
 
 function showSolutions() {
   const found = solutions(aim || tcpInBase());
   const now = poses[root] && currentBranch();
+  const wouldTouch = branchNames.map((_, i) => found.within_limits[i] ? touching(posesAt(found.q[i])) : []);
   buttons.forEach((button, i) => {
-    button.disabled = !aim || !found.within_limits[i];
-    button.setAttribute("aria-pressed", aim !== null && i === now);
+    button.disabled = !found.within_limits[i];
+    button.setAttribute("aria-pressed", i === now);
+    button.classList.toggle("collides", wouldTouch[i].length > 0);
+    button.title = wouldTouch[i].length ? `The arm collides with itself there: ${spoken(wouldTouch[i])}.` : "";
   });
   const away = aim ? Math.hypot(...tcpInBase().map((value, i) => value - aim[i])) : 0;
   missed = away > 1e-7 && (short || !found.within_limits.some(Boolean));
-  say("target", missed ? missText(found, now, away) : "");
-  drawGhosts(found);
+  say("target", missed && !moving ? missText(found, now, away) : "");
+  drawGhosts(found, wouldTouch);
 }
 function missText(found, now, away) {
   const others = branchNames.filter((_, i) => found.within_limits[i]);
@@ -76,8 +93,8 @@ function missText(found, now, away) {
   if (nearest > 1e-7) return `Target out of reach by ${mm(nearest)} mm; the tip is ${mm(away)} mm from it.`;
   return `The tip is ${mm(away)} mm from the target, which ${others.join(" and ")} ${others.length > 1 ? "reach" : "reaches"}.`;
 }
-onPose(() => {
-  short = false;
+onPose((by) => {
+  if (by !== "travel") short = false;
   showSolutions();
 });
 
@@ -92,6 +109,20 @@ tip.onpointerdown = (event) => {
   event.preventDefault();
 };
 tip.onpointermove = (event) => {
-  if (held) follow(toBase(fromScreen(event.clientX + held.dx, event.clientY + held.dy, held.depth)), held.branch);
+  if (held) follow(toBase(fromScreen(event.clientX + held.dx, event.clientY + held.dy, held.depth)), held.branch, moveWithHand);
 };
 tip.onpointerup = tip.onpointercancel = () => keepInSight(held = null);
+// An arrow key moves the tip by STEP_OF_TIP in the plane that faces the camera, ten times as far with the shift key.
+const STEP_OF_TIP = 1e-3; // m
+const ARROW_KEYS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+tip.onkeydown = (event) => {
+  if (!(event.key in ARROW_KEYS)) return;
+  event.preventDefault();
+  const [right, up] = ARROW_KEYS[event.key];
+  const length = STEP_OF_TIP * (event.shiftKey ? 10 : 1);
+  const back = backwards();
+  const across = new THREE.Vector3(0, 0, 1).cross(back).normalize();
+  const upwards = back.clone().cross(across);
+  const goal = origin(poses.tcp).addScaledVector(across, right * length).addScaledVector(upwards, up * length);
+  follow(toBase(goal), currentBranch(), moveWithHand);
+};

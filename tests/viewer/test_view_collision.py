@@ -1,0 +1,144 @@
+"""Self-collision on the page, in a real browser, against Pinocchio and coal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import Tab, needs_browser, new_tab
+from own_arm import random_arm
+
+import alpha5_model as a5
+from alpha5_model.dynamics.collision import CollisionModel
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.page import static_page
+
+pytestmark = needs_browser
+
+#: Two branches within the limits: underarm touches the mount, overarm is free.
+BEHIND = np.array([-0.20119486, 0.08347439, 0.15253982])
+#: Reached only with link_2 in link_0.
+STUCK = np.array([-0.211669, 0.0861231, 0.0540905])
+OPEN_TAB = Callable[[a5.Arm], Tab]
+
+
+@pytest.fixture(scope="module")
+def opened(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> OPEN_TAB:
+    folder = tmp_path_factory.mktemp("collisions")
+
+    def show(arm: a5.Arm) -> Tab:
+        path = Path(folder, "page.html")
+        path.write_text(static_page(build_scene(arm)), "utf-8")
+        tab = new_tab(chromium)
+        tab.open(path.as_uri())
+        return tab
+
+    return show
+
+
+@pytest.fixture(scope="module")
+def page(opened: OPEN_TAB) -> Iterator[Tab]:
+    tab = opened(a5.load())
+    yield tab
+    assert tab.complaints == []
+
+
+def messages(tab: Tab) -> str:
+    return str(tab.run("() => document.getElementById('message').innerText"))
+
+
+def test_the_page_says_what_coal_says(opened: OPEN_TAB) -> None:
+    own = random_arm(np.random.default_rng(5), off_axis=False)
+    for arm in (a5.load(gripper="jaws"), a5.load(arm=own)):
+        limits = arm.limits
+        rng = np.random.default_rng(6)
+        q = rng.uniform(limits.lower, limits.upper, (250, len(limits.lower)))
+        tab = opened(arm)
+        found = tab.run(
+            """(rows) => rows.map((q) => {
+              alpha5.setPose(q);
+              return alpha5.touching();
+            })""",
+            q.tolist(),
+        )
+        coal = CollisionModel(arm.model, arm.parameters)
+        count = 0
+        for row, pairs in zip(q, found, strict=True):
+            if abs(coal.clearance(row).distance) < 1e-6:
+                continue
+            expected = {frozenset(pair) for pair in coal.colliding_links(row)}
+            assert {frozenset(pair) for pair in pairs} == expected
+            count += bool(expected)
+        assert count > 8
+        assert tab.complaints == []
+
+
+def test_links_that_touch_turn_red_and_are_named(page: Tab) -> None:
+    solution = a5.inverse_kinematics(STUCK).best(np.ones(4), allow_collision=True)
+    page.run("(q) => alpha5.setPose(q)", solution.tolist())
+    assert messages(page) == "The arm collides with itself: link_0 with link_2."
+    reds = page.run("""() => Object.keys(alpha5.data.links).filter((link) => {
+        let red = false;
+        const at = alpha5.data.links[link].split("/").filter((part) => part);
+        alpha5.viewer.scene_tree.find(at).object.traverse((part) => {
+          red = red || part.isMesh && part.material.emissive.r > 0.1;
+        });
+        return red;
+      })""")
+    assert sorted(reds) == ["link_0", "link_2"]
+    page.run("(q) => alpha5.setPose(q)", a5.named_pose("home").tolist())
+    assert messages(page) == ""
+
+
+def test_a_colliding_solution_is_marked(page: Tab) -> None:
+    page.run(
+        "(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 1); }",
+        BEHIND.tolist(),
+    )
+    page.settle()
+    assert messages(page) == ""
+    labels = page.run("() => alpha5.ghosts.map((ghost) => ghost.label.text)")
+    assert labels[0] == "underarm, collides"
+    assert not any("collides" in label for label in labels[1:])
+    color = page.run("() => alpha5.ghosts[0].material.color.getHexString()")
+    assert color == "d40f0f"
+    button = page.page.get_by_role("button", name="underarm", exact=True)
+    assert "link_0 with link_2" in button.get_attribute("title")
+    assert "collides" in button.get_attribute("class")
+    button.click()
+    assert "collides with itself" in messages(page)
+    page.run("(q) => { alpha5.setAim(null); alpha5.setPose(q); }", [3.0, 1.5, 1.5, 1.0])
+
+
+def test_a_hand_stops_before_a_collision_if_it_is_wanted(page: Tab) -> None:
+    free = a5.inverse_kinematics(BEHIND).best([3.0, 3.0, 1.0, 0.0])
+    hit = a5.inverse_kinematics(BEHIND).q[0]
+    assert a5.inverse_kinematics(BEHIND).collides[0]
+    page.run("(q) => alpha5.setPose(q)", free.tolist())
+    guard = page.page.get_by_label("Stop before the arm touches itself")
+    guard.check()
+    page.run("(q) => alpha5.setPose(q)", hit.tolist())
+    stays = page.run("() => alpha5.data.sliders.map((name) => alpha5.q[name])")
+    assert stays == free.tolist()
+    assert messages(page) == "Stopped: link_0 with link_2 would touch."
+    # The slider is where the arm is.
+    shown = page.page.get_by_label("axis_e", exact=True).first.input_value()
+    assert float(shown) == pytest.approx(free[0], abs=1e-9)
+    # A script moves it nevertheless, and out of a collision any way is open.
+    page.run("(q) => alpha5.setPose(q, 'python')", hit.tolist())
+    assert messages(page) == "The arm collides with itself: link_0 with link_2."
+    page.run("(q) => alpha5.setPose(q)", free.tolist())
+    assert messages(page) == ""
+    guard.uncheck()
+    page.run("(q) => alpha5.setPose(q)", hit.tolist())
+    assert "collides with itself" in messages(page)
+    page.run("(q) => alpha5.setPose(q)", free.tolist())
+
+
+def test_the_first_picture_of_a_target_is_free() -> None:
+    arm = a5.load()
+    assert not arm.in_collision(build_scene(arm, target=BEHIND).q)
+    assert arm.in_collision(build_scene(arm, target=STUCK).q)

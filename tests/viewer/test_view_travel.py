@@ -1,0 +1,291 @@
+"""The arm travels on the page: where it goes, how fast, and what is said of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import Tab, needs_browser, new_tab
+
+import alpha5_model as a5
+from alpha5_model.planning.planner import ACCELERATION
+from alpha5_model.planning.s_curve import JointLimits, line_curve
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.page import static_page
+
+pytestmark = needs_browser
+
+SPEED = np.array([joint.velocity for joint in a5.parameters().joints[:4]])
+LIMITS = JointLimits(speed=SPEED, acceleration=np.full(4, ACCELERATION))
+#: Between two frames of the tests' clock [s].
+FRAME = 0.04
+#: The browser's clock and frames, by hand: frames(n) draws n and returns q of each.
+CLOCK = """(frame) => {
+  let waiting = [];
+  let now = 1000;
+  performance.now = () => now;
+  window.requestAnimationFrame = (then) => waiting.push(then);
+  window.frames = (count) => Array.from({ length: count }, () => {
+    now += 1000 * frame;
+    const due = waiting;
+    waiting = [];
+    for (const then of due) then(now);
+    return alpha5.data.sliders.map((name) => alpha5.q[name]);
+  });
+}"""
+NAMES = ("x", "y", "z")
+
+
+@pytest.fixture(scope="module")
+def arm() -> a5.Arm:
+    return a5.load()
+
+
+@pytest.fixture
+def opened(
+    chromium: Any, tmp_path_factory: pytest.TempPathFactory
+) -> Callable[..., Tab]:
+    def show(arm: a5.Arm, **options: Any) -> Tab:
+        path = Path(tmp_path_factory.mktemp("travel"), "page.html")
+        path.write_text(static_page(build_scene(arm)), "utf-8")
+        tab = new_tab(chromium, **{"reduced_motion": "no-preference", **options})
+        tab.open(path.as_uri())
+        tab.run(CLOCK, FRAME)
+        return tab
+
+    return show
+
+
+@pytest.fixture
+def tab(opened: Callable[..., Tab], arm: a5.Arm) -> Iterator[Tab]:
+    tab = opened(arm)
+    yield tab
+    assert tab.complaints == []
+
+
+def place(tab: Tab, q: Any) -> None:
+    tab.run("(q) => alpha5.setPose(q)", list(map(float, q)))
+
+
+def frames(tab: Tab, count: int) -> np.ndarray:
+    return np.array(tab.run("(count) => frames(count)", count))
+
+
+def told(tab: Tab) -> str:
+    return str(tab.run("() => document.getElementById('travel').textContent"))
+
+
+def type_target(tab: Tab, target: Any) -> None:
+    for name, value in zip(NAMES, target, strict=True):
+        tab.page.fill(f"#target input[name={name}]", f"{1e3 * value:.3f}")
+    tab.page.press("#target input[name=z]", "Enter")
+
+
+def free_pair(arm: a5.Arm, kind: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Two free joint positions between which `a5.plan` goes in a certain way."""
+    rng = np.random.default_rng(seed)
+    while True:
+        q = rng.uniform(arm.limits.lower, arm.limits.upper, (2, 4))
+        if arm.in_collision(q).any():
+            continue
+        if a5.plan(q[0], q[1]).kind == kind:
+            return q[0], q[1]
+
+
+def test_a_named_pose_is_reached_in_the_time_of_an_s_curve(
+    tab: Tab, arm: a5.Arm
+) -> None:
+    start = np.array([0.5, 1.2, 1.5, 1.0])
+    goal = a5.named_pose("reach")
+    place(tab, start)
+    tab.page.get_by_role("button", name="reach", exact=True).click()
+    curve = line_curve(start, goal, LIMITS)
+    assert told(tab) == f"reach: {curve.duration:.1f} s."
+
+    q = frames(tab, int(curve.duration / FRAME) + 3)
+    time = np.minimum(FRAME * (1 + np.arange(len(q))), curve.duration)
+    expected = start + curve.at(time).s[:, None] * (goal - start)
+    np.testing.assert_allclose(q, expected, atol=1e-9)
+    assert q[-1].tolist() == goal.tolist()
+    speed = np.abs(np.diff(q, axis=0)).max(axis=0) / FRAME
+    assert (speed <= SPEED * (1 + 1e-9)).all()
+    assert speed.max() > 0.9 * SPEED.min()
+
+
+def test_the_arm_retracts_where_the_straight_line_collides(
+    tab: Tab, arm: a5.Arm
+) -> None:
+    start, goal = free_pair(arm, "by retracted poses", seed=2)
+    place(tab, start)
+    tab.run("(q) => alpha5.travelTo(q, 'there')", goal.tolist())
+    assert ", by retracting, as the arm would touch itself" in told(tab)
+
+    announced = frames(tab, 30)
+    np.testing.assert_array_equal(announced, np.tile(start, (30, 1)))
+    q = frames(tab, 1500)
+    assert q[-1].tolist() == goal.tolist()
+    assert not arm.in_collision(q).any()
+    steps = np.abs(np.diff(np.vstack([start, q]), axis=0))
+    assert (steps <= SPEED * FRAME * (1 + 1e-9)).all()
+    straight = start + np.linspace(0, 1, 200)[:, None] * (goal - start)
+    assert arm.in_collision(straight).any()
+
+
+def test_axis_e_goes_the_long_way_and_it_is_announced(tab: Tab, arm: a5.Arm) -> None:
+    place(tab, [0.1, 1.6, 1.6, 1.0])
+    tab.run("(q) => alpha5.travelTo(q, 'there')", [6.1, 1.6, 1.6, 1.0])
+    curve = line_curve(np.array([0.1, 1, 1, 1]), np.array([6.1, 1, 1, 1]), LIMITS)
+    assert told(tab) == (
+        f"there: {curve.duration:.1f} s, as axis_e cannot pass its stop and turns 344°."
+    )
+    assert frames(tab, 30)[-1][0] == 0.1
+    assert frames(tab, 400)[-1].tolist() == [6.1, 1.6, 1.6, 1.0]
+
+
+def test_buttons_and_typed_targets_travel(tab: Tab, arm: a5.Arm) -> None:
+    target = np.array([0.2, 0.1, 0.1])
+    place(tab, [3.0, 1.5, 1.5, 1.0])
+    type_target(tab, target)
+    assert told(tab).startswith("Target: ")
+    halfway = frames(tab, 20)[-1]
+    assert np.linalg.norm(arm.forward_kinematics(halfway).translation - target) > 0.01
+    assert tab.page.locator("#message").inner_text() == ""
+    there = frames(tab, 600)[-1]
+    away = arm.forward_kinematics(there).translation - target
+    assert np.linalg.norm(away) < 1e-9
+
+    tab.page.get_by_role("button", name="underarm", exact=True).click()
+    assert told(tab).startswith("underarm: ")
+    assert np.abs(frames(tab, 1)[0] - there).max() < SPEED.max() * FRAME
+    there = frames(tab, 900)[-1]
+    away = arm.forward_kinematics(there).translation - target
+    assert np.linalg.norm(away) < 1e-9
+
+
+def test_a_slider_ends_the_travel(tab: Tab) -> None:
+    place(tab, [0.5, 1.2, 1.5, 1.0])
+    tab.page.get_by_role("button", name="reach", exact=True).click()
+    frames(tab, 20)
+    field = tab.page.locator("#axis_b-value")
+    field.fill("100")
+    field.press("Enter")
+    q = frames(tab, 100)
+    assert np.ptp(q, axis=0).tolist() == [0.0] * 4
+    assert q[0][3] == pytest.approx(np.radians(100), abs=1e-12)
+    assert told(tab) == ""
+
+
+def test_a_drag_across_the_yaw_axis_does_not_jump(tab: Tab, arm: a5.Arm) -> None:
+    """axis_e turns by half a turn there; without a limit, between two frames."""
+    start = a5.inverse_kinematics([0.05, 0.01, 0.20]).best([3.0, 1.5, 1.5, 1.0])
+    place(tab, start)
+    frames(tab, 2)
+    at = arm.forward_kinematics(start).translation
+    pixels = tab.project(np.array([at, at * [-1.0, -1.0, 1.0]]))
+    tab.page.mouse.move(*pixels[0])
+    tab.page.mouse.down()
+    rows = [start]
+    for share in np.linspace(0, 1, 25)[1:]:
+        tab.page.mouse.move(*(pixels[0] + share * (pixels[1] - pixels[0])))
+        rows.extend(frames(tab, 1))
+    tab.page.mouse.up()
+    assert told(tab) == "The arm follows as fast as it can."
+    rows.extend(frames(tab, 300))
+    moved = np.array(rows)
+    assert np.ptp(moved[:, 0]) > 2.0
+    chased = np.abs(np.diff(moved[-200:], axis=0))
+    assert (chased <= SPEED * FRAME * (1 + 1e-9)).all()
+    assert np.abs(np.diff(moved, axis=0)).max() < 0.35
+    assert told(tab) == ""
+
+
+def test_who_wants_no_motion_sees_the_end_at_once(
+    opened: Callable[..., Tab], arm: a5.Arm
+) -> None:
+    tab = opened(arm, reduced_motion="reduce")
+    tab.page.get_by_role("button", name="reach", exact=True).click()
+    assert frames(tab, 1)[0].tolist() == a5.named_pose("reach").tolist()
+    assert told(tab) == ""
+    assert tab.complaints == []
+
+
+def test_jaws_travel_too(opened: Callable[..., Tab]) -> None:
+    arm = a5.load(gripper="jaws")
+    tab = opened(arm)
+    rod = tab.run("() => alpha5.data.travel.speed[4]")
+    assert rod == a5.parameters().joints[4].velocity
+    goal = [1.0, 1.5, 1.5, 1.0, 0.01]
+    place(tab, [1.0, 1.5, 1.5, 1.0, 0.001])
+    tab.run("(q) => alpha5.travelTo(q, 'open')", goal)
+    q = frames(tab, 120)
+    assert q[-1].tolist() == goal
+    assert np.abs(np.diff(q[:, 4])).max() <= rod * FRAME * (1 + 1e-9)
+
+
+def test_a_slider_leaves_the_target(tab: Tab) -> None:
+    place(tab, [3.0, 1.5, 1.5, 1.0])
+    type_target(tab, [0.2, 0.1, 0.1])
+    frames(tab, 600)
+    tab.page.get_by_label("axis_d", exact=True).first.press("ArrowRight")
+    assert tab.run("() => alpha5.aim()") is None
+    fields = tab.page.locator("#target input")
+    assert [fields.nth(k).input_value() for k in range(3)] == [""] * 3
+    assert tab.page.locator("#message").inner_text() == ""
+
+
+def test_keys_move_sliders_and_the_tip_by_small_steps(tab: Tab, arm: a5.Arm) -> None:
+    start = np.array([3.0, 1.5, 1.5, 1.0])
+    place(tab, start)
+    slider = tab.page.get_by_label("axis_d", exact=True).first
+    assert slider.get_attribute("aria-valuetext") == "85.9°"
+    for key, degrees in (("ArrowRight", 0.1), ("PageDown", -1.0), ("ArrowUp", 0.1)):
+        before = tab.run("() => alpha5.q.axis_d")
+        slider.press(key)
+        turned = np.degrees(tab.run("() => alpha5.q.axis_d") - before)
+        assert turned == pytest.approx(degrees, abs=1e-9)
+    place(tab, start)
+    slider.press("Home")
+    assert tab.run("() => alpha5.q.axis_d") == pytest.approx(arm.limits.lower[1])
+
+    place(tab, start)
+    frames(tab, 2)
+    at = arm.forward_kinematics(start).translation
+    tip = tab.page.get_by_role("application")
+    for key, length in (("ArrowRight", 1e-3), ("Shift+ArrowUp", 1e-2)):
+        place(tab, start)
+        tip.press(key)
+        q = frames(tab, 2)[-1]
+        moved = arm.forward_kinematics(q).translation - at
+        assert np.linalg.norm(moved) == pytest.approx(length, abs=1e-9)
+        before, after = tab.project(np.array([at, at + moved]))
+        right, down = after - before
+        assert (right if key == "ArrowRight" else -down) > 0.0
+
+
+def test_solutions_of_the_present_tip_can_be_taken(tab: Tab, arm: a5.Arm) -> None:
+    rng = np.random.default_rng(4)
+    targets = rng.uniform(-0.3, 0.3, (500, 3))
+    solved = a5.inverse_kinematics(targets)
+    both = (solved.within_limits & ~solved.collides)[:, :2].all(axis=1)
+    target = targets[both][0]
+    start = solved.q[both][0, 0]
+    place(tab, start)
+    other = tab.page.get_by_role("button", name="overarm", exact=True)
+    assert other.is_enabled()
+    other.click()
+    q = frames(tab, 900)[-1]
+    assert arm.forward_kinematics(q).translation == pytest.approx(target, abs=1e-9)
+    assert np.abs(q - start).max() > 0.5
+
+
+def test_every_text_is_in_a_landmark(tab: Tab) -> None:
+    outside = tab.run("""() => [...document.body.querySelectorAll('*')]
+      .filter((part) => !['SCRIPT', 'STYLE'].includes(part.tagName))
+      .filter((part) => !part.closest('main, aside, nav, section[aria-label]')
+        && part.textContent.trim() && part.children.length === 0)
+      .map((part) => part.outerHTML)""")
+    assert outside == []
+    assert tab.run("() => document.querySelectorAll('main').length") == 1
