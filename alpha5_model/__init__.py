@@ -10,7 +10,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from alpha5_model.errors import Alpha5Error, UnreachableError
+from alpha5_model.errors import Alpha5Error, SelfCollisionError, UnreachableError
 
 __version__ = "0.1.0"
 
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from alpha5_model.numbers.parameters import parameters
     from alpha5_model.numbers.printed import published
     from alpha5_model.numbers.record_writing import arm_file_text
+    from alpha5_model.planning.obstacles import Obstacle
+    from alpha5_model.planning.planner import plan
     from alpha5_model.proofs.audit import audit
     from alpha5_model.proofs.comparison import compare
     from alpha5_model.studies import uncertainty
@@ -63,6 +65,8 @@ __all__ = [
     "Alpha5Error",
     "Arm",
     "DragStrip",
+    "Obstacle",
+    "SelfCollisionError",
     "UnreachableError",
     "Vehicle",
     "__version__",
@@ -83,6 +87,7 @@ __all__ = [
     "named_pose",
     "nearest_reachable",
     "parameters",
+    "plan",
     "planar",
     "published",
     "published_inverse_kinematics",
@@ -129,6 +134,9 @@ _NAMES = {
     "without_self_collision": "dynamics.collision",
     "backend": "codegen.kernels.choice",
     "Vehicle": "water.vehicle",
+    # Motions.
+    "Obstacle": "planning.obstacles",
+    "plan": "planning.planner",
     # Studies and proofs.
     "sweep": "studies.sweep",
     "identify": "studies.uncertainty",

@@ -148,6 +148,56 @@ class UnreachableError(Alpha5Error, ValueError):
         super().__init__(message)
 
 
+class SelfCollisionError(UnreachableError):
+    """A target that the arm reaches within its limits only by touching itself.
+
+    Attributes:
+        position: The target, (3,) [m].
+        links: Names of the two links that touch.
+        depth: How deep they overlap [m].
+        wrist: The nearest theta_3 that reaches the target freely [rad]; NaN if there is
+            none.
+        yaw: The least turn of the target about the yaw axis that frees it [rad]; NaN if
+            none was found.
+        nearest: A free target near it, (3,) [m]; NaN if none was found.
+        distance: How far off that one is [m].
+    """
+
+    def __init__(
+        self,
+        position: Any,
+        *,
+        links: tuple[str, str],
+        depth: float,
+        wrist: float = math.nan,
+        yaw: float = math.nan,
+        nearest: Any = (math.nan, math.nan, math.nan),
+        place: str = "",
+    ) -> None:
+        self.position = position
+        self.links = links
+        self.depth = depth
+        self.wrist = wrist
+        self.yaw = yaw
+        self.nearest = nearest
+        self.distance = math.dist(position, nearest)
+
+        remedies = []
+        if not math.isnan(wrist):
+            remedies.append(f"theta_3 = {wrist:.4g} rad is free")
+        elif not math.isnan(yaw):
+            remedies.append(f"turned by {yaw:.4g} rad about the yaw axis it is free")
+        if math.isnan(wrist) and not math.isnan(self.distance):
+            off = f"{self.distance * 1e3:.3g} mm away"
+            remedies.append(f"{_metres(nearest)} is free, {off}")
+        overlap = f"{links[0]} and {links[1]} overlap by {depth * 1e3:.3g} mm"
+        Alpha5Error.__init__(
+            self,
+            f"{_metres(position)} cannot be reached without self-collision{place}: "
+            + "; ".join([overlap, *remedies]),
+        )
+
+
 class DiscontinuousPathError(Alpha5Error, ValueError):
     """A path of points that no continuous joint motion within the limits follows.
 
@@ -164,9 +214,56 @@ class DiscontinuousPathError(Alpha5Error, ValueError):
         self.step = step
         self.max_step = max_step
         super().__init__(
-            f"positions[{index}] = {_metres(position)} has no continuation within the "
-            f"joint limits: a joint would have to jump by {step:.3g} rad, "
+            f"positions[{index}] = {_metres(position)} has no allowed continuation: "
+            f"a joint would have to jump by {step:.3g} rad, "
             f"allowed are {max_step:.3g} rad"
+        )
+
+
+class BlockedMotionError(Alpha5Error, ValueError):
+    """A motion for which no way without collision was found.
+
+    Attributes:
+        names: What collides: two links, or an obstacle and a link.
+        q: Joint position at which it does, (4,) [rad].
+        distance: Between the two there [m]; at most 0 if they touch.
+    """
+
+    def __init__(
+        self, problem: str, names: tuple[str, str], q: Any, distance: float
+    ) -> None:
+        self.names = names
+        self.q = q
+        self.distance = distance
+        angles = ", ".join(f"{angle:.4g}" for angle in q)
+        gap = f"{distance * 1e3:.3g} mm apart"
+        if distance <= 0.0:
+            gap = f"{-distance * 1e3:.3g} mm deep in each other"
+        super().__init__(
+            f"{problem}: {names[0]} and {names[1]} are {gap} at ({angles}) rad"
+        )
+
+
+class MotionLimitError(Alpha5Error, ValueError):
+    """A motion that is beyond a limit at any speed.
+
+    Attributes:
+        joint: Name of the joint.
+        quantity: ``speed``, ``torque``, ``current`` or ``voltage``.
+        value: What the motion needs.
+        bound: The limit.
+    """
+
+    def __init__(
+        self, joint: str, quantity: str, value: float, bound: float, unit: str
+    ) -> None:
+        self.joint = joint
+        self.quantity = quantity
+        self.value = value
+        self.bound = bound
+        super().__init__(
+            f"{joint}: the motion needs a {quantity} of {value:.4g} {unit} at any "
+            f"speed, its limit is {bound:.4g} {unit}"
         )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from fuzzing import dynamics, forms, theory
 from fuzzing.calls import Draw, of, of_function, of_method, spoiling, with_the_same_rows
 from fuzzing.cases import Target
-from fuzzing.good_values import GOOD, Draws, always, count, normal, uniform
+from fuzzing.good_values import GOOD, Draws, always, count, flag, normal, uniform
 from fuzzing.values import Rng, number, pick, transform
 
 import alpha5_model as a5
@@ -67,6 +67,11 @@ PLAIN = (
     "uncertainty.printed_numbers",
     "Vehicle",
     "DragStrip",
+    "plan",
+    "Obstacle.box",
+    "Obstacle.cylinder",
+    "Obstacle.sphere",
+    "Obstacle.mesh",
 )
 #: Of these, those that take an arm and rows of states.
 OF_STATES = ("uncertainty.bounds", "uncertainty.torque_bounds")
@@ -149,6 +154,15 @@ def _own_values() -> dict[str, dict[str, Draws]]:
             "joints": always(None),
         },
         "without_self_collision": {"q": uniform(0, 3, 2, 4), "wrists": always(3)},
+        "plan": {
+            "q0": uniform(0.1, 3.2, 4),
+            "target": normal(0.2, 3),
+            "obstacles": lambda rng: [_ball(rng)],
+            "speed": number(0.05, 1),
+            "acceleration": number(0.05, 2),
+            "line": flag,
+        },
+        **_obstacles(),
         "Vehicle": {
             "linear_damping": uniform(0, 9, 6),
             "quadratic_damping": uniform(0, 9, 6),
@@ -164,6 +178,25 @@ def _own_values() -> dict[str, dict[str, Draws]]:
             "along": number(0, 1),
         },
     }
+
+
+def _obstacles() -> dict[str, dict[str, Draws]]:
+    """Constructor of an obstacle -> parameter -> value."""
+    placed: dict[str, Draws] = {"xyz": normal(0.3, 3), "rpy": normal(1, 3)}
+    return {
+        "Obstacle.box": {"edges": uniform(0.01, 0.3, 3), **placed},
+        "Obstacle.cylinder": {"length": number(0.01, 1), **placed},
+        "Obstacle.sphere": {"xyz": placed["xyz"]},
+        "Obstacle.mesh": {
+            "vertices": normal(0.3, 4, 3),
+            "triangles": always(np.array([[0, 1, 2], [1, 2, 3]])),
+            **placed,
+        },
+    }
+
+
+def _ball(rng: Rng) -> a5.Obstacle:
+    return a5.Obstacle.sphere("ball", 0.05, rng.normal(0, 0.4, 3))
 
 
 def _of_modules() -> dict[str, Draw]:
@@ -185,6 +218,9 @@ def _results() -> dict[str, Draw]:
     """Methods of results."""
     return {
         "Solutions.best": of_method(_solutions, "best"),
+        "Primitive.moved": of_method(
+            lambda rng: _ball(rng).shape, "moved", frame=transform
+        ),
         "PoseSolutions.best": of_method(_pose_solutions, "best"),
         "a5.workspace.Singularities.near": of_method(_singularities, "near"),
         "a5.workspace.Arc.points": of_method(

@@ -34,6 +34,7 @@ METHODS = (
     "center_of_buoyancy",
     "in_collision",
     "collision_distance",
+    "collision_distance_gradient",
     "nonlinear_effects",
     "inverse_dynamics",
     "forward_dynamics",
@@ -221,7 +222,16 @@ def _jax_draws() -> dict[str, Draw]:
     found["jax.inverse_kinematics"] = of_function(
         _jax_inverse_kinematics, position=normal(0.25, 3)
     )
+    found["jax.approximate_collision_distance"] = of_function(
+        _approximate_distance_in_jax, q=uniform(0, 3, 4)
+    )
     return found
+
+
+def _approximate_distance_in_jax(q: Any) -> Any:
+    from alpha5_model import jax
+
+    return jax.approximate_collision_distance(q)
 
 
 def _jax(rng: Rng) -> Any:

@@ -71,6 +71,7 @@ WEIGHTS = {
     "a5.trajectory.analyse": 0.3,
     "a5.planar.dexterity_map": 0.1,
     "a5.without_self_collision": 0.1,
+    "a5.plan": 0.05,
 }
 #: Inputs that one process works off before it takes others.
 CHUNK = 400
@@ -94,7 +95,7 @@ ENDLESS = {
     "a5.actuators.Actuator.speed_limits": frozenset({"lower", "upper"}),
     "a5.planar.Arc.parameter": frozenset({"the answer"}),
     "a5.planar.Segment.parameter": frozenset({"the answer"}),
-    "a5.identify": frozenset({"lower", "upper", "gains"}),
+    "a5.identify": frozenset({"lower", "upper", "gains", "deviation", "gain"}),
     "urdf": frozenset({"volume"}),
 }
 

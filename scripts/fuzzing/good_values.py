@@ -95,6 +95,8 @@ _KINEMATICS: dict[str, Draws] = {
     "q_start": _one_state,
     "wrist": number(-3, 3),
     "max_step": number(0.01, 2),
+    "margin": number(0, 0.05),
+    "allow_collision": flag,
     "q": angles(4),
     "side": one_of("both", "front", "back"),
     "bounds": always(np.array([[-1.0, 1.0]] * 3)),

@@ -89,6 +89,8 @@ SMALL = 5e-3
 ASYMMETRY = 3e-3
 #: Largest difference from what others have computed.
 TOLERANCE = 0.015
+#: Decimals beyond the printed ones that are the same on every computer.
+NOISE_DECIMALS = 6
 POSES = {
     "extended": NAMED_POSES["reach"],
     "working": NAMED_POSES["home"],
@@ -564,7 +566,10 @@ def _digits(value: float, row: int, column: int) -> str:
 
 
 def _quoted(value: float, decimals: int) -> str:
-    return _in_quotes(f"{round(value, decimals) + 0.0:.{decimals}f}")
+    # Some values lie half way between two printed ones, as 144.75 does. Without the
+    # noise of the last digits every computer prints the same one.
+    quiet = round(value, decimals + NOISE_DECIMALS)
+    return _in_quotes(f"{round(quiet, decimals) + 0.0:.{decimals}f}")
 
 
 def _in_quotes(text: str) -> str:

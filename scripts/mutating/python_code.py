@@ -101,6 +101,28 @@ def statement(text: str, line: int) -> range:
     return min(around, key=len, default=range(line, line + 1))
 
 
+def readers(text: str, line: int) -> set[int]:
+    """Lines that read what the statement around a line gives a name to.
+
+    A constant of a module or a default of a field is computed by an import, which is
+    no test's. What reads it is.
+    """
+    tree = ast.parse(text)
+    around = statement(text, line)
+    names = set()
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.lineno in around:
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            parts = [part for target in targets for part in ast.walk(target)]
+            names |= {part.id for part in parts if isinstance(part, ast.Name)}
+    return {
+        node.lineno
+        for node in ast.walk(tree)
+        if (isinstance(node, ast.Name) and node.id in names)
+        or (isinstance(node, ast.Attribute) and node.attr in names)
+    } - set(around)
+
+
 def _place(file: Path, text: str, source: _Text, changes: list[Change]) -> Place:
     def mutants(chance: random.Random) -> Iterator[Mutant]:
         meaning = ast.dump(ast.parse(text))

@@ -407,6 +407,7 @@ COMMANDS = {
         {"--plot": ".png"},
     ),
     "ik": (["ik", "0.2", "0", "0.1", "--arm", "{}"], {}),
+    "move": (["move", "home", "reach", "--obstacles", "{}"], {"--output": ".csv"}),
     "fk": (["fk", "3", "1", "1", "0", "--arm", "{}"], {}),
 }
 
@@ -418,7 +419,7 @@ def takes_path(annotation: Any) -> bool:
 
 
 def test_no_command_has_a_path_that_is_not_tested_here() -> None:
-    read = {"file", "motion", "other", "urdf", "study", "arm_file"}
+    read = {"file", "motion", "other", "urdf", "study", "arm_file", "obstacles"}
     for command in application(*COMMAND_NAMES).registered_commands:
         assert command.callback is not None
         parameters = inspect.signature(command.callback, eval_str=True).parameters

@@ -17,7 +17,7 @@ from reference import LOWER, UPPER
 from statement_registry import AtMost, Figure, Near, Statement, parameters_of, statement
 
 import alpha5_model as a5
-from alpha5_model.dynamics.collision import _wrist_pairs
+from alpha5_model.dynamics.collision import collision_geometry
 from alpha5_model.numbers.inertia import (
     flip_products,
     principal_moments,
@@ -38,7 +38,7 @@ def touching(geometry: Any, q: np.ndarray, margin: float) -> np.ndarray:
     """Whether any pair of bodies is closer than a margin [m], by coal pair by pair,
     (N,).
     """
-    model = _wrist_pairs(a5.parameters()).model
+    model = a5.load().model
     data, objects = model.createData(), geometry.createData()
     request = coal.CollisionRequest()
     request.security_margin = margin
@@ -61,13 +61,37 @@ def reached() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return points, q[within], np.nonzero(within)[0]
 
 
+def by_wrist() -> tuple[pin.GeometryModel, pin.GeometryModel]:
+    """The pairs of bodies that the wrist does not move, and those that it moves."""
+    model = a5.load().model
+    wrist = model.getJointId("axis_b")
+    halves = []
+    for moved in (False, True):
+        geometry = collision_geometry(model)
+        bodies = geometry.geometryObjects
+        kept = [
+            pin.CollisionPair(pair.first, pair.second)
+            for pair in geometry.collisionPairs
+            if moved
+            == (
+                wrist
+                in (bodies[pair.first].parentJoint, bodies[pair.second].parentJoint)
+            )
+        ]
+        geometry.removeAllCollisionPairs()
+        for pair in kept:
+            geometry.addCollisionPair(pair)
+        halves.append(geometry)
+    return halves[0], halves[1]
+
+
 @cache
 def only_touching(margin: float) -> np.ndarray:
     """Which of the reached points are reached only where bodies are closer than a
     margin [m].
     """
     points, q, owner = reached()
-    _, before_wrist, with_wrist = _wrist_pairs(a5.parameters())
+    before_wrist, with_wrist = by_wrist()
     free = np.zeros(len(q), bool)
     left = np.flatnonzero(~touching(before_wrist, q, margin))
     for wrist in np.linspace(LOWER[3], UPPER[3], 25):

@@ -50,6 +50,7 @@ FOLDERS = {
         "plot",
         "mesh",
         "check",
+        "line",
         "symbolic",
         "jax",
         "bags",

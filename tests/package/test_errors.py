@@ -36,7 +36,14 @@ def instances() -> list[errors.Alpha5Error]:
         errors.PublishedDataError("table_2.rows[0].mass", "missing"),
         errors.JointLimitError("axis_d", 4.0, 3.4),
         errors.UnreachableError((1.0, 0.0, 0.0), 0.25, (0.75, 0.0, 0.0)),
+        errors.SelfCollisionError(
+            (0.1, 0.0, 0.0), links=("link_0", "link_2"), depth=0.003, yaw=0.5
+        ),
         errors.DiscontinuousPathError(3, (1.0, 0.0, 0.0), 3.1, 0.5),
+        errors.BlockedMotionError(
+            "no free way", ("post", "link_3"), (1.0, 1.0, 1.0, 1.0), -0.001
+        ),
+        errors.MotionLimitError("axis_d", "current", 0.4, 0.3, "A"),
         errors.MissingParameterError("rotor_inertia", "reflected inertia"),
         errors.MissingFileError("arm.urdf", "a URDF"),
         errors.FileFormatError("log.csv", "not a number", "line 3"),

@@ -60,6 +60,7 @@ WITHOUT = {
     "a5.trajectory.Motion": "a record",
     "a5.trajectory.SmoothMotion": "a record",
     "a5.uncertainty.Identification": "a record",
+    "a5.uncertainty.Problem": "a record",
     "a5.uncertainty.Sample": "a record",
     "a5.uncertainty.Sensitivity": "a record",
     "a5.uncertainty.Spread": "a record",

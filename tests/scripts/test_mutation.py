@@ -148,3 +148,13 @@ def test_the_statement_around_a_line(parts):
     source = "def f(\n    a=1,\n):\n    return [\n        a,\n        2,\n    ]\n"
     assert parts[1].statement(source, 2) == range(1, 4)
     assert parts[1].statement(source, 6) == range(4, 8)
+
+
+def test_the_readers_of_what_an_import_computes(parts):
+    source = (
+        "_MOST = (\n    3\n)\n\n\ndef f():\n    return _MOST\n\n\n"
+        "class A:\n    size: int = 1\n\n    def g(self):\n        return self.size\n"
+    )
+    assert parts[1].readers(source, 2) == {7}
+    assert parts[1].readers(source, 11) == {14}
+    assert parts[1].readers(source, 7) == set()
