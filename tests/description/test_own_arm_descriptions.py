@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -312,9 +311,7 @@ def test_an_arm_on_the_world_stands_there_in_mujoco_and_gazebo() -> None:
     assert gazebo.find(".//frame[@name='world']") is None
 
 
-@pytest.mark.skipif(
-    not (shutil.which("gz") or shutil.which("ign")), reason="no libsdformat here"
-)
+@sdf_reading.needs_libsdformat
 @pytest.mark.parametrize("parent", ["bluerov", "world"])
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_libsdformat_accepts_model_and_world(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shutil
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from sdf_reading import (
     gazebo_buoyancy,
     libsdformat,
     link_poses,
+    needs_libsdformat,
     numbers,
     pose,
 )
@@ -180,9 +180,7 @@ def test_the_closed_fingers_are_shown_where_the_urdf_shows_them():
     assert set(shown) == {f"link_{i}" for i in range(4)}
 
 
-@pytest.mark.skipif(
-    not (shutil.which("gz") or shutil.which("ign")), reason="no libsdformat here"
-)
+@needs_libsdformat
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_libsdformat_accepts_model_and_world(tmp_path, gripper):
     arguments = ["--format", "sdf", "--gripper", gripper, "--output", str(tmp_path)]

@@ -10,6 +10,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 
 def numbers(element: ET.Element | None) -> np.ndarray:
@@ -76,14 +77,21 @@ def link_poses(root: ET.Element, q: np.ndarray) -> dict[str, np.ndarray]:
     return poses
 
 
+LIBSDFORMAT = shutil.which("gz") or shutil.which("ign")
+needs_libsdformat = pytest.mark.skipif(
+    LIBSDFORMAT is None, reason="libsdformat's gz is not there"
+)
+
+
 def libsdformat(path: Path) -> subprocess.CompletedProcess[str]:
     """What libsdformat's program says of a file."""
+    assert LIBSDFORMAT is not None
     environment = {
         "IGN_CONFIG_PATH": "/usr/share/ignition",
         "GZ_CONFIG_PATH": "/usr/share/gz",
     }
     return subprocess.run(
-        [shutil.which("gz") or shutil.which("ign"), "sdf", "-k", str(path)],
+        [LIBSDFORMAT, "sdf", "-k", str(path)],
         capture_output=True,
         text=True,
         check=False,
