@@ -33,7 +33,7 @@ BLUEROV2_HEAVY = a5.Vehicle(
     added_mass=[6.36, 7.12, 18.68, 0.189, 0.135, 0.222],
     linear_damping=[13.7, 0.0, 33.0, 0.0, 0.8, 0.0],
     quadratic_damping=[141.0, 217.0, 190.0, 1.19, 0.47, 1.5],
-    transform_vehicle_to_base=np.linalg.inv(MOUNT),
+    mount=MOUNT,
 )
 
 

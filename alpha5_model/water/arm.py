@@ -498,7 +498,7 @@ class ArmOnVehicle(HydrodynamicArm):
             q: Joint positions of the arm, (n,).
         """
         pose = rigid_transform("transform_vehicle_to_world", transform_vehicle_to_world)
-        base = pin.SE3(pose @ np.linalg.inv(self.vehicle.transform_vehicle_to_base))
+        base = pin.SE3(pose @ self.vehicle.mount)
         joints = array("q", q, self._model.nq - 7)
         return np.concatenate([pin.SE3ToXYZQUAT(base), joints])
 

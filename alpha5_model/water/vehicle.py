@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import warnings
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -25,10 +27,41 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.hydrodynamics import added_mass
 from alpha5_model.numbers.inertia import check_possible
 
+Kind = TypeVar("Kind", bound=type)
+
 #: With a shorter lever between weight and buoyancy, a vehicle has no trim [m].
 _LEAST_LEVER = 1e-9
 
 
+def _with_the_old_name(kind: Kind) -> Kind:
+    """A class with the deprecated argument and attribute transform_vehicle_to_base."""
+    name = "transform_vehicle_to_base"
+    make: Any = vars(kind)["__init__"]
+
+    def warn() -> None:
+        text = f"{name} is deprecated: give mount, its inverse"
+        warnings.warn(text, DeprecationWarning, stacklevel=3)
+
+    @functools.wraps(make)
+    def made(self: Any, *values: Any, **named: Any) -> None:
+        if name in named:
+            warn()
+            if "mount" in named:
+                raise InputError("mount", f"also {name}, its inverse", "mount alone")
+            named["mount"] = _inverse(rigid_transform(name, named.pop(name)))
+        make(self, *values, **named)
+
+    def transform_vehicle_to_base(self: Any) -> FloatArray:
+        """Deprecated: pose of the vehicle's frame in base_link, inverse of `mount`."""
+        warn()
+        return frozen(_inverse(self.mount))
+
+    kind.__init__ = made  # type: ignore[misc]
+    setattr(kind, name, property(transform_vehicle_to_base))
+    return kind
+
+
+@_with_the_old_name
 @dataclass(frozen=True, eq=False)
 class Vehicle:
     """A rigid vehicle, with all quantities in its own frame.
@@ -46,15 +79,19 @@ class Vehicle:
             diagonal, (6,) [kg, kg m^2].
         linear_damping, quadratic_damping: Of each component of the velocity relative to
             the water at the origin, (6,) [N s/m, N m s] and [N s^2/m^2, N m s^2].
-        transform_vehicle_to_base: Pose of the vehicle's frame in base_link, (4, 4).
+        mount: Pose of base_link in the vehicle's frame, (4, 4), as xacro, the command
+            line and arm files take it.
+        transform_vehicle_to_base: Deprecated: the inverse of `mount`.
 
     Raises:
-        InputError: Negative damping, mass or volume, an inertia that no body can have,
-            an added mass that is not symmetric or has a negative eigenvalue, or a
-            transform that is not rigid; ShapeError: wrong shapes.
+        InputError: Both `mount` and its deprecated inverse, negative damping, mass or
+            volume, an inertia that no body can have, an added mass that is not
+            symmetric or has a negative eigenvalue, or a transform that is not rigid;
+            ShapeError: wrong shapes.
 
     Warns:
         ImplausibleWarning: A mass, volume, density or distance that no vehicle has.
+        DeprecationWarning: The deprecated inverse of `mount` is given or asked for.
     """
 
     mass: float
@@ -65,7 +102,7 @@ class Vehicle:
     added_mass: FloatArray = field(default_factory=lambda: np.zeros((6, 6)))
     linear_damping: FloatArray = field(default_factory=lambda: np.zeros(6))
     quadratic_damping: FloatArray = field(default_factory=lambda: np.zeros(6))
-    transform_vehicle_to_base: FloatArray = field(default_factory=lambda: np.eye(4))
+    mount: FloatArray = field(default_factory=lambda: np.eye(4), kw_only=True)
 
     def __post_init__(self) -> None:
         for name, value in self._checked().items():
@@ -75,11 +112,7 @@ class Vehicle:
         plausibility.check_body(
             self.mass, self.com, self.inertia, self.volume, self.cob, on_vehicle=True
         )
-        plausibility.check(
-            "transform_vehicle_to_base",
-            self.transform_vehicle_to_base[:3, 3],
-            plausibility.VEHICLE_POSITION,
-        )
+        plausibility.check("mount", self.mount[:3, 3], plausibility.VEHICLE_POSITION)
 
     def _checked(self) -> dict[str, Any]:
         """Every attribute, converted and read-only."""
@@ -92,10 +125,12 @@ class Vehicle:
             "linear_damping": _damping("linear_damping", self.linear_damping),
             "quadratic_damping": _damping("quadratic_damping", self.quadratic_damping),
             "added_mass": _added_mass(self.added_mass),
-            "transform_vehicle_to_base": rigid_transform(
-                "transform_vehicle_to_base", self.transform_vehicle_to_base
-            ),
+            "mount": rigid_transform("mount", self.mount),
         }
+
+
+def _inverse(transform: FloatArray) -> FloatArray:
+    return np.asarray(pin.SE3(np.array(transform)).inverse().homogeneous)
 
 
 def _damping(name: str, value: ArrayLike) -> FloatArray:
@@ -149,7 +184,7 @@ def with_vehicle(still: Any, vehicle: Vehicle) -> Any:
     model = still._joint_tree.model.copy()
     base = model.getFrameId("base_link")
     carrier = model.frames[base]
-    placement = carrier.placement * pin.SE3(np.array(vehicle.transform_vehicle_to_base))
+    placement = carrier.placement * pin.SE3(np.array(vehicle.mount)).inverse()
     frame = pin.Frame(
         "vehicle", carrier.parentJoint, base, placement, pin.FrameType.OP_FRAME
     )
@@ -171,9 +206,8 @@ def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
     mass = pin.computeTotalMass(still._model)
     displaced_mass = still.fluid_density * still._volume
 
-    to_vehicle = np.linalg.inv(vehicle.transform_vehicle_to_base)
     centres = np.array([still.center_of_mass(q), still.center_of_buoyancy(q)])
-    com, cob = centres @ to_vehicle[:3, :3].T + to_vehicle[:3, 3]
+    com, cob = centres @ vehicle.mount[:3, :3].T + vehicle.mount[:3, 3]
 
     # At the trim, this vector points up: then weight and buoyancy have no moment about
     # the vehicle's origin.

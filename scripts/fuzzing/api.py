@@ -168,7 +168,7 @@ def _own_values() -> dict[str, dict[str, Draws]]:
             "quadratic_damping": uniform(0, 9, 6),
             "added_mass": uniform(0, 9, 6),
             "inertia": lambda rng: np.diag(rng.uniform(1, 1.5, 3)),
-            "transform_vehicle_to_base": transform,
+            "mount": transform,
         },
         "DragStrip": {
             "start": normal(0.1, 3),

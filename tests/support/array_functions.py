@@ -707,7 +707,7 @@ def _water_calls(rows: _TheoryRows) -> list[_Row]:
                 "added_mass": np.arange(1.0, 7.0),
                 "linear_damping": np.arange(1.0, 7.0),
                 "quadratic_damping": np.arange(2.0, 8.0),
-                "transform_vehicle_to_base": rows.pose,
+                "mount": rows.pose,
             },
             {},
         ),

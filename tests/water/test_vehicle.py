@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib.util
 import pickle
 import sys
@@ -32,6 +33,10 @@ def pose(xyz, rpy):
     return out
 
 
+#: Pose of the vehicle's frame in base_link.
+VEHICLE_IN_BASE = pose([-0.2, 0.0, 0.15], [np.pi, 0.0, 0.3])
+
+
 def vehicle(**changes):
     values = {
         "mass": 13.5,
@@ -42,7 +47,7 @@ def vehicle(**changes):
         "added_mass": [6.36, 7.12, 18.68, 0.189, 0.135, 0.222],
         "linear_damping": [13.7, 0.0, 33.0, 0.0, 0.8, 0.0],
         "quadratic_damping": [141.0, 217.0, 190.0, 1.19, 0.47, 1.5],
-        "transform_vehicle_to_base": pose([-0.2, 0.0, 0.15], [np.pi, 0.0, 0.3]),
+        "mount": np.linalg.inv(VEHICLE_IN_BASE),
     }
     return a5.Vehicle(**(values | changes))
 
@@ -90,8 +95,7 @@ def test_the_mount_of_a_fixed_arm_becomes_the_vehicle(rng):
     system = fixed.on_vehicle(vehicle())
     v = random_v(fixed, rng)
     a = random_v(fixed, rng)
-    pose_of_vehicle = vehicle().transform_vehicle_to_base
-    q = system.configuration(pose_of_vehicle, Q)
+    q = system.configuration(VEHICLE_IN_BASE, Q)
     assert q == pytest.approx([0, 0, 0, 0, 0, 0, 1, *Q], abs=1e-15)
     still = np.zeros(6)
     v_all = np.concatenate([still, v])
@@ -102,7 +106,7 @@ def test_the_mount_of_a_fixed_arm_becomes_the_vehicle(rng):
     close(of_joints, fixed.inverse_dynamics(Q, v, a), 1e-12)
     # The thrusters carry the mount's load and the vehicle's own weight.
     own = fixed.on_vehicle(vehicle()).still.model.gravity.linear
-    to_base = pin.SE3(np.array(pose_of_vehicle))
+    to_base = pin.SE3(VEHICLE_IN_BASE)
     weight = pin.Force.Zero()
     for amount, at in ((13.5, [0, 0, -0.01]), (-1025.0 * 0.0134, [0, 0, 0.02])):
         point = to_base.act(np.array(at, dtype=float))
@@ -188,7 +192,7 @@ def test_a_drifting_vehicle_comes_to_rest_with_the_water(rng):
     """Damping depends on the velocity relative to the water, in the vehicle's axes."""
     system = a5.load().on_vehicle(vehicle())
     q = system.configuration(np.eye(4), Q)
-    to_base = pin.SE3(np.array(vehicle().transform_vehicle_to_base))
+    to_base = pin.SE3(VEHICLE_IN_BASE)
     nu = rng.normal(size=6)
     v = np.concatenate([to_base.act(pin.Motion(nu)).vector, np.zeros(4)])
     linear = vehicle().linear_damping
@@ -228,9 +232,7 @@ def test_trim_is_an_equilibrium_and_stable(rng):
             at[:3, :3] = trim.rotation_vehicle_to_world
             q = one.configuration(at, joints)
             load = pin.Force(one.hydrostatic_torque(q)[:6])
-            at_vehicle = pin.SE3(
-                np.array(one.vehicle.transform_vehicle_to_base)
-            ).actInv(load)
+            at_vehicle = pin.SE3(np.array(one.vehicle.mount)).act(load)
             world = trim.rotation_vehicle_to_world
             assert world @ at_vehicle.linear == pytest.approx(
                 [0, 0, trim.net_weight], abs=1e-9
@@ -242,11 +244,7 @@ def test_trim_is_an_equilibrium_and_stable(rng):
             # Rolled by a little more, the water rights it.
             at[:3, :3] = pin.rpy.rpyToMatrix(1e-4, 0.0, 0.0) @ world
             load = pin.Force(one.hydrostatic_torque(one.configuration(at, joints))[:6])
-            held = (
-                pin.SE3(np.array(one.vehicle.transform_vehicle_to_base))
-                .actInv(load)
-                .angular
-            )
+            held = pin.SE3(np.array(one.vehicle.mount)).act(load).angular
             assert (at[:3, :3] @ held)[0] == pytest.approx(
                 1e-4 * trim.righting_moment, rel=1e-3
             )
@@ -256,9 +254,7 @@ def test_trim_is_an_equilibrium_and_stable(rng):
 
 def test_trim_follows_the_arm():
     """Reaching forward pitches the vehicle nose down, reaching left rolls it left."""
-    mounted = vehicle(
-        com=[0, 0, -0.02], transform_vehicle_to_base=pose([0, 0, 0.1], [0, 0, 0])
-    )
+    mounted = vehicle(com=[0, 0, -0.02], mount=pose([0, 0, -0.1], [0, 0, 0]))
     system = a5.load().on_vehicle(mounted)
     reach = a5.named_pose("reach")  # along +x of base_link
     ahead = system.trim(reach)
@@ -307,10 +303,10 @@ def test_trim_follows_the_recorded_tilt(name):
     columns = [np.interp(at - 0.4, motion.time, x) for x in motion.position.T]
     joints = np.stack(columns, 1)
     recorded = script._average(at, found.time, found.tilt)
-    mount = np.linalg.inv(pose([0.25, -0.10965, 0.005], [0.0, 0.0, 0.0]))
+    mount = pose([0.25, -0.10965, 0.005], [0.0, 0.0, 0.0])
 
     def system(com):
-        body = vehicle(com=com, cob=[0, 0, 0.035], transform_vehicle_to_base=mount)
+        body = vehicle(com=com, cob=[0, 0, 0.035], mount=mount)
         return a5.load(a5.FRESH_WATER).on_vehicle(body)
 
     mean = system(np.zeros(3)).trim(joints.mean(axis=0)[:4])
@@ -338,12 +334,53 @@ def test_trim_follows_the_recorded_tilt(name):
         {"linear_damping": [1.0, 1, 1, 1, 1, -0.1]},
         {"quadratic_damping": [-1.0, 1, 1, 1, 1, 0.1]},
         {"quadratic_damping": np.eye(6)},
-        {"transform_vehicle_to_base": np.diag([1.0, 1, -1, 1])},
+        {"mount": np.diag([1.0, 1, -1, 1])},
     ],
 )
 def test_wrong_vehicles_are_refused(changes):
     with pytest.raises(a5.Alpha5Error):
         vehicle(**changes)
+
+
+def test_the_mount_is_that_of_the_command_line_and_of_xacro():
+    """The arm on a level vehicle weighs on its base as under --mount with the pose."""
+    rotation = pin.rpy.rpyToMatrix(0.4, -0.7, 1.1)
+    mount = pose([0.15, -0.1, -0.14], [0.4, -0.7, 1.1])
+    system = a5.load().on_vehicle(vehicle(mount=mount))
+    q = system.configuration(np.eye(4), Q)
+    gravity = rotation.T @ [0.0, 0.0, -9.81]
+    alone = a5.load(gravity=gravity).base_wrench(Q, np.zeros(4), np.zeros(4))
+    still = np.zeros(10)
+    close(system.mount_load(q, still, still).vector, alone.vector, 1e-12)
+    np.testing.assert_allclose(q[:3], [0.15, -0.1, -0.14], atol=1e-15)
+
+
+def test_the_inverse_of_the_mount_is_a_deprecated_name():
+    with pytest.warns(DeprecationWarning, match="give mount, its inverse") as caught:
+        named = a5.Vehicle(**NOTHING, transform_vehicle_to_base=VEHICLE_IN_BASE)
+    assert caught[0].filename == __file__
+    np.testing.assert_allclose(named.mount, np.linalg.inv(VEHICLE_IN_BASE), atol=1e-15)
+    with pytest.warns(DeprecationWarning, match="give mount, its inverse") as caught:
+        inverse = named.transform_vehicle_to_base
+    assert caught[0].filename == __file__
+    np.testing.assert_allclose(inverse, VEHICLE_IN_BASE, atol=1e-15)
+    changed = dataclasses.replace(named, volume=0.01)
+    np.testing.assert_array_equal(changed.mount, named.mount)
+
+
+@pytest.mark.parametrize(
+    ("named", "words"),
+    [
+        ({"transform_vehicle_to_base": np.eye(4), "mount": np.eye(4)}, "mount alone"),
+        ({"transform_vehicle_to_base": np.diag([1.0, 1, -1, 1])}, "_vehicle_to_base"),
+    ],
+)
+def test_a_wrong_inverse_of_the_mount_is_refused(named, words):
+    with (
+        pytest.warns(DeprecationWarning, match="is deprecated"),
+        pytest.raises(a5.errors.InputError, match=words),
+    ):
+        a5.Vehicle(**NOTHING, **named)
 
 
 @pytest.mark.parametrize(
