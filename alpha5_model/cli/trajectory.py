@@ -38,6 +38,9 @@ _SupplyVoltage = Annotated[float | None, Option(help="For limits (V); not publis
 _CurrentLimit = Annotated[
     float | None, Option(help="Of each motor (A); not published.")
 ]
+_Verbose = Annotated[
+    bool, Option("--verbose", "-v", help="Also the assumptions behind the figures.")
+]
 _ScrewLead = Annotated[
     float | None, Option(help="Jaw rod (m per turn); not published.")
 ]
@@ -50,6 +53,7 @@ def trajectory(
     joints: _Map = "",
     output: _Output = None,
     plot: options.Plot = None,
+    verbose: _Verbose = False,
     as_json: options.Json = False,
     fluid: options.Fluid = "sea",
     gravity: options.Gravity = options.DOWN,
@@ -113,7 +117,7 @@ def trajectory(
             library.write(analysis, output, progress)
         if plot is not None:
             figures.write_figure(motion_figure(analysis), plot, dpi=110)
-    printing.show(as_json, summary, [library.text(summary)], output, plot)
+    printing.show(as_json, summary, [library.text(summary, verbose)], output, plot)
 
 
 def _gripper(choice_of_user: str, motion: library.Motion) -> str:

@@ -127,21 +127,26 @@ _EFFORT = (
 )
 
 
-def text(record: dict[str, Any]) -> str:
-    """The record of `summary` as lines for a terminal; tables fit 80 columns."""
+def text(record: dict[str, Any], verbose: bool = False) -> str:
+    """The record of `summary` as lines for a terminal; tables fit 80 columns.
+
+    Args:
+        record: What `summary` returns.
+        verbose: Whether the assumptions behind the figures follow, too.
+    """
     joints: dict[str, _Record] = record["joints"]
     lines = [
         *_head(record),
         *_joint_table("peaks", joints, _PEAKS),
         *_digits(joints, own="arm" in record["model"]),
-        *_joint_table("left to the limits, negative beyond them", joints, _MARGINS),
+        *_limits(joints),
+        *_warnings(record["warnings"]),
+        *_margins(record),
         *_joint_table("largest torque by cause", joints, _causes(joints)),
         *_effort(joints),
         *_water(record),
         *_whole_arm(record),
-        *_limits(joints),
-        *_warnings(record["warnings"]),
-        *_notes(record),
+        *(_notes(record) if verbose else []),
     ]
     return readable("\n".join(lines))
 
@@ -175,6 +180,18 @@ def _digits(joints: Mapping[str, _Record], own: bool) -> list[str]:
     halves = ", ".join(f"{(high - low) / 2:.1g}" for low, high in intervals)
     source = "half widths of the arm file, else digits" if own else "digits"
     return [f"  {source} of Tables 2, 3: torque peaks ±({halves}) N m"]
+
+
+def _margins(record: _Record) -> list[str]:
+    """The table of what is left to the limits, without those that nobody published."""
+    own = "arm" in record["model"]
+    with_motors = any(
+        joint["current_margin"] is not None for joint in record["joints"].values()
+    )
+    shown = {"torque": own, "current": with_motors}
+    columns = [column for column in _MARGINS if shown.get(column.title, True)]
+    title = "left to the limits, negative beyond them"
+    return _joint_table(title, record["joints"], columns)
 
 
 def _causes(joints: Mapping[str, _Record]) -> list[_Column]:
@@ -305,8 +322,8 @@ def _notes(record: _Record) -> list[str]:
         "it is in the current, not in the torque",
         f"torque limits are those of {own}"
         if own
-        else "torque limits are the 9 N m (jaw rod 10 N) of most public models; "
-        "no rating is published",
+        else "no torque limit is published; torque_margin of --json is to the 9 N m "
+        "(jaw rod 10 N) of most public models",
         f"{whose} constants contradict each other (K_t/K_v: {ratios}); "
         f"used here: {used}",
         "Table 4 does not say whose efficiency eta_max is; "
@@ -320,7 +337,7 @@ def _notes(record: _Record) -> list[str]:
             f"current limits need --supply-voltage and --current-limit{where}; "
             "neither is published"
         )
-    return [f"  note: {note}" for note in notes]
+    return ["", *(f"  note: {note}" for note in notes)]
 
 
 def _joint_table(

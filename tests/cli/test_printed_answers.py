@@ -76,6 +76,7 @@ ANSWERS = {
     "trajectory": ("trajectory", "motion.csv"),
     "trajectory-limits": (
         *("trajectory", "motion.csv", "--supply-voltage", "24", "--current-limit", "1"),
+        "--verbose",
         *("--screw-lead", "1e-3", "--current", "1", "0", "0", "--output", "table.csv"),
     ),
     "workspace": ("workspace",),

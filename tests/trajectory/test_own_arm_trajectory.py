@@ -179,6 +179,7 @@ def test_the_command_says_which_arm_and_has_its_limits(
     peak = abs(shoulder["torque_peak"]["value"])
     assert shoulder["torque_margin"] == pytest.approx(1.5 - peak)
 
+    words = [*words, "--verbose"]
     assert main([*words, "--mount", "0 0 0", "--constants", "voltage"]) == 0
     printed = capsys.readouterr().out
     assert "model: alpha5_lab_2, locked gripper" in printed

@@ -521,11 +521,12 @@ x.csv: 77 samples, 3.14 s
           torque  current  by friction's tolerance  speed
              N·m        A                        A  rad/s
   axis_e   -1.25   -0.500         -0.625 .. -0.375  -0.75
+  warning: a gap: 2 x, first: line 9
 
   left to the limits, negative beyond them
-          torque  current   speed  range
-             N·m        A   rad/s    rad
-  axis_e    7.75        -  +0.125  -0.25
+           speed  range
+           rad/s    rad
+  axis_e  +0.125  -0.25
 
   largest torque by cause
           inertia  coriolis  weight  buoyancy  friction
@@ -535,14 +536,15 @@ x.csv: 77 samples, 3.14 s
   power: peak 4.5 W; drawn 50 J (40 .. 60), fed back 0.25 J, mechanical work 0.5 J
   mount: force up to 6.5 N, moment up to 0.75 N·m
   TCP: path 1.5 m, from (0.100, 0.000, 0.300) to (0.400, 0.500, 0.600) m,
-       within (0.000, -0.250, 0.125) .. (0.500, 0.750, 0.875) m
-  warning: a gap: 2 x, first: line 9
+       within (0.000, -0.250, 0.125) .. (0.500, 0.750, 0.875) m"""
+NOTES = """
+
   note: below 0.2% of its rated speed a joint is at rest: friction holds it, \
 its motor helps with the least current
   note: friction, at the motor, is a cause of its own; it is in the current, \
 not in the torque
-  note: torque limits are the 9 N·m (jaw rod 10 N) of most public models; \
-no rating is published
+  note: no torque limit is published; torque_margin of --json is to the 9 N·m \
+(jaw rod 10 N) of most public models
   note: Table 4's constants contradict each other (K_t/K_v: axis_e 1.155); \
 used here: printed, which leaves -5 J of the electrical energy unexplained
   note: Table 4 does not say whose efficiency eta_max is; \
@@ -553,6 +555,12 @@ neither is published"""
 
 def test_the_text_of_a_summary() -> None:
     assert a5.trajectory.text(record()) == TEXT
+    assert a5.trajectory.text(record(), verbose=True) == TEXT + NOTES
+    own = record()
+    own["model"]["arm"] = "mine.toml"
+    said = a5.trajectory.text(own, verbose=True)
+    assert "  axis_e    7.75  +0.125  -0.25" in said
+    assert "  note: torque limits are those of mine.toml\n" in said
 
 
 def test_the_text_says_limits_units_and_what_is_missing() -> None:
@@ -569,18 +577,18 @@ def test_the_text_says_limits_units_and_what_is_missing() -> None:
         "in 3 samples, up to 0.75\n"
         "  limit: axis_e is beyond the speed-torque limit in 4 samples\n" in said
     )
-    assert "  axis_e    7.75   -0.500  -0.25" in said
+    assert "  axis_e   -0.500  -0.25  -0.25" in said
     other = record(current_peak=None)
     other["time_unit_of_file"] = "ms"
     other["smoothing"] |= {"method": "interpolate", "bandwidth_hz": None}
     other["motors"] |= {"constants": "torque", "supply_voltage": 24.0}
-    said = a5.trajectory.text(other)
+    said = a5.trajectory.text(other, verbose=True)
     assert said.startswith("x.csv: 77 samples, 3.14 s (time column in ms)\n")
     assert "  smoothing: interpolate; derivatives" in said
     assert (
         "  axis_e   -1.25  needs --screw-lead                           -0.75" in said
     )
-    assert "  axis_e    7.75        -  +0.125  -0.25" in said
+    assert "  axis_e  +0.125  -0.25" in said
     assert "used here: torque\n  note: Table 4 does not say" in said
     assert said.endswith("taken here for that of the gearbox")
     assert "current limits need" not in said
