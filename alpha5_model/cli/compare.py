@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -22,7 +23,7 @@ from alpha5_model.proofs.comparison.arm_of_model import (
     arm_text,
 )
 from alpha5_model.proofs.comparison.model_file import read_model
-from alpha5_model.proofs.comparison.records import Comparison
+from alpha5_model.proofs.comparison.records import Comparison, Finding
 from alpha5_model.viewer.comparison_plot import plot_comparison
 from alpha5_model.viewer.figures import FORMATS
 
@@ -105,28 +106,50 @@ def _differences(comparison: Comparison) -> printing.Lines:
     if not joints:
         return
 
-    yield from _bodies(comparison)
-    yield _largest(comparison)
-    yield from _findings(comparison)
     yield style(comparison.verdict, fg="green" if comparison.agrees else "red")
+    yield from _findings(comparison)
+    yield _largest(comparison)
+    yield from _bodies(comparison)
 
 
-def _bodies(comparison: Comparison) -> list[str]:
-    """Mass, COM and principal moments of each body, theirs, ours and the difference."""
+def _bodies(comparison: Comparison) -> printing.Lines:
+    """Mass, COM and principal moments of the bodies that differ, theirs and ours."""
+    rows = {body.name: _rows(body.as_dict()) for body in comparison.bodies}
+    differing = {name: cells for name, cells in rows.items() if _differs(cells[2])}
+    alike = [name for name in rows if name not in differing]
+    if alike:
+        yield f"Bodies equal to ours to 0.01 g, mm and kg mm²: {', '.join(alike)}."
+    if not differing:
+        return
+
     moments = [f"moment {number}" for number in "123"]
-    rows = [
+    head = [
         ["body", "", "mass", "COM x", "COM y", "COM z", *moments],
         ["", "", "[g]", *["[mm]"] * 3, *["[kg mm²]"] * 3],
     ]
-    for body in comparison.bodies:
-        record = body.as_dict()
-        theirs = _inertia(record)
-        ours = _inertia(record["ours"])
-        apart = [a - b for a, b in zip(theirs, ours, strict=True)]
-        rows.append([body.name, "theirs", *(_cell(x) for x in theirs)])
-        rows.append(["", "ours", *(_cell(x) for x in ours)])
-        rows.append(["", "diff", *(_cell(x, "+") for x in apart)])
-    return table(rows, "<<>", 1)
+    for name, (theirs, ours, apart) in differing.items():
+        head.append([name, "theirs", *theirs])
+        head.append(["", "ours", *ours])
+        head.append(["", "diff", *apart])
+    yield ""
+    yield from table(head, "<<>", 1)
+
+
+def _rows(record: dict[str, Any]) -> tuple[list[str], list[str], list[str]]:
+    """The cells of a body: theirs, ours and the difference."""
+    theirs = _inertia(record)
+    ours = _inertia(record["ours"])
+    apart = [a - b for a, b in zip(theirs, ours, strict=True)]
+    return (
+        [_cell(x) for x in theirs],
+        [_cell(x) for x in ours],
+        [_cell(x, "+") for x in apart],
+    )
+
+
+def _differs(apart: Sequence[str]) -> bool:
+    """Whether a difference is seen in the cells, or a centre of mass is missing."""
+    return any(cell == "-" or cell.strip("+-0.") for cell in apart)
 
 
 def _inertia(side: dict[str, Any]) -> list[float]:
@@ -167,9 +190,28 @@ def _largest(comparison: Comparison) -> str:
 
 
 def _findings(comparison: Comparison) -> printing.Lines:
-    for found in comparison.findings:
+    for found, more in _alike(comparison.findings):
         mark = "✗" if found.serious else "·"
         cost = f" [{found.cost:.3g} N m]" if found.cost > 0 else ""
-        yield f"{mark} {found.where}: {found.text}{cost}"
+        where = f"{found.where} and {more} more" if more else found.where
+        yield f"{mark} {where}: {found.text}{cost}"
         if found.instead:
             yield f"  write {found.instead}"
+
+
+def _alike(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
+    """The findings, each with the number of remarks after it that say the same."""
+    shown: list[tuple[Finding, int]] = []
+    for found in findings:
+        first, more = shown[-1] if shown else (None, 0)
+        remark = not found.serious and not found.instead
+        if first is not None and remark and _said(first) == _said(found):
+            shown[-1] = first, more + 1
+        else:
+            shown.append((found, 0))
+    return shown
+
+
+def _said(found: Finding) -> tuple[object, ...]:
+    """What a finding says, wherever it was found."""
+    return found.text, found.serious, found.instead, found.cost

@@ -402,11 +402,18 @@ def test_a_lighter_body_has_a_negative_mass_error():
     assert comparison.bodies[2].mass_error == pytest.approx(0.3 - mass)
 
 
-def test_rounding_shows_no_minus_at_zero(capsys):
-    """The same model: what is left of a difference is rounding, of either sign."""
+def test_rounding_shows_no_minus_at_zero(tmp_path, capsys):
+    """Beside the mass, what is left of a difference is rounding, of either sign."""
     assert main(["compare", a5.URDF_PATH]) == 0
     out = capsys.readouterr().out
-    assert out.count("+0.00") >= 35  # seven figures of five bodies
+    said = " ".join(out.split())
+    assert "mm and kg·mm²: link_0, link_1, link_2, link_3, link_4." in said
+    assert "theirs" not in out
+    path = tmp_path / "heavy.urdf"
+    path.write_text(with_mass(OWN, "0.5"))
+    assert main(["compare", str(path)]) == 1
+    out = capsys.readouterr().out
+    assert out.count("+0.00") == 6  # all figures of link_2 but its mass
     assert "-0.00" not in out
 
 
