@@ -18,6 +18,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
+from alpha5_model.trajectory.file_table import Progress
 from alpha5_model.trajectory.time_series import FORMATS
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.motion_plot import motion_figure
@@ -29,6 +30,9 @@ _File = Annotated[Path, Argument(help=options.HELP["file"])]
 _Topic = Annotated[str | None, Option(help="Of a bag with several arms.")]
 _Prefix = Annotated[str | None, Option(help="Before the joints' names: left_.")]
 _Map = Annotated[str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")]
+_Degrees = Annotated[
+    bool, Option("--degrees", help="Angles in degrees, if columns name no unit.")
+]
 _Output = Annotated[Path | None, Option("--output", "-o", help="Table, .csv or .json.")]
 _Gripper = Annotated[str, Option(help=options.HELP["gripper"])]
 _Smoothing = Annotated[str, Option(help="spline, savgol or interpolate (no noise).")]
@@ -51,6 +55,7 @@ def trajectory(
     topic: _Topic = None,
     prefix: _Prefix = None,
     joints: _Map = "",
+    degrees: _Degrees = False,
     output: _Output = None,
     plot: options.Plot = None,
     verbose: _Verbose = False,
@@ -91,11 +96,15 @@ def trajectory(
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
 
     own = values.arm_record(arm_file)
-    names = values.pairs("map", joints.split(","), "=")
-
     with printing.progress_bars() as progress:
         motion = library.read_motion(
-            file, progress, topic=topic, prefix=prefix, arm=own, joints=names
+            file,
+            progress,
+            topic=topic,
+            prefix=prefix,
+            arm=own,
+            joints=values.pairs("map", joints.split(","), "="),
+            degrees=degrees,
         )
         variant = _gripper(gripper, motion)
         analysis = library.analyse(
@@ -113,10 +122,7 @@ def trajectory(
             efficiency=efficiency,
         )
         summary = _summary(analysis)
-        if output is not None:
-            library.write(analysis, output, progress)
-        if plot is not None:
-            figures.write_figure(motion_figure(analysis), plot, dpi=110)
+        _write(analysis, output, plot, progress)
     printing.show(as_json, summary, [library.text(summary, verbose)], output, plot)
 
 
@@ -125,6 +131,19 @@ def _gripper(choice_of_user: str, motion: library.Motion) -> str:
     if choice_of_user != "auto":
         return choice_of_user
     return "jaws" if "axis_a" in motion.joints else "locked"
+
+
+def _write(
+    analysis: library.Analysis,
+    output: Path | None,
+    plot: Path | None,
+    progress: Progress | None,
+) -> None:
+    """Write the table and the picture that the user asked for."""
+    if output is not None:
+        library.write(analysis, output, progress)
+    if plot is not None:
+        figures.write_figure(motion_figure(analysis), plot, dpi=110)
 
 
 def _rod_actuator(

@@ -26,6 +26,11 @@ LIMIT_SLACK = 1e-3
 GAP_FACTOR = 10.0
 #: Times that differ by less are the same [s].
 _SAME_TIME = 1e-9
+#: A position this many times beyond the upper limit is in another unit.
+_FAR = 4.0
+#: Angles are in degrees if they are far off as radians, and as degrees within the range
+#: or beyond it by this share of it. A recorded zero may be off by as much.
+_DEGREES_SLACK = 0.1
 #: Derivatives of larger numbers would overflow.
 _LARGEST_TIME = 1e12
 _LARGEST = 1e9
@@ -41,6 +46,11 @@ class Origin(ABC):
     @abstractmethod
     def place(self, sample: int, joint: str | None) -> str:
         """Where a sample is: the number of a joint, or the time if that is None."""
+
+    @property
+    @abstractmethod
+    def to_radians(self) -> str:
+        """What to do with angles in degrees."""
 
     @abstractmethod
     def error(
@@ -60,6 +70,11 @@ class ArrayOrigin(Origin):
         """Where a sample is."""
         return f"sample {sample} of {joint}" if joint else f"sample {sample}"
 
+    @property
+    def to_radians(self) -> str:
+        """What to do with angles in degrees."""
+        return "give numpy.radians of them"
+
     def error(
         self, sample: int, joint: str | None, value: float, expected: str
     ) -> Alpha5Error:
@@ -76,12 +91,14 @@ def checked(raw: Motion, parameters: Alpha5Parameters, origin: Origin) -> Motion
         origin: Where the samples come from.
 
     Raises:
-        Alpha5Error: Too few samples, numbers that are too large, time that runs back.
+        Alpha5Error: Too few samples, numbers that are too large, time that runs back,
+            angles in degrees.
     """
     raw = replace(raw, effort=_known(raw.effort))
     _check_count(raw, origin)
     _check_sizes(raw, origin)
     _check_order(raw.time, origin)
+    _check_radians(raw, parameters, origin)
 
     samples, warnings = _distinct_samples(raw.time, origin)
     if samples.size < MINIMUM_SAMPLES:
@@ -152,6 +169,33 @@ def _check_order(time: FloatArray, origin: Origin) -> None:
         raise origin.error(sample, None, time[sample], expected)
 
 
+def _check_radians(
+    motion: Motion, parameters: Alpha5Parameters, origin: Origin
+) -> None:
+    """Refuse angles in degrees.
+
+    They are if most samples of a joint are far off as radians, and most of each joint
+    are within its range as degrees. A few outliers are none.
+    """
+    suspect: tuple[int, str] | None = None
+    for k, limits in enumerate(parameters.joints[:4]):
+        angle = motion.position[:, k]
+        slack = _DEGREES_SLACK * (limits.upper - limits.lower)
+        in_degrees = np.abs(np.radians(angle) - (limits.lower + limits.upper) / 2)
+        within = in_degrees <= (limits.upper - limits.lower) / 2 + slack
+        if np.mean(within) <= 0.5:
+            return
+        far = np.abs(angle) > _FAR * limits.upper
+        if suspect is None and np.mean(far) > 0.5:
+            suspect = int(np.argmax(far)), limits.name
+
+    if suspect is not None:
+        sample, joint = suspect
+        value = float(motion.position[sample, motion.joints.index(joint)])
+        expected = f"radians, and {value:.6g} is an angle of {joint} in degrees"
+        raise origin.error(sample, joint, value, f"{expected}; {origin.to_radians}")
+
+
 def _distinct_samples(
     time: FloatArray, origin: Origin
 ) -> tuple[NDArray[np.intp], list[MotionWarning]]:
@@ -220,7 +264,7 @@ def _outside_text(position: FloatArray, limits: JointRange) -> str:
     name = limits.name
     unit = "m" if name == "axis_a" else "rad"
     text = f"{name} outside its range {limits.lower:.6g} to {limits.upper:.6g} {unit}"
-    if np.abs(position).max() > 4 * limits.upper:
+    if np.abs(position).max() > _FAR * limits.upper:
         likely = "mm" if unit == "m" else "degrees"
         text += f" (is it in {likely}?)"
     return text

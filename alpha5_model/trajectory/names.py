@@ -102,14 +102,14 @@ class Column:
             ``dq_left_axis_e``. Columns of one arm have the same group.
         meaning: ``"position"``, ``"velocity"``, ``"effort"``, or another one, such as
             ``"torque"``, ``"command"`` or ``"unknown"``.
-        scale: SI units in the unit of its name; 1 if it names none.
+        scale: SI units in the unit of its name; None if it names none.
     """
 
     name: str
     joint: str
     group: str
     meaning: str
-    scale: float = 1.0
+    scale: float | None = None
 
 
 def joint_columns(
@@ -131,7 +131,7 @@ def joint_columns(
         group = _group(before)
         on_request = group == wanted_group
         meaning = _meaning(before, after, on_request)
-        factor = 1.0
+        factor: float | None = None
 
         after_without_unit, unit = split_unit(after)
         if unit:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import FloatArray, flag
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 from alpha5_model.numbers.chosen_arm import chosen_arm
@@ -36,6 +36,7 @@ def read_motion(
     prefix: str | None = None,
     arm: Alpha5Parameters | None = None,
     joints: Mapping[str, str] | None = None,
+    degrees: bool = False,
 ) -> Motion:
     """Read joint motion from a CSV or Parquet file, or from a ROS bag.
 
@@ -94,6 +95,8 @@ def read_motion(
             catalogue's.
         joints: Joint of the arm -> its name in the file, for a file with other names:
             ``{"axis_e": "joint_1", ...}`` reads ``joint_1_pos`` as ``axis_e_pos``.
+        degrees: Whether angles are in degrees, and their velocities in deg/s, if the
+            columns name no unit.
 
     Raises:
         InputError: Not a path, fewer than 5 samples, a topic for a file that is no bag,
@@ -103,9 +106,9 @@ def read_motion(
         MissingFileError: No such file.
         MissingDependencyError: rosbags or pyarrow is not installed.
         FileFormatError: A missing or doubled column, another separator, an empty file,
-            a Git LFS pointer, several rows of another length or with text or NaN for a
-            number, or time that runs back; the message names the place. Or a bag that
-            is damaged or has no joint states of the arm.
+            a Git LFS pointer, angles that are in degrees, several rows of another
+            length or with text or NaN for a number, or time that runs back; the message
+            names the place. Or a bag that is damaged or has no joint states of the arm.
     """
     table: FileTable
     named = JointMap(joints)
@@ -120,7 +123,7 @@ def read_motion(
     else:
         table = CsvTable(path, named, progress)
 
-    roles = find_roles(path, table, prefix)
+    roles = find_roles(path, table, prefix, flag("degrees", degrees))
     origin = _FileOrigin(path, table, roles)
     record = chosen_arm(arm)
     raw = _recorded(path, table, roles, record)
@@ -147,6 +150,14 @@ class _FileOrigin(Origin):
         if joint is not None:
             column = roles.positions[roles.joints.index(joint)]
         return self._table.place(sample, column)
+
+    @property
+    def to_radians(self) -> str:
+        """What to do with angles in degrees."""
+        return (
+            "name the columns axis_e_pos [deg] and so on, or give --degrees "
+            "(read_motion: degrees=True)"
+        )
 
     def error(
         self, sample: int, joint: str | None, value: float, expected: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -25,6 +26,8 @@ from alpha5_model.trajectory.time_units import CLOCK, TIME_WITH_UNIT
 from alpha5_model.trajectory.warning import MotionWarning
 
 _TIME = ("time_secs", "time")
+#: What a turning joint has in rad and rad/s.
+_ANGLES = (POSITION, VELOCITY)
 
 
 @dataclass(frozen=True)
@@ -39,8 +42,7 @@ class Roles:
             recorded.
         efforts: Joint -> column, of the joints that have one.
         warnings: About columns that the caller may miss.
-        scales: Column -> SI units in the unit of its name, of the columns that name
-            one.
+        scales: Column -> SI units in its unit, of the columns that are not in SI.
     """
 
     time: int
@@ -62,13 +64,16 @@ class Roles:
         return needed if self.nanoseconds is None else [*needed, self.nanoseconds]
 
 
-def find_roles(path: PathLike, table: FileTable, wanted_prefix: str | None) -> Roles:
+def find_roles(
+    path: PathLike, table: FileTable, wanted_prefix: str | None, degrees: bool
+) -> Roles:
     """Which columns of a table are the time and the joints' quantities.
 
     Args:
         path: The file, for messages.
         table: Its columns.
         wanted_prefix: The prefix of the joints that the caller gave; None if none.
+        degrees: Whether angles are in degrees if their columns name no unit.
 
     Raises:
         InputError: Several arms to choose from.
@@ -89,7 +94,7 @@ def find_roles(path: PathLike, table: FileTable, wanted_prefix: str | None) -> R
         velocities=columns.velocities(joints),
         efforts=columns.efforts(joints),
         warnings=[*time_warnings, *columns.command_warnings()],
-        scales=columns.scales(),
+        scales=columns.scales(degrees),
     )
 
 
@@ -170,9 +175,19 @@ class _Columns:
                 columns[joint] = self.only(names, f"the effort of {joint}")
         return columns
 
-    def scales(self) -> dict[int, float]:
-        """Column -> SI units in the unit of its name, of those that are not in SI."""
-        scale_of = {c.name: c.scale for c in self._arm if c.scale != 1.0}
+    def scales(self, degrees: bool) -> dict[int, float]:
+        """Column -> SI units in its unit, of those that are not in SI.
+
+        Args:
+            degrees: Whether angles are in degrees if their columns name no unit.
+        """
+        scale_of = {}
+        for column in self._arm:
+            angle = column.joint != JOINT_NAMES[4] and column.meaning in _ANGLES
+            if column.scale is not None:
+                scale_of[column.name] = column.scale
+            elif degrees and angle:
+                scale_of[column.name] = math.pi / 180.0
         header = self._table.header
         return {k: scale_of[name] for k, name in enumerate(header) if name in scale_of}
 

@@ -110,8 +110,8 @@ def target(rng: Rng, folder: Path) -> Case:
         ]
     for _ in range(int(rng.integers(1, 4))):
         pattern = _pattern(rng)
-        # out of any range: whoever reads them as positions is seen
-        noise = rng.uniform(50, 60, (4, count))
+        # out of any range, in degrees, too: whoever reads them as positions is seen
+        noise = rng.uniform(5000, 6000, (4, count))
         columns += [
             (pattern.replace("*", f"axis_{x}"), row)
             for x, row in zip("edcb", noise, strict=True)

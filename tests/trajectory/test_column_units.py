@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.errors import FileFormatError
+from alpha5_model.errors import FileFormatError, InputError
 
 JOINTS = [f"axis_{letter}" for letter in "edcb"]
 TIME = 0.125 * np.arange(12)
@@ -47,6 +47,56 @@ def test_positions_in_degrees(pattern: str, tmp_path: Path) -> None:
     motion = a5.trajectory.read_motion(written(tmp_path / "m.csv", table))
     np.testing.assert_allclose(motion.position, ANGLES, rtol=4e-16)
     assert motion.warnings == ()
+
+
+def test_angles_in_degrees_without_a_unit(tmp_path: Path) -> None:
+    """Velocities are in deg/s, the rod in m, efforts in N m, and units hold."""
+    table = {"time": TIME, **named("*_pos", ANGLES * 180 / math.pi)}
+    table |= {"axis_a_pos": ROD, "axis_a_vel": ROD}
+    table |= named("*_vel", ANGLES * 180 / math.pi)
+    table |= named("*_effort", ANGLES)
+    table["axis_d_pos [rad]"] = table.pop("axis_d_pos") * math.pi / 180
+    motion = a5.trajectory.read_motion(written(tmp_path / "m.csv", table), degrees=True)
+    assert motion.velocity is not None
+    assert motion.effort is not None
+    expected = np.column_stack([ANGLES, ROD])
+    np.testing.assert_allclose(motion.position, expected, rtol=4e-16)
+    np.testing.assert_allclose(motion.velocity, expected, rtol=4e-16)
+    np.testing.assert_array_equal(motion.effort[:, :4], ANGLES)
+
+
+@pytest.mark.parametrize("joint", [None, *range(4)])
+def test_degrees_read_as_radians_are_refused(joint: int | None, tmp_path: Path) -> None:
+    """All joints, or one of them; the first that is far off is named."""
+    angles = ANGLES.copy()
+    columns = slice(None) if joint is None else joint
+    angles[:, columns] *= 180 / math.pi
+    k = joint or 0
+    words = (
+        f"expected radians, and {angles[0, k]:.6g} is an angle of axis_{'edcb'[k]} in "
+        "degrees; "
+    )
+    path = written(tmp_path / "m.csv", {"time": TIME, **named("*_pos", angles)})
+    with pytest.raises(FileFormatError) as caught:
+        a5.trajectory.read_motion(path)
+    hint = (
+        "name the columns axis_e_pos [deg] and so on, or give --degrees "
+        "(read_motion: degrees=True)"
+    )
+    place = f"line 2, column {k + 2} (axis_{'edcb'[k]}_pos)"
+    assert str(caught.value) == f"{path}, {place}: {words}{hint}"
+
+    with pytest.raises(InputError) as raised:
+        a5.trajectory.motion(TIME, angles)
+    assert f"{words}give numpy.radians of them" in str(raised.value)
+
+
+def test_outliers_and_other_units_are_no_degrees() -> None:
+    outliers = ANGLES.copy()
+    outliers[:6] *= 180 / math.pi  # half of the samples
+    assert a5.trajectory.motion(TIME, outliers).warnings
+    gradians = ANGLES * 1e3
+    assert a5.trajectory.motion(TIME, gradians).warnings
 
 
 @pytest.mark.parametrize("pattern", ["*_pos [rad]", "*_rad", "* (radians)", "*"])

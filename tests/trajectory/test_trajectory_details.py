@@ -278,7 +278,7 @@ def test_positions_in_another_unit_are_said() -> None:
         (4, 1e3, "(is it in mm?)"),
     ):
         other = q.copy()
-        other[:, column] *= size
+        other[::3, column] *= size
         [warning] = [
             w for w in a5.trajectory.motion(t, other).warnings if "outside" in w.text
         ]
