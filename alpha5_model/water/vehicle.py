@@ -81,7 +81,6 @@ class Vehicle:
             the water at the origin, (6,) [N s/m, N m s] and [N s^2/m^2, N m s^2].
         mount: Pose of base_link in the vehicle's frame, (4, 4), as xacro, the command
             line and arm files take it.
-        transform_vehicle_to_base: Deprecated: the inverse of `mount`.
 
     Raises:
         InputError: Both `mount` and its deprecated inverse, negative damping, mass or
