@@ -3,27 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 from typer import Option
 
 from alpha5_model._support.outputs import check_outputs
-from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.limits import JOINTS
-from alpha5_model.cli.torque_record import (
-    TERMS,
-    Motors,
-    Record,
-    State,
-    torque_record,
-)
-from alpha5_model.cli.words import WORDS
+from alpha5_model.cli.torque_record import Motors, State, torque_record
+from alpha5_model.cli.torque_text import torque_lines
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.mount_plot import mount_load_figure
 
@@ -76,7 +66,7 @@ def torque(
     record = torque_record(arm, state, motors, water_current)
     if plot is not None:
         _draw_mount_load(arm, state, water_current, plot)
-    printing.show(as_json, record, _text(record), plot)
+    printing.show(as_json, record, torque_lines(record), plot)
 
 
 def _joint_numbers(
@@ -97,81 +87,3 @@ def _draw_mount_load(
         raise InputError("plot", plot, "a --current that flows, with it")
     page = mount_load_figure(arm, state.q, speed)
     figures.write_figure(page, plot, dpi=110)
-
-
-def _text(record: Record) -> printing.Lines:
-    joints = record["joints"]
-    yield from _torque_table(joints)
-    yield _notes(record)
-    if "water_current" in record:
-        yield from _water(record)
-    if len(joints) > 4:
-        yield "current of the jaw rod: its screw's lead is not published"
-    if not all(joint["within_limits"] for joint in joints):
-        yield "* position beyond the joint's limits"
-    if "self_collision" in record:
-        place = record["self_collision"]
-        links = " and ".join(place["links"])
-        yield f"self-collision: {links} overlap by {place['depth'] * 1e3:.3g} mm"
-
-
-def _torque_table(joints: list[Record]) -> list[str]:
-    head = ["inertia", "Coriolis", "weight", "buoyancy", "torque", "current", "range"]
-    rows = [["", *head]]
-    for unit, group in (("N m", joints[:4]), ("N", joints[4:])):
-        if group:
-            rows.append(["", *[unit] * 5, *["A"] * 2])
-        for joint in group:
-            mark = "" if joint["within_limits"] else " *"
-            cells = [_cell(joint[key]) for key in (*TERMS, "torque", "current")]
-            rows.append([joint["joint"] + mark, *cells, _range(joint["current_range"])])
-    return table(rows, gap=1)
-
-
-def _notes(record: Record) -> str:
-    """Notes under the table: fluid, gravity, digits, and the load on the mount."""
-    turning = record["joints"][:4]
-    margins = [np.ptp(joint["torque_range"]) / 2 for joint in turning]
-    notes: str = WORDS["torque"]["notes"]
-    return notes.format(
-        fluid_density=record["fluid_density"],
-        water=" + water" if "water_current" in record else "",
-        gravity=", ".join(f"{round(g, 6) + 0.0:g}" for g in record["gravity"]),
-        digits=_cells(margins),
-        force=_cells(record["mount"]["force"]),
-        moment=_cells(record["mount"]["moment"]),
-    )
-
-
-def _water(record: Record) -> printing.Lines:
-    """What moving water adds, with the interval of its estimates."""
-    current = ", ".join(f"{x:g}" for x in record["water_current"])
-    yield WORDS["torque"]["water"].format(current=current)
-
-    rows = [["", "nominal", "range", ""]]
-    for k, joint in enumerate(record["joints"]):
-        nominal = _cell(joint["moving_water"])
-        interval = _range(joint["moving_water_range"])
-        unit = "N m" if k < 4 else "N"
-        rows.append([joint["joint"], nominal, interval, unit])
-
-    loads = record["mount"]["moving_water"]
-    for part, unit in (("force", "N"), ("moment", "N m")):
-        vectors = [loads[level][part] for level in LEVELS]
-        low, middle, high = [math.hypot(*vector) for vector in vectors]
-        rows.append([part, _cell(middle), _range((low, high)), f"{unit} on the mount"])
-    yield from table(rows, "<>><")
-
-
-def _range(ends: Sequence[float] | None) -> str:
-    return "" if ends is None else " to ".join(_cell(end) for end in ends)
-
-
-def _cells(numbers: Sequence[float]) -> str:
-    return ", ".join(_cell(x) for x in numbers)
-
-
-def _cell(x: float | None) -> str:
-    if x is None:
-        return "-"
-    return f"{x:z.4f}" if abs(x) < 1000 else f"{x:.2e}"

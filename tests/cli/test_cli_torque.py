@@ -92,26 +92,46 @@ def test_current_is_table_4(capsys):
 
 
 def test_text_is_the_json_rounded(capsys):
-    arguments = ["--q", "3.1", "1.2", "1.8", "-0.4", "--v", *text(V)]
-    rows = run(capsys, *arguments).splitlines()
-    result = json.loads(run(capsys, *arguments, "--json"))
-    for row, joint in zip(rows[2:6], result["joints"], strict=True):
-        cells = row.replace(" *", "").replace(" to ", " ").split()
-        keys = ("inertia", "coriolis", "weight", "buoyancy", "torque", "current")
-        expected = [*(joint[key] for key in keys), *joint["current_range"]]
-        assert cells[0] == joint["joint"]
-        assert [float(cell) for cell in cells[1:]] == pytest.approx(
-            expected, abs=5.1e-5
-        )
-        assert "-0.0000" not in row
-    assert rows[5].startswith("axis_b *")
-    assert rows[-1] == "* position beyond the joint's limits"
-    assert [joint["within_limits"] for joint in result["joints"]] == [
-        True,
-        True,
-        True,
-        False,
+    arguments = ["--q", "3.1", "1.2", "1.8", "-0.4", "--v", "0", *text(V[1:])]
+    printed = run(capsys, *arguments)
+    assert "-0.0000" not in printed
+    torques, load, currents, warnings = [
+        part.splitlines() for part in printed.split("\n\n")
     ]
+    result = json.loads(run(capsys, *arguments, "--json"))
+    joints = result["joints"]
+    keys = ("inertia", "coriolis", "weight", "buoyancy", "torque")
+    for row, joint in zip(torques[2:], joints, strict=True):
+        low, high = joint["torque_range"]
+        same_numbers(
+            row, joint["joint"], [joint[key] for key in keys] + [(high - low) / 2]
+        )
+    for row, part in zip(load[1:], ("force", "moment"), strict=True):
+        same_numbers(row, part, result["mount"][part])
+    for row, joint in zip(currents[1:], joints, strict=True):
+        same_numbers(row, joint["joint"], [joint["current"], *joint["current_range"]])
+        assert ("moving" in row) == (joint["velocity"] != 0)
+        assert ("at rest" in row) == (joint["velocity"] == 0)
+    assert torques[5].startswith("axis_b *")
+    assert warnings[0] == "* position beyond the joint's limits"
+    assert [joint["within_limits"] for joint in joints] == [True, True, True, False]
+
+
+def same_numbers(row, name, expected):
+    """A row of a table: its name, the numbers to four decimals, and words."""
+    cells = row.replace(" *", "").replace(" to ", " ").split()
+    assert cells[0] == name
+    numbers = [float(cell) for cell in cells[1 : len(expected) + 1]]
+    assert numbers == pytest.approx(expected, abs=5.1e-5)
+
+
+@pytest.mark.parametrize(("acceleration", "powers"), [("1e5", False), ("1e8", True)])
+def test_the_numbers_of_a_table_have_one_format(capsys, acceleration, powers):
+    printed = run(capsys, "--q", *text(Q), "--a", acceleration, "1", "0", "0")
+    table = printed.split("\n\n")[0].splitlines()[2:]
+    numbers = " ".join(row.partition(" ")[2] for row in table).split()
+    assert {"e" in number for number in numbers} == {powers}
+    assert len({len(number.partition(".")[2]) for number in numbers}) == 1
 
 
 def test_degrees_and_tilt(capsys):
@@ -175,7 +195,7 @@ def test_a_position_that_touches_itself_is_named(capsys):
     assert place["depth"] == pytest.approx(-a5.load().collision_distance(np.zeros(4)))
     links = " and ".join(place["links"])
     millimetres = f"{place['depth'] * 1e3:.3g} mm"
-    assert printed.endswith(f"self-collision: {links} overlap by {millimetres}\n")
+    assert f"\nself-collision: {links} overlap by {millimetres}\n" in printed
     assert "self_collision" not in json.loads(run(capsys, "--q", *text(Q), "--json"))
     jaws = run(capsys, "--q", "0 0 0 0 0.01", "--gripper", "jaws")
     assert "self-collision: link_0 and" in jaws
