@@ -211,7 +211,7 @@ def gaps_are_small(points: np.ndarray) -> np.ndarray:
 @statement(
     DEXTERITY,
     "tries {} orientations unless told otherwise. It misses gaps narrower than one "
-    "degree: of {} random points of the arm below, it calls {} dexterous that are "
+    "degree. Of {} random points of the arm below, it calls {} dexterous that are "
     "not, as 3600 orientations show",
 )
 def dexterity_with_limits() -> Sequence[Figure]:
@@ -238,7 +238,7 @@ def turning_4r(links: np.ndarray, tip_distance: np.ndarray) -> np.ndarray:
 
 @statement(
     DEXTERITY,
-    "of {} random 4R arms {} turn fully, and the theorem predicts none of them",
+    "Of {} random 4R arms {} turn fully, and the theorem predicts none of them",
 )
 def four_joints() -> Sequence[Figure]:
     """Lengths uniform in 0 to 1, the tip at a distance uniform in the reach."""
@@ -334,8 +334,8 @@ def test_copied_products_are_no_mirror_image() -> None:
 
 @statement(
     "docs/concepts/branches.md",
-    "of {} random positions within the limits "
-    "each is among the solutions of its own tcp",
+    "each of {} random positions within the limits "
+    "is among the solutions of its own tcp",
 )
 def branches() -> Sequence[Figure]:
     q = sample(200_000, seed=77)

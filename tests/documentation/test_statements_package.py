@@ -147,7 +147,7 @@ def test_every_extra_has_its_line() -> None:
 
 @statement(
     "docs/guides/studies.md",
-    "with the two ends of the bin that the quantile lies in, at most {} % apart",
+    "the two ends of the bin that the quantile lies in, at most {} % apart",
 )
 def bins_of_quantiles() -> Sequence[Figure]:
     edges = QUANTILE_EDGES

@@ -281,10 +281,10 @@ def identified() -> dict[str, Any]:
 
 @statement(
     UNCERTAINTY,
-    "two combinations, link 2's moment across its length (standard deviation {} %) "
-    "and the moment that links 1 to 3 have together ({} %); three more to {} to {} %; "
-    "the wrist's moment across its axis not at all. The printed digits know the five "
-    "{} to {} times better",
+    "| link 2's moment across its length | {} % | "
+    "| the moment that links 1 to 3 have together | {} % | | three more | {} to {} % | "
+    "| the wrist's moment across its axis | not known at all | The printed digits know "
+    "the five {} to {} times better",
     needs_recordings,
 )
 def combinations() -> Sequence[Figure]:
@@ -305,8 +305,8 @@ def combinations() -> Sequence[Figure]:
 
 @statement(
     UNCERTAINTY,
-    "the best fit is at {} with a standard error of {}. The held-out R² with the "
-    "corrected point is {} in roll and {} in pitch, with the printed one {} and {}",
+    "the best fit is at {} with a standard error of {}. | held-out R² | roll | pitch | "
+    "|---|---|---| | corrected | {} | {} | | printed | {} | {} |",
     needs_recordings,
 )
 def centre_of_buoyancy_of_link_3() -> Sequence[Figure]:
@@ -339,8 +339,8 @@ def at_rated_speed() -> tuple[np.ndarray, np.ndarray]:
 
 @statement(
     WATER,
-    "either way, at {} random positions and without acceleration, the torque without "
-    "them is off by this much (median): | | axis_e | axis_d | axis_c | axis_b | "
+    "either way, at {} random positions and without acceleration (median): "
+    "| | axis_e | axis_d | axis_c | axis_b | "
     "|---|---|---|---|---| | share of the torque | {} % | {} % | {} % | {} % | | "
     "error [mN m] | {} | {} | {} | {} |",
 )
@@ -421,8 +421,8 @@ def whole_arm(pose: str) -> dict[str, Any]:
 
 @statement(
     WATER,
-    "has {} to {} of the sum of its bodies when it moves across itself, turns, or "
-    "moves a joint (axis_e {}, axis_d {}, axis_c {}, axis_b {})",
+    "has {} to {} of the sum when it moves across itself or turns. When a joint moves, "
+    "it is {} (axis_e), {} (axis_d), {} (axis_c) and {} (axis_b)",
 )
 def stretched_arm() -> Sequence[Figure]:
     found = whole_arm("extended")
@@ -432,9 +432,9 @@ def stretched_arm() -> Sequence[Figure]:
 
 @statement(
     WATER,
-    "only {} of the sum: each body alone pushes water before both its ends, but ends "
-    "that face a neighbour do not. What is missing, {} of {} kg, is {} % of the added "
-    "mass across. Of random base motions 98 % have {} to {}",
+    "only {} of the sum, because ends that face a neighbour push no water. What is "
+    "missing, {} of {} kg, is {} % of the added mass across. - Of random base motions "
+    "of the stretched arm, 98 % have {} to {}",
 )
 def along_the_stretched_arm() -> Sequence[Figure]:
     found = whole_arm("extended")
@@ -607,7 +607,7 @@ def mass_of_link_2() -> Sequence[Figure]:
 
 @statement(
     UNCERTAINTY,
-    "is {} N·m if it is the gearbox's, as by default, and {} N·m if it is the motor's",
+    "is {} N·m with the gearbox's efficiency and {} N·m with the motor's",
 )
 def stall_torque() -> Sequence[Figure]:
     """Table 4 by hand: K_t U / R times the gear ratio, U what axis_b needs at its rated
@@ -624,7 +624,7 @@ def stall_torque() -> Sequence[Figure]:
 
 
 @statement(
-    UNCERTAINTY, "the interval is at most {} times as wide as that of the best corner"
+    UNCERTAINTY, "the interval at most {} times as wide as that of the best corner"
 )
 def bounds_in_motion() -> Sequence[Figure]:
     """For the torque of axis_d; corners are found by a walk along the edges by link."""
@@ -663,8 +663,7 @@ def bounds_in_motion() -> Sequence[Figure]:
 
 @statement(
     UNCERTAINTY,
-    "intervals held the truth in {} % of the supported base parameters from efforts "
-    "(noise 3 mN·m), and in {} % from the load on the mount (noise 10 mN and mN·m)",
+    "| efforts | 3 mN·m | {} % | | load on the mount | 10 mN and mN·m | {} % |",
 )
 def coverage() -> Sequence[Figure]:
     """The page has 500 trials, here are 50 of each kind.
