@@ -79,9 +79,9 @@ def joint_states(
 
         if not file.exists():
             raise MissingFileError(path, "a ROS bag")
-        if file.is_file():
-            with file.open("rb") as stream:
-                refuse_git_lfs_pointer(path, stream.read(100))
+        for part in _files(file):
+            with part.open("rb") as stream:
+                refuse_git_lfs_pointer(part, stream.read(100))
 
         # The message is the same in every release: the definitions in the bag are not
         # needed.
@@ -101,6 +101,12 @@ def joint_states(
     if progress:
         progress("read", 1.0)
     return messages
+
+
+def _files(bag: Path) -> list[Path]:
+    """The files of a bag: one, or those of its folder."""
+    files = [bag] if bag.is_file() else sorted(bag.iterdir())
+    return [file for file in files if file.is_file()]
 
 
 def _connections(path: PathLike, bag: Any, topic: str | None) -> list[Any]:

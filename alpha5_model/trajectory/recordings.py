@@ -40,10 +40,10 @@ def read_motion(
 ) -> Motion:
     """Read joint motion from a CSV or Parquet file, or from a ROS bag.
 
-    A CSV is UTF-8 or UTF-16 text. Commas, semicolons or tabs separate its columns;
-    where commas do not, they are decimal commas. Lines that start with ``#`` are
-    comments, of which the last may hold the names of the columns. One row in a hundred
-    may be unreadable: it is left out with a warning. More are an error.
+    A CSV is UTF-8 or UTF-16 text. Commas, semicolons, tabs or blanks separate its
+    columns; where commas do not, they are decimal commas. Lines that start with ``#``
+    are comments, of which the last may hold the names of the columns. One row in a
+    hundred may be unreadable: it is left out with a warning. More are an error.
 
     A table has these columns, in any order:
 

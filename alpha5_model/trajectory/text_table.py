@@ -17,6 +17,8 @@ from alpha5_model.trajectory.ros_columns import echoed_names
 
 #: Separators of columns, and their names in messages.
 _SEPARATORS = {",": "','", ";": "';'", "\t": "a tab"}
+#: Separates the columns if none of those stands between the names.
+_BLANK = " "
 _COMMENT = "#"
 #: The first line of a file that Git LFS has not fetched.
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
@@ -60,8 +62,9 @@ def text_table(path: PathLike, content: bytes) -> TextTable:
 
     The text is UTF-8, or UTF-16 with a byte order mark. Columns are separated by
     commas, semicolons or tabs: by whichever splits the names into most columns, unless
-    a first line ``sep=;`` says it, as Excel writes it. Where commas do not separate
-    columns they are decimal commas. Lines that start with ``#`` are comments; the last
+    a first line ``sep=;`` says it, as Excel writes it. If none of them stands between
+    the names, any blanks separate the columns. Where commas do not separate columns
+    they are decimal commas. Lines that start with ``#`` are comments; the last
     comment above the numbers holds the names if no other line does.
 
     Args:
@@ -80,9 +83,10 @@ def text_table(path: PathLike, content: bytes) -> TextTable:
     names, rows = _names_and_rows(path, lines, separator)
     if separator is None:
         separator = _separator(names.text)
-    _refuse_blanks(path, names, separator)
 
     texts = [line.text for line in rows]
+    if separator == _BLANK:
+        texts = [_with_single_blanks(text) for text in texts]
     if separator != ",":
         texts = [text.replace(",", ".") for text in texts]
     header = _fields(path, names, separator)
@@ -225,26 +229,23 @@ def _names_and_rows(
 
 def _starts_with_a_number(line: str) -> bool:
     """Whether a line has a number before its first separator, whichever that is."""
-    first = re.split("[,;\t]", line, maxsplit=1)[0]
+    first = re.split("[,; \t]", line.strip('" '), maxsplit=1)[0]
     return is_number(first.strip('" '))
 
 
 def _separator(line: str) -> str:
-    """The separator that splits a line into most columns, a comma if there is none."""
-    return max(_SEPARATORS, key=line.count)
+    """The separator that splits a line into most columns.
 
-
-def _refuse_blanks(path: PathLike, names: _Line, separator: str) -> None:
-    """Refuse names that are separated by spaces.
-
-    Raises:
-        FileFormatError: They are.
+    If there is none, it is a blank between words, and a comma for a single word.
     """
-    text = names.text.lstrip(_COMMENT).strip()
-    if separator not in text and " " in text:
-        expected = ", ".join(_SEPARATORS.values())
-        problem = f"columns are separated by a space, expected one of {expected}"
-        raise FileFormatError(path, problem, _place(names))
+    most = max(_SEPARATORS, key=line.count)
+    words = line.lstrip(_COMMENT).split()
+    return _BLANK if most not in line and len(words) > 1 else most
+
+
+def _with_single_blanks(text: str) -> str:
+    """A line with one blank for any number of blanks between its words."""
+    return _BLANK.join(text.split())
 
 
 def _fields(path: PathLike, line: _Line, separator: str) -> list[str]:
@@ -253,8 +254,11 @@ def _fields(path: PathLike, line: _Line, separator: str) -> list[str]:
     Raises:
         FileFormatError: A field of more than 131 072 characters.
     """
+    text = line.text.lstrip(_COMMENT)
+    if separator == _BLANK:
+        text = _with_single_blanks(text)
     try:
-        return fields(line.text.lstrip(_COMMENT), separator)
+        return fields(text, separator)
     except csv.Error as error:
         problem = f"is not a table of numbers: {error}"
         raise FileFormatError(path, problem, _place(line)) from None

@@ -81,6 +81,14 @@ FORMS: dict[str, str | bytes] = {
     "blank lines": text(end="\n\n"),
     "no last line end": text().rstrip("\n"),
     "blanks around": text(" , "),
+    "spaces": text(" "),
+    "spaces, decimal comma": text(" ", ","),
+    "aligned by spaces": "\n".join(
+        "".join(f"{cell:>16}" for cell in line) for line in [HEADER, *ROWS]
+    ),
+    "names separated by spaces, numbers by tabs": (
+        " ".join(HEADER) + "\n" + text("\t").split("\n", 1)[1]
+    ),
 }
 
 
@@ -90,6 +98,14 @@ def test_each_form_has_the_same_numbers(name: str, tmp_path: Path) -> None:
     check(motion)
     assert motion.warnings == ()
     assert motion.ignored == ()
+
+
+@pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
+def test_what_numpy_saves_is_read(separator: str, tmp_path: Path) -> None:
+    path = tmp_path / "m.txt"
+    names = separator.join(HEADER)
+    np.savetxt(path, ROWS, header=names, delimiter=separator)
+    check(a5.trajectory.read_motion(path))
 
 
 def test_a_comma_is_decimal_only_where_it_separates_nothing(tmp_path: Path) -> None:
@@ -189,7 +205,11 @@ def test_more_than_one_bad_row_in_a_hundred_is_an_error(tmp_path: Path) -> None:
 
 
 REFUSED = {
-    "spaces": (text(" "), "line 1: columns are separated by a space, expected one of"),
+    "spaces between names, commas between numbers": (
+        " ".join(HEADER) + "\n" + text().split("\n", 1)[1],
+        "line 2: 1 fields, expected 5 as in line 1",
+    ),
+    "a title": ("pool run 7\n" + text(), "no column for the time.*got pool, run, 7"),
     "another first line": ("sep=|\n" + text("|"), r"line 1: separator '\|', expected"),
     "only comments": ("# a\n# b\n", "has comments only"),
     "only a first line": ("sep=;\n", "has comments only"),
@@ -228,6 +248,16 @@ def test_a_git_lfs_pointer_is_known_whatever_its_name(
     pointer = REFUSED["Git LFS"][0]
     with pytest.raises(FileFormatError, match="run git lfs pull first"):
         a5.trajectory.read_motion(written(tmp_path / f"m{suffix}", pointer))
+
+
+@pytest.mark.parametrize("name", ["metadata.yaml", "bag_0.db3", "bag_0.mcap"])
+def test_a_git_lfs_pointer_is_known_in_the_folder_of_a_bag(
+    name: str, tmp_path: Path
+) -> None:
+    written(tmp_path / "metadata.yaml", "")
+    written(tmp_path / name, REFUSED["Git LFS"][0])
+    with pytest.raises(FileFormatError, match=f"{name}.*run git lfs pull first"):
+        a5.trajectory.read_motion(tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -123,12 +123,7 @@ BAD = {
         ",",
         "line 7: 6 fields, expected 5",
     ),
-    "spaces": (
-        HEADER,
-        table(),
-        " ",
-        "line 1.*a space, expected one of ',', ';', a tab",
-    ),
+    "bars": (HEADER, table(), "|", "line 1.*no column for the time"),
     "no header": (table()[0], table(), ",", "starts with numbers"),
     "missing joint": (
         ["time", "axis_b", "axis_e", "x", "axis_d"],
