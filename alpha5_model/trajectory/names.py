@@ -37,9 +37,10 @@ _WORDS = {
         act actual est estimate estimated fb feedback filt filtered meas measured
         present sensed sensor smooth smoothed unwrap unwrapped""",
     COMMAND: """
-        cmd cmds command commands commanded dcmd ddes ddref demand demanded des desired
-        dref goal goals input nominal plan planned ref reference references req request
-        requested set setpoint setpoints sp target targets traj trajectory""",
+        action actions cmd cmds command commands commanded dcmd ddes ddref demand
+        demanded des desired dref goal goals input nominal plan planned ref reference
+        references req request requested set setpoint setpoints sp target targets traj
+        trajectory""",
     "raw value": "adc cnt cnts count counts enc encoder hall raw resolver tick ticks",
     "limit": "bound bounds lim limit limits lower margin range sat saturation upper",
     "torque": "mom moment moments nm taus tau torque torques tq trq",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,15 +17,33 @@ from alpha5_model.trajectory.file_table import (
     seconds,
 )
 from alpha5_model.trajectory.joint_map import JointMap
+from alpha5_model.trajectory.lerobot_layout import LONGEST_LIST, list_names
 from alpha5_model.trajectory.text_table import refuse_git_lfs_pointer
 
 #: Any Parquet file may expand to this size [bytes], because equal rows take almost no
 #: space in it.
 _LEAST_EXPANSION = 100_000_000
+#: The column of LeRobot's data sets that says which recording a row belongs to.
+_EPISODE = "episode_index"
+
+
+class _Source(NamedTuple):
+    """Where the numbers of a column of the table are in the file.
+
+    Attributes:
+        column: Name of a column of the file.
+        element: Which number of its lists; None if it has no lists.
+    """
+
+    column: str
+    element: int | None
 
 
 class ParquetTable(FileTable):
     """A Parquet file; rows count from 1.
+
+    Each number of a column of lists of one length is a column of the table, as LeRobot
+    writes a robot's state; see `alpha5_model.trajectory.lerobot_layout`.
 
     Raises:
         MissingDependencyError: pyarrow is not installed.
@@ -41,30 +59,72 @@ class ParquetTable(FileTable):
             refuse_git_lfs_pointer(path, content)
             self._file = parquet.ParquetFile(BufferReader(content))
             self._largest = _LEAST_EXPANSION + EXPANSION * len(content)
-            self._names = self._file.schema_arrow.names
-            self.header = joints.renamed(self._names)
+            schema = self._file.schema_arrow
+            names = list_names(path, schema.metadata, _lists(schema))
+
+        self._columns = schema.names
+        self._sources: list[_Source] = []
+        header: list[str] = []
+        for column in schema.names:
+            elements = names.get(column)
+            if elements is None:
+                header.append(column)
+                self._sources.append(_Source(column, element=None))
+                continue
+            header += elements
+            self._sources += [_Source(column, k) for k in range(len(elements))]
+        self.header = joints.renamed(header)
 
     def read(
         self, needed: list[int], efforts: list[int]
     ) -> tuple[FloatArray, str | None]:
         """The numbers of some columns; see `FileTable.read`."""
-        names = [self._names[column] for column in (*needed, *efforts)]
+        sources = [self._sources[column] for column in (*needed, *efforts)]
+        names = [*dict.fromkeys(source.column for source in sources)]
+        if _EPISODE in self._columns:
+            names.append(_EPISODE)
         with library(self._path, "parquet"):
             from pyarrow import types
 
             self._check_expansion(names)
             table = self._file.read(names)
-            columns = [_float_column(table[name]) for name in names]
+            self._check_episode(table)
+            self._check_lengths(table, sources)
+            columns = [_numbers(table, source) for source in sources]
             numbers = np.stack(columns, axis=1)
 
         self._check_finite(numbers, needed)
-        time = table[names[0]]
+        time = table[sources[0].column]
         unit = "s" if types.is_temporal(time.type) else None
         return numbers, unit
 
     def place(self, row: int, column: int) -> str:
         """Where a number is in the file, for messages."""
         return f"row {row + 1} ({self.header[column]})"
+
+    def _check_lengths(self, table: Any, sources: list[_Source]) -> None:
+        """Refuse lists that are shorter or longer than their names."""
+        from pyarrow import compute
+
+        for name in {x.column for x in sources if x.element is not None}:
+            expected = sum(source.column == name for source in self._sources)
+            lengths = compute.list_value_length(table[name]).unique().to_pylist()
+            for length in lengths:
+                if length != expected:
+                    problem = f"a list of {length} numbers, expected {expected}"
+                    raise FileFormatError(self._path, problem, name)
+
+    def _check_episode(self, table: Any) -> None:
+        """Refuse several recordings in one file: the time of each starts anew."""
+        if _EPISODE not in table.column_names:
+            return
+        episodes = table[_EPISODE].unique().to_pylist()
+        if len(episodes) > 1:
+            problem = (
+                f"holds {len(episodes)} episodes ({_EPISODE} {episodes[0]}, "
+                f"{episodes[1]}, ...), expected one: write its rows to a file"
+            )
+            raise FileFormatError(self._path, problem)
 
     def _check_finite(self, numbers: FloatArray, needed: list[int]) -> None:
         """Refuse needed columns with something that is no finite number."""
@@ -89,15 +149,49 @@ class ParquetTable(FileTable):
 def _expanded_size(metadata: Any, names: list[str]) -> int:
     """Bytes of some columns: as the file states them, or as numbers if that is more."""
     stated = 0
+    as_numbers = 0
     for group_number in range(metadata.num_row_groups):
         group = metadata.row_group(group_number)
         for column_number in range(group.num_columns):
             column = group.column(column_number)
-            if column.path_in_schema in names:
+            path = column.path_in_schema
+            # A column of lists has ``.list.element`` behind its name.
+            if any(path == name or path.startswith(f"{name}.") for name in names):
                 stated += column.total_uncompressed_size
+                as_numbers += 8 * column.num_values
 
-    as_numbers = 8 * metadata.num_rows * len(names)
+    as_numbers = max(as_numbers, 8 * metadata.num_rows * len(names))
     return int(max(stated, as_numbers))
+
+
+def _lists(schema: Any) -> dict[str, int | None]:
+    """Column -> how many numbers each of its lists has; None if its type does not say.
+
+    Columns without lists of numbers are left out.
+    """
+    from pyarrow import types
+
+    lists: dict[str, int | None] = {}
+    for field in schema:
+        kind = field.type
+        fixed = types.is_fixed_size_list(kind)
+        if not (fixed or types.is_list(kind)) or not types.is_floating(kind.value_type):
+            continue
+        if not fixed:
+            lists[field.name] = None
+        elif kind.list_size <= LONGEST_LIST:
+            lists[field.name] = kind.list_size
+    return lists
+
+
+def _numbers(table: Any, source: _Source) -> FloatArray:
+    """The numbers of a column, or of one place in each of its lists."""
+    column = table[source.column]
+    if source.element is None:
+        return _float_column(column)
+    from pyarrow import compute
+
+    return _float_column(compute.list_element(column, source.element))
 
 
 def _float_column(column: Any) -> FloatArray:

@@ -77,6 +77,11 @@ def read_motion(
     (``2026-11-23 18:53:54.25``), in Parquet files (``.parquet``, needs pyarrow) one of
     Parquet's types of time.
 
+    A Parquet file may have a column ``observation.state`` with a list of numbers per
+    row, as LeRobot's data sets do. Their names stand in ``meta/info.json`` of the data
+    set, or in the file's metadata; without names they are ``observation.state[0]`` and
+    so on, for `joints`. ``action`` is a command.
+
     A bag (ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its
     ``metadata.yaml``; needs rosbags) holds ``sensor_msgs/JointState`` messages. Their
     stamps are the time. If a message has no stamp, the times of recording are used for
@@ -107,8 +112,9 @@ def read_motion(
         MissingDependencyError: rosbags or pyarrow is not installed.
         FileFormatError: A missing or doubled column, another separator, an empty file,
             a Git LFS pointer, angles that are in degrees, several rows of another
-            length or with text or NaN for a number, or time that runs back; the message
-            names the place. Or a bag that is damaged or has no joint states of the arm.
+            length or with text or NaN for a number, several episodes in one file, or
+            time that runs back; the message names the place. Or a bag that is damaged
+            or has no joint states of the arm.
     """
     table: FileTable
     named = JointMap(joints)
