@@ -18,8 +18,10 @@ from alpha5_model.cli import options, printing, values
 from alpha5_model.codegen.c_library import COptions, c_files
 from alpha5_model.description import committed, mjcf, sdf
 from alpha5_model.description.assets import mesh_assets
+from alpha5_model.description.lighthill import LighthillOptions, lighthill_files
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.description.water_table import WaterOptions, water_files
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.errors import InputError, OutputError
 from alpha5_model.numbers.chosen_arm import chosen_arm
@@ -99,6 +101,18 @@ _FORMATS = {
     ),
     "sdf": _Format(options=sdf.SdfOptions, files=sdf.sdf_files, main_file="model.sdf"),
     "c": _Format(options=COptions, files=c_files, main_file="alpha5.c"),
+    "water": _Format(
+        options=WaterOptions,
+        files=water_files,
+        main_file="water.json",
+        suffixes=(".json",),
+    ),
+    "lighthill": _Format(
+        options=LighthillOptions,
+        files=lighthill_files,
+        main_file="lighthill.yaml",
+        suffixes=(".yaml", ".yml"),
+    ),
 }
 #: Option of the command -> field of the record, if their names differ.
 _FIELD_OF = {
@@ -118,7 +132,8 @@ MESH_URIS = {
 # The options of this command.
 _Output = Annotated[Path | None, Option(help="File; for mjcf, sdf and c a folder.")]
 _DescriptionFormat = Annotated[
-    str, Option("--format", help="urdf, srdf, xacro, mjcf, sdf or c.")
+    str,
+    Option("--format", help="urdf, srdf, xacro, mjcf, sdf, c, water or lighthill."),
 ]
 _Prefix = Annotated[str, Option(help="Before every link and joint name.")]
 _Parent = Annotated[str, Option(help="Link to mount on; made if given.")]
@@ -130,7 +145,7 @@ _DhFrames = Annotated[bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")]
 _Ros2Control = Annotated[bool, Option("--ros2-control", help="Interfaces, device ids.")]
 _Ros2ControlPlugin = Annotated[str, Option(help="Hardware.")]
 _Corrections = Annotated[str | None, Option(help="With commas; '' is to the letter.")]
-_Fluid = Annotated[str, Option(help=f"mjcf, sdf, c: {options.FLUID}")]
+_Fluid = Annotated[str, Option(help=f"Not urdf: {options.FLUID}")]
 _Gravity = Annotated[str, Option(help="c: in base_link (m/s^2).")]
 _Real = Annotated[str, Option(help="c: double or float.")]
 _Parameters = Annotated[str, Option(help="c: masses and water folded, or a struct.")]
@@ -141,6 +156,7 @@ _Drag = Annotated[bool, Option("--drag", help="mjcf: MuJoCo's own, not published
 _Hydrodynamics = Annotated[
     bool, Option("--hydrodynamics", help=options.HELP["moving_water"])
 ]
+_Level = Annotated[str, Option(help="lighthill: low, nominal or high drag.")]
 _Check = Annotated[bool, Option("--check", help="Compare the committed files.")]
 _Update = Annotated[bool, Option("--update", help="Write the committed files anew.")]
 
@@ -170,14 +186,17 @@ def generate(
     sdf_version: _SdfVersion = "1.9",
     drag: _Drag = False,
     hydrodynamics: _Hydrodynamics = False,
+    level: _Level = "nominal",
     check: _Check = False,
     update: _Update = False,
 ) -> int:
     """Write the description of any variant of the arm.
 
     urdf, srdf, xacro (numbers for plain xacro, parameters:=FILE), mjcf (a folder
-    for MuJoCo), sdf (a folder for Gazebo) or c (a C99 library); without --output
-    the main file goes to standard output. --arm describes the arm of a file.
+    for MuJoCo), sdf (a folder for Gazebo), c (a C99 library), water (a table of
+    volume, centre of buoyancy, added mass and drag of each link, in JSON) or
+    lighthill (the same for Isaac Lab, in YAML); without --output the main file
+    goes to standard output. --arm describes the arm of a file.
     Meshes are copied beside a URDF unless --mesh-uri says where they are. mjcf
     without gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers follow
     the jaw rod by mimic. C holds masses and water as numbers, or takes them in a
@@ -192,6 +211,7 @@ def generate(
     alpha5 generate --format mjcf --fluid fresh --output out/mujoco
     alpha5 generate --format sdf --hydrodynamics --output out/gazebo
     alpha5 generate --format c --real float --output out/controller
+    alpha5 generate --format water --fluid fresh --output out/water.json
     """
     if check or update:
         _refuse_others(context, beside="check" if check else "update")

@@ -180,7 +180,7 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
         (),
         {
             "--output": _out(".urdf", "", ".xml"),
-            "--format": ("urdf", "mjcf", "sdf"),
+            "--format": ("urdf", "mjcf", "sdf", "water", "lighthill"),
             "--gripper": ("locked", "jaws"),
             "--prefix": ("a_",),
             "--parent": ("rov",),
@@ -191,6 +191,7 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
             "--corrections": ("", "base_frame"),
             "--fluid": _FLUID,
             "--actuators": ("motor",),
+            "--level": ("low", "high"),
             "--dh-frames": (),
             "--ros2-control": (),
             "--drag": (),
