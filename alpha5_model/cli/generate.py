@@ -224,19 +224,32 @@ def generate(
         if not output.suffix:
             raise OutputError(output, f"give a file name, such as {made.main_file}")
         check_outputs((arm_file,), output=(output, made.suffixes))
-    given = context.params | {
-        "xyz": values.numbers("xyz", xyz, (3,), "m"),
-        "rpy": values.numbers("rpy", rpy, (3,), "rad"),
-        "gravity": values.numbers("gravity", gravity, (3,), "m/s^2"),
-        "mesh_prefix": MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))],
-        "fluid_density": values.fluid_density(fluid),
-        "corrections": values.correction_names(corrections),
-        "arm": values.arm_record(arm_file),
-    }
+    files = made.files(_record(made, context.params))
+    meshes = description_format == "urdf" and mesh_uri == "relative"
+    _hand_out(made, files, output, meshes)
+    return 0
 
-    # Each field of the record is an option, or made from one above.
-    record = made.options(**{name: given[name] for name in made.option_names()})
-    files = made.files(record)
+
+def _record(made: _Format, params: Mapping[str, Any]) -> Any:
+    """The record of a format's options: each field is an option, or made from one."""
+    mesh_uri = choice("mesh URI", params["mesh_uri"], tuple(MESH_URIS))
+    given = {
+        **params,
+        "xyz": values.numbers("xyz", params["xyz"], (3,), "m"),
+        "rpy": values.numbers("rpy", params["rpy"], (3,), "rad"),
+        "gravity": values.numbers("gravity", params["gravity"], (3,), "m/s^2"),
+        "mesh_prefix": MESH_URIS[mesh_uri],
+        "fluid_density": values.fluid_density(params["fluid"]),
+        "corrections": values.correction_names(params["corrections"]),
+        "arm": values.arm_record(params["arm_file"]),
+    }
+    return made.options(**{name: given[name] for name in made.option_names()})
+
+
+def _hand_out(
+    made: _Format, files: Mapping[str, bytes], output: Path | None, meshes: bool
+) -> None:
+    """Print the main file, or write the files; the meshes beside it if wanted."""
     main_file = files[made.main_file]
     if output is None:
         echo(main_file.decode(), nl=False)
@@ -244,11 +257,9 @@ def generate(
         # A stream gets the description alone, without other files beside it.
         atomic_write_all({output: main_file})
     elif made.suffixes:
-        meshes = description_format == "urdf" and mesh_uri == "relative"
         _write(_one_file(output, main_file, meshes))
     else:
         _write(_in_folder(output, files))
-    return 0
 
 
 def _given(context: Context) -> list[str]:
