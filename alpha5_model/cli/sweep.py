@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -59,6 +60,8 @@ def sweep(
         "failures": found.failures,
         "units": {name: found.study.outputs[name].unit for name in found.outputs},
         "outputs": found.outputs,
+        "repaired": found.repaired,
+        "foreign": found.foreign,
     }
     if found.study.arm is not None:
         record["arm"] = found.study.arm.name
@@ -82,6 +85,16 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         yield from table(rows, "<>", 2)
     for recording, problem in record["failures"].items():
         yield f"\nnot used: {recording}: {problem}"
+    for problem in record["repaired"]:
+        yield f"\nmade again: {problem}"
+    yield from _foreign(record["foreign"])
+
+
+def _foreign(names: Sequence[str]) -> printing.Lines:
+    """A line about files in the folder that are none of the study's."""
+    if names:
+        more = f" and {len(names) - _PRINTED} more" if len(names) > _PRINTED else ""
+        yield f"\nnot of this study: {', '.join(names[:_PRINTED])}{more}"
 
 
 def _cell(x: Any) -> str:

@@ -386,7 +386,7 @@ def test_a_run_that_was_stopped_goes_on(
 
     with pytest.raises(KeyboardInterrupt):
         a5.sweep(drawn[0], tmp_path, rows=1, progress=stop)
-    parts = sorted((tmp_path / "parts").iterdir())
+    parts = sorted((tmp_path / "parts").glob("*.parquet"))
     assert len(parts) == 4
     assert not (tmp_path / "summary.json").exists()
     kept = {part: part.stat().st_mtime_ns for part in parts[1:]}
@@ -628,23 +628,7 @@ def test_a_study_needs_axes_and_outputs(text: str, place: str, tmp_path: Path) -
         a5.sweep(written(tmp_path, text), tmp_path / "out")
 
 
-def damaged(whole: bytes) -> bytes:
-    """A part with a sound head and damaged data."""
-    return whole[:4] + bytes(40) + whole[44:]
-
-
-def without(name: str, part: bytes) -> bytes:
-    """A part of this study without one of its columns."""
-    table = parquet.read_table(pyarrow.BufferReader(part))
-    sink = pyarrow.BufferOutputStream()
-    parquet.write_table(table.drop_columns([name]), sink)
-    return bytes(sink.getvalue())
-
-
-@pytest.mark.parametrize(
-    "kind",
-    ["foreign", "foreign metadata", "folder", "loop", "damaged", "no keys", "far"],
-)
+@pytest.mark.parametrize("kind", ["foreign", "foreign metadata", "folder", "loop"])
 def test_what_stands_in_the_place_of_a_part(
     kind: str,
     drawn: tuple[Path, Path],
@@ -654,8 +638,8 @@ def test_what_stands_in_the_place_of_a_part(
     out = tmp_path / "out"
     shutil.copytree(drawn[1], out)
     part = out / "parts" / "part-000000.parquet"
-    whole = part.read_bytes()
     part.unlink()
+    part.with_suffix(".sha256").unlink()
     table = pyarrow.table({"a": [1.0]})
     if kind == "foreign":
         parquet.write_table(table, part)
@@ -663,18 +647,8 @@ def test_what_stands_in_the_place_of_a_part(
         parquet.write_table(table.replace_schema_metadata({"study": "mine"}), part)
     elif kind == "folder":
         part.mkdir()
-    elif kind == "loop":
-        part.symlink_to(part.name)
-    elif kind == "damaged":
-        part.write_bytes(damaged(whole))
-    elif kind == "no keys":
-        part.write_bytes(without("key", whole))
     else:
-        read = parquet.read_table(pyarrow.BufferReader(whole))
-        keys = pyarrow.array(np.full(read.num_rows, 10**12))
-        parquet.write_table(
-            read.set_column(read.schema.get_field_index("key"), "key", keys), part
-        )
+        part.symlink_to(part.name)
     assert main(["sweep", str(drawn[0]), "--output", str(out)]) == 2
     printed = capsys.readouterr().err
     assert printed.count("\n") == 1

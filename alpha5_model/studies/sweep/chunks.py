@@ -1,4 +1,4 @@
-"""The chunks of a study: a worker computes one at a time, and each has a part file."""
+"""The chunks of a study: a worker computes one at a time, and each has its files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.text import plain
 from alpha5_model.codegen.kernels.choice import backend
-from alpha5_model.errors import FileFormatError, InputError, MissingFileError
+from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.studies.sweep.checksums import digest_of_file
 
 if TYPE_CHECKING:
     from alpha5_model.studies.sweep.reduction import Reduction
@@ -27,15 +28,27 @@ class Chunks:
 
     Attributes:
         study: The study.
-        head: The study's text and everything else that its results depend on.
+        head: Everything that the results depend on, without the comments of the study.
+        text: The same with the study's text, for people.
         size: Number of blocks in a chunk.
         blocks: Number of blocks in the study.
     """
 
     study: Study
     head: str
+    text: str
     size: int
     blocks: int
+
+    @property
+    def has_table(self) -> bool:
+        """Whether the study keeps rows."""
+        return any(output.form == "table" for output in self.study.outputs.values())
+
+    def recordings(self) -> list[Path]:
+        """The recording of each chunk; none for a study of states."""
+        names = self.study.cases.get("recording", ())
+        return [Path(self.study.folder, name) for name in names]
 
     def count(self) -> int:
         """Number of chunks."""
@@ -72,15 +85,21 @@ def chunks_of(study: Study, rows: int) -> Chunks:
         size = blocks // len(recordings)
     else:
         size = max(1, rows // min(BLOCK, sizes.states))
-    head = _head(study, recordings)
-    return Chunks(study=study, head=head, size=size, blocks=blocks)
+    settings = json.dumps(study.settings, ensure_ascii=False, default=str)
+    return Chunks(
+        study=study,
+        head=_head(study, recordings, f"{settings}\n"),
+        text=_head(study, recordings, study.text),
+        size=size,
+        blocks=blocks,
+    )
 
 
-def _head(study: Study, recordings: Sequence[str]) -> str:
-    """The study's text, the version that computes it, recordings and own arm."""
+def _head(study: Study, recordings: Sequence[str], settings: str) -> str:
+    """The version that computes a study, its settings, recordings and own arm."""
     names = [f"# recording {k}: {name}\n" for k, name in enumerate(recordings)]
     arm = "" if study.arm is None else f"# arm: {json.dumps(plain(study.arm))}\n"
-    return f"# {made_by()}\n{study.text}{''.join(names)}{arm}"
+    return f"# {made_by()}\n{settings}{''.join(names)}{arm}"
 
 
 def made_by() -> str:
@@ -103,22 +122,34 @@ def compute(chunks: Chunks, number: int) -> ComputedChunk:
         asking, _, _ = chunks.head.partition("\n")
         raise InputError("worker", made_by(), f"what asks: {asking}")
 
+    recordings = chunks.recordings()
+    if not recordings:
+        return _computed(chunks, number, before="")
+    before = digest_of_file(recordings[number]) or ""
     try:
-        return _computed(chunks, number)
+        chunk = _computed(chunks, number, before)
     except Exception as error:
-        if "recording" not in chunks.study.cases:
-            raise
-        return _failed(chunks, number, str(error) or repr(error))
+        return _failed(chunks, number, before, str(error) or repr(error))
+    if digest_of_file(recordings[number]) != before:
+        return _failed(chunks, number, before, "has changed while it was read")
+    return chunk
 
 
-def _computed(chunks: Chunks, number: int) -> ComputedChunk:
-    """A chunk with its rows."""
+def _computed(chunks: Chunks, number: int, before: str) -> ComputedChunk:
+    """A chunk with its rows.
+
+    Args:
+        chunks: The study.
+        number: Of the chunk.
+        before: SHA-256 of its recording, "" if it has none.
+    """
     from alpha5_model.studies.sweep.blocks import blocks_of, table_of_block
     from alpha5_model.studies.sweep.reductions import empty_reductions
+    from alpha5_model.studies.sweep.states import recorded_states
 
+    recorded_states.cache_clear()  # the file may have changed
     study = chunks.study
     found = empty_reductions(study)
-    has_table = len(found) < len(study.outputs)
     tables = []
     rows = 0
     first = number * chunks.size
@@ -127,35 +158,36 @@ def _computed(chunks: Chunks, number: int) -> ComputedChunk:
         rows += len(block.rows)
         for reduction in found.values():
             reduction.add(block)
-        if has_table:
+        if chunks.has_table:
             tables.append(table_of_block(study, block))
 
     return ComputedChunk(
         number=number,
         rows=parquet_file(*tables, study=chunks.head) if tables else None,
-        part=_part(chunks, found, rows, problem=""),
+        part=_part(chunks, found, rows, before, problem=""),
     )
 
 
-def _failed(chunks: Chunks, number: int, problem: str) -> ComputedChunk:
+def _failed(chunks: Chunks, number: int, before: str, problem: str) -> ComputedChunk:
     """A chunk whose recording cannot be used."""
     from alpha5_model.studies.sweep.reductions import empty_reductions
 
     nothing = empty_reductions(chunks.study)
-    part = _part(chunks, nothing, rows=0, problem=problem)
+    part = _part(chunks, nothing, 0, before, problem)
     return ComputedChunk(number=number, rows=None, part=part)
 
 
 def _part(
-    chunks: Chunks, found: dict[str, Reduction], rows: int, problem: str
+    chunks: Chunks, found: dict[str, Reduction], rows: int, before: str, problem: str
 ) -> bytes:
-    """The part of a chunk as Parquet; `is_finished` and `merge` read it."""
+    """The part of a chunk as Parquet; `facts_of_part` and `merge` read it."""
     tables = [reduction.parts(name) for name, reduction in found.items()]
     return parquet_file(
         *tables,
         study=chunks.head,
         rows=str(rows),
         blocks=str(chunks.size),
+        input=before,
         problem=problem,
     )
 
@@ -173,35 +205,18 @@ def parquet_file(*tables: dict[str, Any], **metadata: str) -> bytes:
     return bytes(sink.getvalue())
 
 
-def is_finished(file: Path, chunks: Chunks) -> bool:
-    """Whether a part is there already. A failed recording is tried again.
-
-    Raises:
-        InputError: It is a part of another study, or of another size.
-        FileFormatError: There is a folder or a foreign table in its place.
-    """
+def facts_of_part(content: bytes) -> dict[str, str]:
+    """What a part says about itself; empty if it cannot be read."""
     from pyarrow import ArrowException, BufferReader, parquet
 
     try:
-        content = read_named(file, _PART)
-    except MissingFileError:
-        return False
-    try:
-        facts = parquet.read_schema(BufferReader(content)).metadata or {}
-    except (OSError, ArrowException):  # cut off: computed again
-        return False
-
-    if not {b"study", b"blocks", b"problem"} <= {*facts}:
-        problem = (
-            "is a table of something else; expected another folder for the results"
-        )
-        raise FileFormatError(file, problem)
-    same_study = facts[b"study"] == chunks.head.encode()
-    same_size = facts[b"blocks"] == str(chunks.size).encode()
-    if not (same_study and same_size):
-        expected = "a new one, or one with a part of this study in chunks of this size"
-        raise InputError("folder", str(file.parents[1]), expected)
-    return not facts[b"problem"]
+        facts = parquet.read_schema(BufferReader(content)).metadata or {b"": b""}
+    except (OSError, ArrowException):
+        return {}
+    return {
+        key.decode("utf-8", "replace"): value.decode("utf-8", "replace")
+        for key, value in facts.items()
+    }
 
 
 def merge(file: PathLike, reductions: dict[str, Reduction]) -> tuple[int, str]:

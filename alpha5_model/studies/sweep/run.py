@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from alpha5_model._support.checks import count
 from alpha5_model._support.files import PathLike
 from alpha5_model._support.outputs import check_outputs
-from alpha5_model._support.writing import atomic_write, atomic_write_all
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.errors import MissingDependencyError
+from alpha5_model.studies.sweep.checksums import digest
 from alpha5_model.studies.sweep.chunks import (
     Chunks,
-    ComputedChunk,
     chunks_of,
     compute,
-    is_finished,
     made_by,
     merge,
     parquet_file,
 )
+from alpha5_model.studies.sweep.results_folder import ResultsFolder
 from alpha5_model.studies.sweep.workers import results
 
 if TYPE_CHECKING:
@@ -40,12 +40,17 @@ class Sweep(NamedTuple):
         failures: Recording -> why it could not be used.
         outputs: Output -> its columns by name. Outputs of the form ``table`` are not
             here, but in the data set ``rows`` in the folder.
+        repaired: Files in the folder that were missing, damaged or out of date, and
+            were made again: a line for each.
+        foreign: Names of other files beside the results; nothing was done to them.
     """
 
     study: Study
     rows: int
     failures: dict[str, str]
     outputs: dict[str, dict[str, Any]]
+    repaired: tuple[str, ...] = ()
+    foreign: tuple[str, ...] = ()
 
     def inputs(self, row: int) -> dict[str, Any]:
         """The values of the axes of a row, or its recording and sample."""
@@ -69,7 +74,8 @@ def sweep(
     Args:
         study: TOML file.
         folder: For the results, made if missing. A run of this study that was stopped
-            is continued.
+            is continued. Every file there is compared with its checksum, and what is
+            missing, damaged or made from another recording is made again.
         workers: Processes on this machine, through Dask; 0 for this process alone.
         scheduler: Address of a Dask scheduler. Its workers need this package and read
             the recordings.
@@ -80,7 +86,7 @@ def sweep(
 
     Raises:
         FileFormatError: A mistake in the study, with its place; states beyond the
-            limits of ``arm``; a damaged or foreign part in the folder.
+            limits of ``arm``; a foreign file among the parts or rows in the folder.
         InputError: A folder with another study, or with other chunks; no scheduler at
             the address.
         OutputError: The folder cannot be written, or the workers are lost. Finished
@@ -94,24 +100,29 @@ def sweep(
     read = read_study(study, arm)
     _check_targets(study, read, target)
     chunks = chunks_of(read, count("rows", rows))
-    files = [
-        target / "parts" / f"part-{number:06}.parquet"
-        for number in range(chunks.count())
-    ]
-    missing = [k for k, file in enumerate(files) if not is_finished(file, chunks)]
+    results_folder = ResultsFolder(target, chunks)
+    present = results_folder.inspect()
 
-    atomic_write(target / "study.toml", chunks.head)
-    done = len(files) - len(missing)
+    total = chunks.count()
+    done = total - len(present.missing)
+    was_other = _writes_text(chunks, target)
     work = partial(compute, chunks)
-    for chunk in results(work, missing, workers, scheduler, target):
-        _write_chunk(chunk, target, files[chunk.number].name)
+    for chunk in results(work, present.missing, workers, scheduler, target):
+        results_folder.write_chunk(chunk)
         done += 1
         if progress:
-            progress("compute", done / len(files))
+            progress("compute", done / total)
 
-    found = _merged(read, files)
-    _write_results(found, chunks, target)
-    return found
+    found = _merged(results_folder)
+    files = _result_files(found, chunks, target)
+    was_wrong = results_folder.write_results(files)
+    repaired = [*present.damage]
+    if present.started and was_other:
+        repaired.append(was_other)
+    if not present.is_new:
+        repaired += was_wrong
+    foreign = results_folder.foreign_files([target / "study.toml", *files])
+    return found._replace(repaired=tuple(repaired), foreign=tuple(foreign))
 
 
 def _check_packages() -> None:
@@ -132,27 +143,34 @@ def _check_targets(source: PathLike, study: Study, target: Path) -> None:
     check_outputs((), output=(target / "summary.json", (".json",)))
 
 
-def _write_chunk(chunk: ComputedChunk, target: Path, name: str) -> None:
-    """Write the files of a chunk.
+def _writes_text(chunks: Chunks, target: Path) -> str:
+    """Write the text of the study into the folder.
 
-    The part is written last: if it is there, the chunk is complete.
+    Returns:
+        What was wrong with the file that was there.
+
+    Raises:
+        OutputError: It cannot be written.
     """
-    files = {}
-    if chunk.rows is not None:
-        files[target / "rows" / name] = chunk.rows
-    files[target / "parts" / name] = chunk.part
-    atomic_write_all(files)
+    file = target / "study.toml"
+    problem = f"{file}: is missing"
+    if file.is_file():
+        is_same = file.read_bytes() == chunks.text.encode()
+        problem = "" if is_same else f"{file}: is not the text of this study"
+    atomic_write(file, chunks.text)
+    return problem
 
 
-def _merged(study: Study, files: list[Path]) -> Sweep:
+def _merged(folder: ResultsFolder) -> Sweep:
     """The results of all parts together."""
     from alpha5_model.studies.sweep.reductions import empty_reductions
 
+    study = folder.chunks.study
     whole = empty_reductions(study)
     rows = 0
     failures = {}
-    for k, file in enumerate(files):
-        rows_of_part, problem = merge(file, whole)
+    for k in range(folder.chunks.count()):
+        rows_of_part, problem = merge(folder.part(k), whole)
         rows += rows_of_part
         if problem:
             failures[study.cases["recording"][k]] = problem
@@ -161,18 +179,20 @@ def _merged(study: Study, files: list[Path]) -> Sweep:
     return Sweep(study=study, rows=rows, failures=failures, outputs=outputs)
 
 
-def _write_results(found: Sweep, chunks: Chunks, target: Path) -> None:
-    """Write a table of each output, and the summary."""
+def _result_files(found: Sweep, chunks: Chunks, target: Path) -> dict[Path, bytes]:
+    """The content of a table for each output, and of the summary."""
+    files = {
+        target / f"{name}.parquet": parquet_file(table, study=chunks.head)
+        for name, table in found.outputs.items()
+    }
     summary = {
         "made_by": made_by(),
         "seed": found.study.seed,
         "rows": found.rows,
         "failures": found.failures,
+        "sha256": {file.name: digest(content) for file, content in files.items()},
     }
     if found.study.arm is not None:
         summary["arm"] = found.study.arm.name
-    files: dict[Path, str | bytes] = {}
-    for name, table in found.outputs.items():
-        files[target / f"{name}.parquet"] = parquet_file(table, study=chunks.head)
-    files[target / "summary.json"] = json.dumps(summary, indent=1)
-    atomic_write_all(files)
+    files[target / "summary.json"] = json.dumps(summary, indent=1).encode()
+    return files

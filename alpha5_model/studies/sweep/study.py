@@ -57,6 +57,7 @@ class Study:
 
     Attributes:
         text: As read.
+        settings: Its tables and keys, without comments.
         source: The file's name.
         folder: Where relative paths of recordings start.
         seed: Of all random numbers.
@@ -71,6 +72,7 @@ class Study:
     """
 
     text: str
+    settings: dict[str, Any]
     source: str
     folder: Path
     seed: int
@@ -197,6 +199,7 @@ def _checked(
     grid = {**axes.cases, **axes.states}
     return Study(
         text=text,
+        settings=given,
         source=source,
         folder=folder,
         seed=seed,
