@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,10 +14,14 @@ from typer import Argument, Option
 
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
+from alpha5_model.errors import InputError
+from alpha5_model.studies.sweep.extent import Extent
 from alpha5_model.studies.sweep.run import sweep as run_study
 
 #: How many values of an output of a study are printed; its file has all of them.
 _PRINTED = 5
+#: Work that takes longer is announced [s].
+_LONG = 2.0
 #: Log levels of Dask: an error on a cluster is one line of ours.
 _QUIET = "{'distributed': 'critical', 'distributed.client': 'critical'}"
 
@@ -33,6 +39,9 @@ def sweep(
     scheduler: Annotated[
         str | None, Option(help="Of a Dask cluster: tcp://host:8786.")
     ] = None,
+    yes: Annotated[
+        bool, Option("--yes", help="Start a study of any size: a billion rows, 10 GB.")
+    ] = False,
     arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> int:
@@ -45,15 +54,21 @@ def sweep(
     own = values.arm_record(arm_file)
     # Dask reads this when it is imported, by the workers, too.
     os.environ.setdefault("DASK_LOGGING", _QUIET)
-    with printing.progress_bars() as progress:
-        found = run_study(
-            study,
-            output,
-            workers=workers,
-            scheduler=scheduler,
-            progress=progress,
-            arm=own,
-        )
+    try:
+        with printing.progress_bars() as progress:
+            found = run_study(
+                study,
+                output,
+                workers=workers,
+                scheduler=scheduler,
+                progress=progress,
+                arm=own,
+                announce=partial(_announce, yes),
+            )
+    except KeyboardInterrupt:
+        goes_on = "interrupted; the same command goes on with what is left"
+        print(f"alpha5: {goes_on}", file=sys.stderr)
+        raise
 
     record: dict[str, Any] = {
         "rows": found.rows,
@@ -67,6 +82,38 @@ def sweep(
         record["arm"] = found.study.arm.name
     printing.show(as_json, record, _text(record), output)
     return 1 if found.failures else 0
+
+
+def _announce(yes: bool, extent: Extent) -> None:
+    """Print what a long study will take.
+
+    Raises:
+        InputError: It is large, and ``--yes`` is not given.
+    """
+    words = _extent_text(extent)
+    if extent.is_large and not yes:
+        expected = f"a smaller one, or --yes: {words}"
+        raise InputError("study", f"{extent.rows:,} rows", expected)
+    if (extent.seconds or 0.0) > _LONG:
+        print(words, file=sys.stderr)
+
+
+def _extent_text(extent: Extent) -> str:
+    """The size of a study and its approximate time, in words."""
+    words = [f"{extent.rows:,} rows in {extent.parts:,} parts"]
+    if extent.table_bytes:
+        words.append(f"about {extent.table_bytes / 1e9:.2g} GB of tables")
+    if extent.seconds:
+        words.append(f"about {_duration(extent.seconds)}")
+    return ", ".join(words)
+
+
+def _duration(seconds: float) -> str:
+    """A duration in the unit that suits it."""
+    for unit, size in (("days", 86400), ("h", 3600), ("min", 60)):
+        if seconds >= 2 * size:
+            return f"{seconds / size:,.0f} {unit}"
+    return f"{seconds:.0f} s"
 
 
 def _text(record: dict[str, Any]) -> printing.Lines:

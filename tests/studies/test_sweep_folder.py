@@ -321,3 +321,18 @@ def test_a_recording_that_is_written_during_the_sweep_is_not_used(
     found = a5.sweep(study, tmp_path / "out")
     assert found.failures == {"b.csv": "has changed while it was read"}
     assert found.rows == 300
+
+
+def test_many_names_of_foreign_files_are_shortened(
+    tmp_path: Path, whole: tuple[Path, Path]
+) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole[1], out)
+    names = ["part-0.parquet", "part-.sha256", "part-000003.parquet", "x", "y", "z"]
+    for name in names:
+        (out / "parts" / name).touch()
+    with pytest.raises(a5.errors.FileFormatError) as caught:
+        a5.sweep(whole[0], out, rows=1)
+    said = str(caught.value)
+    assert "part-.sha256: is no part" in said
+    assert "nor are part-0.parquet, part-000003.parquet, x, y and 1 more" in said

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: The expected content of a chunk's file, for messages.
 _PART = "a part of this study"
+#: Most parts of a study: more files make a folder slow.
+MOST_CHUNKS = 2**20
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +77,9 @@ def chunks_of(study: Study, rows: int) -> Chunks:
     Args:
         study: The study.
         rows: Approximate number of rows in a chunk; each recording is one chunk.
+
+    Raises:
+        InputError: More than `MOST_CHUNKS`.
     """
     from alpha5_model.studies.sweep.study import BLOCK
 
@@ -85,6 +90,10 @@ def chunks_of(study: Study, rows: int) -> Chunks:
         size = blocks // len(recordings)
     else:
         size = max(1, rows // min(BLOCK, sizes.states))
+    if -(-blocks // size) > MOST_CHUNKS:
+        whole = f"{sizes.cases * sizes.states:.3g} rows of the study"
+        most = f"at most {MOST_CHUNKS} parts of {rows} rows: a smaller study"
+        raise InputError("rows", whole, most)
     settings = json.dumps(study.settings, ensure_ascii=False, default=str)
     return Chunks(
         study=study,

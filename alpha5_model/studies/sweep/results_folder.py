@@ -13,7 +13,6 @@ last. ``sha256sum -c parts/*.sha256`` in the folder checks all of them, too.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
@@ -49,8 +48,11 @@ class _State(NamedTuple):
     is_new: bool = False
 
 
-@dataclass
-class Inspection:
+#: The state of a chunk that has no files.
+_ABSENT = _State(finished=False, is_new=True)
+
+
+class Inspection(NamedTuple):
     """What a folder of results holds.
 
     Attributes:
@@ -60,10 +62,10 @@ class Inspection:
         started: Whether there are files of any chunk.
     """
 
-    missing: list[int] = field(default_factory=list)
-    damage: list[str] = field(default_factory=list)
-    is_new: bool = False
-    started: bool = False
+    missing: list[int]
+    damage: list[str]
+    is_new: bool
+    started: bool
 
 
 class ResultsFolder:
@@ -97,17 +99,18 @@ class ResultsFolder:
             InputError: Parts of another study, or of chunks of another size.
             FileFormatError: A folder or a foreign file among the parts or rows.
         """
-        found = Inspection()
-        for number in range(self.chunks.count()):
-            state = self._state(number)
-            found.is_new |= state.is_new
-            found.started |= not state.is_new
-            if state.damage:
-                found.damage.append(state.damage)
-            if not state.finished:
-                found.missing.append(number)
+        present = {file.stem for file in _visible(self.path / "parts")}
+        states = [
+            self._state(number) if _name(number) in present else _ABSENT
+            for number in range(self.chunks.count())
+        ]
         self._refuse_foreign_files()
-        return found
+        return Inspection(
+            missing=[k for k, state in enumerate(states) if not state.finished],
+            damage=[state.damage for state in states if state.damage],
+            is_new=any(state.is_new for state in states),
+            started=any(state is not _ABSENT for state in states),
+        )
 
     def _state(self, number: int) -> _State:
         """The state of the files of a chunk."""
@@ -115,7 +118,7 @@ class ResultsFolder:
         text = _read(self.checksums(number))
         if text is None:
             if part is None:
-                return _State(finished=False, is_new=True)
+                return _ABSENT
             self._check_is_own(number, part)
             missing = f"{self.checksums(number)}: is missing"
             return _State(finished=False, damage=missing)
@@ -179,19 +182,25 @@ class ResultsFolder:
 
     def _refuse_foreign_files(self) -> None:
         """Refuse files among the parts and rows that are of no chunk."""
-        numbers = range(self.chunks.count())
-        known = {file for k in numbers for file in (self.part(k), self.checksums(k))}
-        if self.chunks.has_table:
-            known |= {self.rows(k) for k in numbers}
+        suffixes = {"parts": {".parquet", ".sha256"}, "rows": {".parquet"}}
+        if not self.chunks.has_table:
+            suffixes["rows"] = set()
         foreign = [
             file
-            for folder in ("parts", "rows")
+            for folder, own in suffixes.items()
             for file in _visible(self.path / folder)
-            if file not in known
+            if file.suffix not in own or not self._is_of_a_chunk(file)
         ]
         if foreign:
             problem = f"is no part of this study{_and_more(foreign)}; move it away"
             raise FileFormatError(foreign[0], problem)
+
+    def _is_of_a_chunk(self, file: Path) -> bool:
+        """Whether a file is named as one of a chunk of this study."""
+        _, _, digits = file.stem.partition("part-")
+        if not (digits.isascii() and digits.isdigit()):
+            return False
+        return file.stem == _name(int(digits)) and int(digits) < self.chunks.count()
 
     def foreign_files(self, results: Iterable[Path]) -> list[str]:
         """Files beside the results that are none of them, by name.

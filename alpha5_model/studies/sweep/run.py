@@ -28,6 +28,7 @@ from alpha5_model.studies.sweep.workers import results
 
 if TYPE_CHECKING:
     from alpha5_model.numbers.parameters import Alpha5Parameters
+    from alpha5_model.studies.sweep.extent import Extent
     from alpha5_model.studies.sweep.study import Study
 
 
@@ -68,6 +69,7 @@ def sweep(
     rows: int = 1_000_000,
     progress: Callable[[str, float], None] | None = None,
     arm: Alpha5Parameters | None = None,
+    announce: Callable[[Extent], None] | None = None,
 ) -> Sweep:
     """Compute a study: the same bytes for any number of workers and size of chunks.
 
@@ -83,12 +85,15 @@ def sweep(
         progress: Called with a stage and the share done, 0 to 1.
         arm: Record of an arm of your own: its bodies, lengths, limits, motors, and its
             mount if no axis of the study is the mount's. None for the catalogue's.
+        announce: Called once before the work with its size and its approximate time,
+            which takes three blocks of it to find. An error that it raises ends the
+            sweep before anything is written.
 
     Raises:
         FileFormatError: A mistake in the study, with its place; states beyond the
             limits of ``arm``; a foreign file among the parts or rows in the folder.
         InputError: A folder with another study, or with other chunks; no scheduler at
-            the address.
+            the address, or one without workers; a study of more than a million parts.
         OutputError: The folder cannot be written, or the workers are lost. Finished
             parts stay.
         MissingDependencyError: Without ``alpha5-model[sweep]``.
@@ -102,6 +107,10 @@ def sweep(
     chunks = chunks_of(read, count("rows", rows))
     results_folder = ResultsFolder(target, chunks)
     present = results_folder.inspect()
+    if announce:
+        from alpha5_model.studies.sweep.extent import extent_of
+
+        announce(extent_of(chunks, len(present.missing), workers))
 
     total = chunks.count()
     done = total - len(present.missing)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
 from alpha5_model.errors import InputError, OutputError
 
 Result = TypeVar("Result")
+#: A cluster that has no worker for so long is refused [s].
+_PATIENCE = 5.0
 
 
 def results(
@@ -28,7 +33,7 @@ def results(
         folder: Of the results, for messages.
 
     Raises:
-        InputError: No scheduler at the address.
+        InputError: No scheduler at the address, or one without workers.
         OutputError: The workers are lost.
     """
     if not workers and scheduler is None:
@@ -40,6 +45,8 @@ def results(
     from distributed import KilledWorker, as_completed
 
     with _client(workers, scheduler) as client:
+        if scheduler:
+            _wait_for_a_worker(client, scheduler)
         try:
             for future in as_completed(client.map(work, chunks, pure=False)):
                 yield future.result()
@@ -55,7 +62,41 @@ def _client(workers: int, scheduler: str | None) -> Any:
     try:
         if scheduler:
             return Client(scheduler, timeout=10)
-        return Client(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+        with _interrupts_ignored():
+            return Client(
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address=None,
+                preload="alpha5_model.studies.sweep.worker_setup",
+            )
     except (OSError, ValueError):
         expected = "the address of a Dask scheduler"
         raise InputError("scheduler", scheduler, expected) from None
+
+
+def _wait_for_a_worker(client: Any, scheduler: str) -> None:
+    """Refuse a cluster that has no worker."""
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except TimeoutError:
+        expected = (
+            f"a cluster with workers, but none came within {_PATIENCE:g} s; "
+            f"start one with: dask worker {scheduler}"
+        )
+        raise InputError("scheduler", scheduler, expected) from None
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Ignore Ctrl-C for about a second, and in the processes that start meanwhile.
+
+    Those would print what they were doing before `worker_setup` has run.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
