@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,8 +40,11 @@ _AXES = 0.05
 _COLORS: dict[str, Color] = {
     name: (red, green, blue) for name, (red, green, blue) in LOOK["colors"].items()
 }
-#: Links that no joint of the arm moves, which have no ghosts.
-_FIXED_LINKS = ("base_link", "link_0")
+#: Opacity of a ghost within the joint limits, and of one beyond them; as on the page.
+_OPACITY = 0.42
+_OPACITY_BEYOND = 0.16
+#: Joint positions [rad] and entries of poses that differ by less are the same.
+_SAME = 1e-6
 _ball = cache(ball)
 
 
@@ -225,6 +228,13 @@ def current_arrow(current: FloatArray) -> Iterator[Shape | Label]:
     yield Label("current", text, beside_base, teal)
 
 
+class _GhostLook(NamedTuple):
+    """Colour and opacity of a ghost."""
+
+    color: Color
+    opacity: float
+
+
 def ghosts(
     arm: Arm,
     kinematics: ArmKinematics,
@@ -233,33 +243,44 @@ def ghosts(
     q: FloatArray,
     target: FloatArray,
 ) -> Iterator[Shape | Label]:
-    """The target, and the solutions of its inverse kinematics as ghosts.
+    """The target, and the other solutions of its inverse kinematics as ghosts.
+
+    A ghost has the arm's wrist angle, base and jaws. A link where the arm, or another
+    ghost, has it is not drawn again.
 
     Args:
         arm: The arm.
         kinematics: Of the same arm.
         tree: Its joints from the base to the tip.
         body_shapes: Its bodies.
-        q: Its joint positions (nq,); a ghost has the same base and jaws.
+        q: Its joint positions (nq,).
         target: Position of the tcp in base_link, (3,) [m].
     """
     first_joint = len(q) - len(arm.joint_names)
-    on_axis = kinematics.shape.has_tool_on_axis
-    wrist = 0.0 if on_axis else q[first_joint + 3]
-    solutions = kinematics.inverse_kinematics(target, wrist)
+    angles = slice(first_joint, first_joint + 4)
+    solutions = kinematics.inverse_kinematics(target, q[angles][3])
+    collides = kinematics.collides(solutions)
+    earlier = [link_poses(arm, tree, q)]
     for i in np.flatnonzero(solutions.exists):
+        if _turn(solutions.q[i], q[angles]) < _SAME:
+            continue
         solution = q.copy()
-        solution[first_joint : first_joint + 4] = solutions.q[i]
+        solution[angles] = solutions.q[i]
         poses = link_poses(arm, tree, solution)
-        branch = BRANCHES[i]
-        color = tuple(LOOK["ghosts"][i])
-        yield from _ghost(branch, color, body_shapes, poses)
+        seen = [link for link in poses if not _is_drawn(link, poses, earlier)]
+        earlier.append(poses)
 
-        text = branch.replace("_", " ")
-        if not solutions.within_limits[i]:
-            text += ", beyond the limits"
+        allowed = bool(solutions.within_limits[i])
+        touches = allowed and bool(collides[i])
+        look = _GhostLook(
+            color=_COLORS["red"] if touches else tuple(LOOK["ghosts"][i]),
+            opacity=_OPACITY if allowed else _OPACITY_BEYOND,
+        )
+        yield from _ghost(BRANCHES[i], look, body_shapes, poses, seen)
+
         elbow = transform(translation=poses["link_3"][:3, 3])
-        yield Label("ghosts", text, Rigid(WORLD, elbow), color)
+        text = _ghost_label(BRANCHES[i], allowed, touches)
+        yield Label("ghosts", text, Rigid(WORLD, elbow), tuple(LOOK["ghosts"][i]))
     base = arm.forward_kinematics(q, frame="base_link")
     yield from _target(base.act(target), _missed(kinematics, solutions, target))
 
@@ -275,23 +296,48 @@ def _missed(
     return "" if solutions.within_limits.any() else ", out of reach"
 
 
+def _ghost_label(branch: str, allowed: bool, touches: bool) -> str:
+    """Name of a branch, and why the arm cannot go there; as the page has it."""
+    name = branch.replace("_", " ")
+    if touches:
+        return f"{name}, collides"
+    return name if allowed else f"{name}, beyond the limits"
+
+
+def _turn(one: FloatArray, other: FloatArray) -> float:
+    """Largest difference of two joint positions, full turns aside [rad]."""
+    difference = np.remainder(one - other + np.pi, 2 * np.pi) - np.pi
+    return float(np.abs(difference).max())
+
+
+def _is_drawn(
+    link: str,
+    poses: Mapping[str, FloatArray],
+    earlier: Sequence[Mapping[str, FloatArray]],
+) -> bool:
+    """Whether the arm or an earlier ghost has this link at the same pose."""
+    return any(np.abs(poses[link] - other[link]).max() < _SAME for other in earlier)
+
+
 def _ghost(
     branch: str,
-    color: Any,
+    look: _GhostLook,
     body_shapes: Sequence[Shape],
     poses: Mapping[str, FloatArray],
+    seen: Collection[str],
 ) -> Iterator[Shape]:
-    """Copies of the bodies that joints move, with the links at some poses."""
+    """Copies of the bodies of some links, at some poses."""
     for body in body_shapes:
-        if isinstance(body.anchor, Rigid) and body.anchor.link not in _FIXED_LINKS:
-            yield Shape(
-                group="ghosts",
-                name=f"{branch}/{body.name}",
-                anchor=Rigid(WORLD, poses[body.anchor.link]),
-                mesh=body.mesh,
-                color=color,
-                opacity=0.3,
-            )
+        if not isinstance(body.anchor, Rigid) or body.anchor.link not in seen:
+            continue
+        yield Shape(
+            group="ghosts",
+            name=f"{branch}/{body.name}",
+            anchor=Rigid(WORLD, poses[body.anchor.link]),
+            mesh=body.mesh,
+            color=look.color,
+            opacity=look.opacity,
+        )
 
 
 def _target(point: FloatArray, missed: str) -> Iterator[Shape | Label]:

@@ -224,7 +224,9 @@ def test_ghosts_put_the_tcp_on_the_target() -> None:
         for s in scene.shapes
         if s.group == "ghosts" and "/link_4/part_0" in s.name
     }
-    assert {name.split("/")[0] for name in wrists} == set(a5.BRANCHES)
+    ways = a5.inverse_kinematics(target, scene.q[3]).q
+    own = a5.BRANCHES[np.abs(ways - scene.q).max(axis=1).argmin()]
+    assert {name.split("/")[0] for name in wrists} == {*a5.BRANCHES} - {own}
     places = []
     for shape in wrists.values():
         assert isinstance(shape.anchor, Rigid)

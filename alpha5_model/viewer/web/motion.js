@@ -23,10 +23,11 @@ function seek(time) {
   setPose(between(data.motion.q, now), "motion");
   showTime();
 }
+// Whether the arm is where the motion has it at the time of the cursor.
+const showsMotion = () => largestDifference(joints.map((joint) => q[joint.name]), between(data.motion.q, now)) < 1e-9;
 function showTime() {
   byId("time").value = now;
   byId("clock").firstChild.textContent = `${now.toFixed(1)} / ${last.toFixed(1)} s`;
-  showStrip();
 }
 function tick(clock) {
   if (started === null) return;

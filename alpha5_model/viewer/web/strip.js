@@ -51,7 +51,11 @@ function draw(chart, unit, curves, [low, high]) {
   const digits = high - low < 0.2 ? 3 : high - low < 2 ? 2 : 1;
   chart.ends.forEach((end, i) => { end.textContent = fixed([low, high][i], digits); });
 }
+// The cursor and the numbers are the motion's: with the arm elsewhere, the cursor is grey and there are no numbers.
 function showStrip() {
+  const apart = charts.length && !showsMotion();
+  byId("charts").classList.toggle("apart", apart);
+  byId("charts").title = apart ? "The arm has left the motion: drag here to return to it." : "";
   for (const { curves, cursor } of charts) {
     cursor.style.transform = `translateX(${(100 * now / last).toFixed(3)}%)`;
     for (const { rows, output } of curves) {
@@ -84,4 +88,8 @@ function unfold(on) {
 }
 byId("curves").hidden = !charts.length;
 byId("curves").onclick = () => unfold(byId("charts").hidden);
-if (data.motion) showTime();
+if (data.motion) {
+  showTime();
+  showStrip();
+  onPose(showStrip);
+}

@@ -21,6 +21,8 @@ added(byId("target"), "span", { textContent: "mm" });
 const branchNames = data.branches.map((name) => name.replace("_", " "));
 const buttons = branchNames.map((name, i) => added(byId("ways"), "button", { textContent: name, onclick: () => take(i) }));
 
+// Distances below half the last digit that is shown are none [m].
+const SHOWN = 0.05e-3;
 // Largest coordinate that may be typed [mm]; the arm reaches a twentieth of it.
 const NEAR = 10000;
 const near = (input) => !(Math.abs(input.valueAsNumber) > NEAR) && !input.validity.badInput;
@@ -82,15 +84,15 @@ function showSolutions() {
     button.title = wouldTouch[i].length ? `The arm collides with itself there: ${spoken(wouldTouch[i])}.` : "";
   });
   const away = aim ? Math.hypot(...tcpInBase().map((value, i) => value - aim[i])) : 0;
-  missed = away > 1e-7 && (short || !found.within_limits.some(Boolean));
+  missed = away > SHOWN && (short || !found.within_limits.some(Boolean));
   say("target", missed && !moving ? missText(found, now, away) : "");
   drawGhosts(found, wouldTouch);
 }
 function missText(found, now, away) {
   const others = branchNames.filter((_, i) => found.within_limits[i]);
   const nearest = Math.min(...data.branches.map((_, i) => reach(aim, i).away));
-  if (nearest > 1e-7 && away - nearest < 1e-7) return `Target out of reach: the tip stops ${mm(away)} mm from it.`;
-  if (nearest > 1e-7) return `Target out of reach by ${mm(nearest)} mm; the tip is ${mm(away)} mm from it.`;
+  if (nearest > SHOWN && away - nearest < SHOWN) return `Target out of reach: the tip stops ${mm(away)} mm from it.`;
+  if (nearest > SHOWN) return `Target out of reach by ${mm(nearest)} mm; the tip is ${mm(away)} mm from it.`;
   return `The tip is ${mm(away)} mm from the target, which ${others.join(" and ")} ${others.length > 1 ? "reach" : "reaches"}.`;
 }
 onPose((by) => {

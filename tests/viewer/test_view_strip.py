@@ -1,0 +1,76 @@
+"""The curves of a motion say what they show, in a real browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import Tab, needs_browser, new_tab
+
+import alpha5_model as a5
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.page import static_page
+
+pytestmark = needs_browser
+
+HOME = a5.named_pose("home")
+
+
+@pytest.fixture
+def tab(chromium: Any, tmp_path: Path) -> Tab:
+    """A page at home, with a motion that starts elsewhere."""
+    time = np.linspace(0.0, 2.0, 21)
+    turned = HOME + np.array([0.3, 0.2, -0.2, 0.1])
+    motion = a5.trajectory.motion(time, turned + 0.1 * np.sin(time)[:, None])
+    path = tmp_path / "page.html"
+    path.write_text(static_page(build_scene(a5.load(), HOME, motion=motion)), "utf-8")
+    tab = new_tab(chromium)
+    tab.open(path.as_uri())
+    return tab
+
+
+def numbers_are_seen(tab: Tab) -> bool:
+    """Whether the curves' numbers and the coloured cursor are seen."""
+    looks = tab.run("""() => {
+      const charts = document.getElementById("charts");
+      const cursor = getComputedStyle(charts.querySelector("i")).borderLeftStyle;
+      const outputs = [...charts.querySelectorAll("output")];
+      return [cursor, ...outputs.map((each) => getComputedStyle(each).visibility)];
+    }""")
+    assert len(looks) > 5
+    seen = {looks[0] == "solid", *(look == "visible" for look in looks[1:])}
+    assert len(seen) == 1
+    return bool(seen.pop())
+
+
+def test_the_numbers_of_the_curves_belong_to_the_pose(tab: Tab) -> None:
+    assert not numbers_are_seen(tab)  # the page shows home, the motion is elsewhere
+    tab.run("() => alpha5.seek(1.0)")
+    assert numbers_are_seen(tab)
+    tab.run("(q) => alpha5.setPose(q)", HOME.tolist())
+    assert not numbers_are_seen(tab)
+    tab.run("() => alpha5.seek(2.0)")
+    assert numbers_are_seen(tab)
+    assert tab.complaints == []
+
+
+def test_a_distance_that_is_printed_as_zero_is_none(tab: Tab) -> None:
+    """Targets that axis_d reaches 0.02 mm beyond its lower limit."""
+    arm = a5.load()
+    for azimuth in (1.0, 2.0, 4.0):
+        q = np.array([azimuth, arm.limits.lower[1] - 1e-4, 1.5, 0.0])
+        target = arm.forward_kinematics(q).translation
+        ways = a5.inverse_kinematics(target, 0.0)
+        branch = int(np.abs(ways.q - q).max(axis=1).argmin())
+        assert ways.exists[branch]
+        assert not ways.within_limits[branch]
+        tab.run("([p, b]) => alpha5.follow(p, b)", [target.tolist(), branch])
+        assert "0.0 mm" not in said(tab)
+    tab.run("() => alpha5.follow([2.0, 0.0, 0.1], 0)")
+    assert "Target out of reach: the tip stops" in said(tab)
+
+
+def said(tab: Tab) -> str:
+    return str(tab.run("() => document.getElementById('message').innerText"))
