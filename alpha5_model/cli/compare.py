@@ -8,28 +8,38 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from typer import Argument, Option, style
+from typer import Argument, Option, echo, style
 
+from alpha5_model._support.checks import choice
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.words import WORDS
-from alpha5_model.errors import OutputError
+from alpha5_model.errors import InputError, OutputError
 from alpha5_model.proofs.comparison import measure
 from alpha5_model.proofs.comparison.arm_of_model import (
     ArmOfModel,
     arm_of_robot,
     arm_text,
 )
+from alpha5_model.proofs.comparison.findings import explanation
+from alpha5_model.proofs.comparison.junit import junit_report
 from alpha5_model.proofs.comparison.model_file import read_model
 from alpha5_model.proofs.comparison.records import Comparison, Finding
 from alpha5_model.viewer.comparison_plot import plot_comparison
 from alpha5_model.viewer.figures import FORMATS
 
+#: Forms of the answer; the first one is for people.
+_FORMS = ("text", "json", "junit")
+
+_Other = Annotated[
+    Path | None, Argument(help="A URDF or xacro file of the Reach Alpha 5.")
+]
+
 
 def compare(
-    other: Annotated[Path, Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
+    other: _Other = None,
     joints: Annotated[
         str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")
     ] = "",
@@ -46,20 +56,33 @@ def compare(
     write_arm: Annotated[
         Path | None, Option(help="Write the model as an arm file, .toml.")
     ] = None,
+    form: Annotated[
+        str, Option("--format", help="text, json, or junit: a report for CI.")
+    ] = "text",
     as_json: options.Json = False,
     plot: options.Plot = None,
+    explain: Annotated[
+        str | None, Option(help="Say what a finding means, by its id.")
+    ] = None,
 ) -> int:
     """Compare another URDF of this arm with the tables, or with your own arm.
 
     A URDF is only read. A xacro file is a program: --xacro runs it, with your
     rights, so use it only on files that you trust. --write-arm writes what an arm
-    file can say of the model, and lists what it cannot.
+    file can say of the model, and lists what it cannot. Each finding ends with
+    its id in round brackets; --explain ID says what it means.
 
     Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot
     be read.
 
     Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
     """  # noqa: E501 (a line of the help)
+    if explain is not None:
+        printing.say(explanation(explain))
+        return 0
+    if other is None:
+        raise InputError("OTHER", None, "a URDF or xacro file, or --explain ID")
+    choice("format", form, _FORMS)
     outputs = {"write-arm": (write_arm, (".toml",)), "plot": (plot, FORMATS)}
     check_outputs([other], **outputs)
     if write_arm is not None and write_arm.exists():
@@ -83,13 +106,26 @@ def compare(
     picture = plot if comparison.joints else None
     if picture is not None:
         plot_comparison(comparison, picture)
-    record = comparison.as_dict()
-    written = None
-    if described is not None:
-        written = write_arm
-        record["arm_file"] = {"left_out": [*described.left_out]}
-    printing.show(as_json, record, _text(comparison, described), picture, written)
+    if form == "junit":
+        echo(junit_report(comparison, other.stem), nl=False)
+    else:
+        written = None if described is None else write_arm
+        as_record = as_json or form == "json"
+        _show(as_record, comparison, described, picture, written)
     return 0 if comparison.agrees else 1
+
+
+def _show(
+    as_record: bool,
+    comparison: Comparison,
+    described: ArmOfModel | None,
+    *written: Path | None,
+) -> None:
+    """Print the differences, for scripts or for people, and name the files."""
+    record = comparison.as_dict()
+    if described is not None:
+        record["arm_file"] = {"left_out": [*described.left_out]}
+    printing.show(as_record, record, _text(comparison, described), *written)
 
 
 def _text(comparison: Comparison, described: ArmOfModel | None) -> printing.Lines:
@@ -194,7 +230,7 @@ def _findings(comparison: Comparison) -> printing.Lines:
         mark = "✗" if found.serious else "·"
         cost = f" [{found.cost:.3g} N m]" if found.cost > 0 else ""
         where = f"{found.where} and {more} more" if more else found.where
-        yield f"{mark} {where}: {found.text}{cost}"
+        yield f"{mark} {where}: {found.text}{cost} ({found.id})"
         if found.instead:
             yield f"  write {found.instead}"
 

@@ -199,7 +199,12 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
     ),
     "compare": (
         (("", URDFS), ("--samples", ("3",))),
-        {"--map": ("axis_e=axis_e", "axis_e=x"), "--plot": _PICTURE, **_JSON},
+        {
+            "--map": ("axis_e=axis_e", "axis_e=x"),
+            "--plot": _PICTURE,
+            "--format": ("json", "junit"),
+            **_JSON,
+        },
     ),
     "check": (
         (("--urdf", URDFS),),

@@ -425,7 +425,7 @@ def test_one_finding_is_singular_and_a_remark_is_none(tmp_path, capsys):
     assert first.startswith("alpha5: axis_e = axis_e")
     assert verdict == "The model differs: 1 finding."
     assert finding.startswith("✗ link_2: mass 0.5 kg")
-    assert remark == "· meshes/finger_1.obj and 6 more: mesh is not there"
+    assert remark == "· meshes/finger_1.obj and 6 more: mesh is not there (file)"
     assert out.count("mesh") == 2
 
 
@@ -454,6 +454,7 @@ def test_a_body_that_the_other_model_lacks_is_said_to_be_missing():
         serious=True,
         cost=2.0 + MASS_2,
         instead="",
+        id="body.missing",
     )
 
 

@@ -28,6 +28,7 @@ class Finding:
         cost: Largest gravity torque in air that it causes alone, over the sampled
             positions [N m]; 0 if it causes none.
         instead: What to write in its place; empty if there is nothing to write.
+        id: Which finding it is, such as ``body.mass``; the same in every version.
     """
 
     where: str
@@ -35,6 +36,7 @@ class Finding:
     serious: bool = True
     cost: float = 0.0
     instead: str = ""
+    id: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,6 +194,7 @@ class Comparison:
 def _told(finding: Finding) -> dict[str, Any]:
     """A finding, for JSON."""
     return {
+        "id": finding.id,
         "where": finding.where,
         "text": finding.text,
         "serious": finding.serious,
