@@ -100,7 +100,9 @@ def _announce(yes: bool, extent: Extent) -> None:
 
 def _extent_text(extent: Extent) -> str:
     """The size of a study and its approximate time, in words."""
-    words = [f"{extent.rows:,} rows in {extent.parts:,} parts"]
+    parts = f"{extent.parts:,} parts"
+    rows = parts if extent.rows is None else f"{extent.rows:,} rows in {parts}"
+    words = [rows]
     if extent.table_bytes:
         words.append(f"about {extent.table_bytes / 1e9:.2g} GB of tables")
     if extent.seconds:
