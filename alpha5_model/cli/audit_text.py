@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from itertools import takewhile
@@ -54,7 +53,7 @@ def grouped(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[Ro
 def alike(rows: Iterable[AuditRow]) -> list[list[AuditRow]]:
     """Groups of rows with the same text."""
     groups = grouped(
-        rows, lambda row: (row.topic, row.verdict, _figures(row), _measured(row))
+        rows, lambda row: (row.topic, row.verdict, _figures(row), row.measures)
     )
     return list(groups.values())
 
@@ -70,12 +69,16 @@ def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
     if len(rows) > 1:
         place += f", {_subjects(rows)}"
     if not verbose:
-        return f"{place}: {_measured(row)}: {_figures(row)}"
+        return f"{place}: {row.measures}: {_figures(row)}"
 
     claims = "; ".join(dict.fromkeys(row.says for row in rows))
-    findings = "; ".join(dict.fromkeys(row.finding for row in rows))
-    worth = f", worth {row.effect:.3g} {row.effect_unit}" if row.effect else ""
-    return f'{place}, "{claims}": {findings}: {_figures(row)}{worth}'
+    words = [f'{place}, "{claims}": {row.measures}: {_figures(row)}.']
+    words += dict.fromkeys(row.finding for row in rows if row.finding)
+    if row.used:
+        words.append(f"We use {row.used}.")
+    if row.effect:
+        words.append(f"It costs {row.effect:.3g} {row.effect_unit}: {row.cost}.")
+    return " ".join(words)
 
 
 def _common_place(rows: Sequence[AuditRow]) -> str:
@@ -94,11 +97,6 @@ def _figures(row: AuditRow) -> str:
     bound = f" ± {row.bound:.2g}" if row.bound else ""
     expected = f"{row.expected:.4g}{bound} {row.unit}".rstrip()
     return f"{measured}, must be {_RELATION[row.relation]}{expected}"
-
-
-def _measured(row: AuditRow) -> str:
-    """What was measured: a finding's first words."""
-    return re.split("[;:] ", row.finding)[0]
 
 
 def _subjects(rows: Sequence[AuditRow]) -> str:

@@ -44,8 +44,12 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 # ---- the audit
 
 
+#: Units of what a difference costs, the first first.
+COSTS = ("N m", "mm", "N m/A", "")
+
+
 def audit_table(category: str | None) -> str:
-    """The rows of a category that differ; None: of the observations.
+    """The rows of a category that differ, by their cost; None: of the observations.
 
     Neighbours with the same words and figures stand in one row.
     """
@@ -54,20 +58,55 @@ def audit_table(category: str | None) -> str:
         for row in a5.audit()
         if row.category == category and row.verdict != "agrees"
     ]
-    lines = []
-    for _, same in groupby(
-        rows, lambda r: (r.topic, r.says, r.finding, r.measured, r.effect)
-    ):
-        group = list(same)
-        row = group[0]
-        claims = [row.claim, *(r.claim.partition(".")[2] for r in group[1:])]
-        places = list(dict.fromkeys(r.place for r in group))
-        where = places[0] + "".join(f"; {shorter(places[0], p)}" for p in places[1:])
-        names = ", ".join(f"`{claim}`" for claim in claims)
-        lines.append(
-            [f"{where}<br>{names}", plain(row.says), plain(row.finding), measured(row)]
-        )
-    return table(["where, and row", "printed", "what we find", "measured"], lines)
+    groups = [
+        list(same)
+        for _, same in groupby(rows, lambda r: (r.topic, r.says, r.measured, r.effect))
+    ]
+    groups.sort(key=lambda group: by_cost(group[0]))
+    return table(
+        ["where, and row", "printed", "what follows", "we use", "it costs"],
+        [audit_line(group) for group in groups],
+    )
+
+
+def by_cost(row: AuditRow) -> tuple[int, float]:
+    """Torques first, then lengths; the largest first."""
+    return COSTS.index(row.effect_unit), -(row.effect or 0.0)
+
+
+def audit_line(group: Sequence[AuditRow]) -> list[str]:
+    """The cells of rows with the same words and figures."""
+    row = group[0]
+    claims = [row.claim, *(r.claim.partition(".")[2] for r in group[1:])]
+    places = list(dict.fromkeys(r.place for r in group))
+    where = places[0] + "".join(f"; {shorter(places[0], p)}" for p in places[1:])
+    names = ", ".join(f"`{claim}`" for claim in claims)
+    follows = f"{capital(row.measures)}: {measured(row)}. {row.finding}"
+    cost = "—"
+    if row.effect is not None:
+        cost = f"{figure(row.effect)} {unit(row.effect_unit)}: {row.cost}"
+    return [
+        f"{where}<br>{names}",
+        plain(row.says),
+        plain(follows.strip()),
+        plain(row.used),
+        plain(cost),
+    ]
+
+
+def errata_table(*names: str) -> str:
+    """Rows of the audit side by side: a column for each, without the place."""
+    rows = {row.claim: row for row in a5.audit()}
+    columns = [audit_line([rows[name]]) for name in names]
+    heads = ["", *(f"`{name}`" for name in names)]
+    words = ("printed", "what follows", "we use", "it costs")
+    return table(heads, zip(words, *(column[1:] for column in columns), strict=True))
+
+
+def capital(text: str) -> str:
+    """A text whose first word starts a sentence, unless it is a symbol."""
+    first = text.partition(" ")[0]
+    return text[0].upper() + text[1:] if first.isalpha() and len(first) > 1 else text
 
 
 def shorter(first: str, place: str) -> str:
@@ -79,16 +118,13 @@ def shorter(first: str, place: str) -> str:
 
 
 def measured(row: AuditRow) -> str:
-    """The measured figure, its spread, the expected figure, and the effect."""
+    """The measured figure, its spread, and the expected figure."""
     spread = row.standard_error or (row.bound if row.bound > 1e-6 else 0.0)
     width = f" ± {figure(spread, 2)}" if spread else ""
     must = f"{RELATION[row.relation]}{figure(row.expected)}"
-    found = (
+    return (
         f"{figure(row.measured)}{width} {unit(row.unit)}".strip() + f", must be {must}"
     )
-    if row.effect is None:
-        return found
-    return f"{found}; worth {figure(row.effect)} {unit(row.effect_unit)}"
 
 
 def figure(value: float, digits: int = 4) -> str:
@@ -238,6 +274,15 @@ def parameter_row(parameter: Any) -> list[str]:
 
 
 TEXTS: dict[str, Callable[[], str]] = {
+    "base_frame": lambda: errata_table("base_frame.link_0"),
+    "motors": lambda: errata_table("friction.actuator_0", "motor_constants.actuator_3"),
+    "link3_cob": lambda: errata_table("cob_inside.link_3"),
+    "two_poses": lambda: errata_table(
+        "inverse_kinematics.branches", "inverse_kinematics.wrapping"
+    ),
+    "tori": lambda: errata_table(
+        "workspace.self_collision", "workspace.downward_centre"
+    ),
     "errors": lambda: audit_table("error"),
     "readings": lambda: audit_table("reading"),
     "transcription": lambda: audit_table("transcription"),

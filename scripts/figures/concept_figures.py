@@ -61,7 +61,9 @@ def _arrow(
     axes.annotate("", start + change, start, arrowprops=look, zorder=5)
 
 
-def _label(axes: Any, text: str, at: Any, shift: tuple[int, int], **look: Any) -> None:
+def written_at(
+    axes: Any, text: str, at: Any, shift: tuple[int, int], **look: Any
+) -> None:
     side = "left" if shift[0] >= 0 else "right"
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
     given = {
@@ -75,7 +77,7 @@ def _label(axes: Any, text: str, at: Any, shift: tuple[int, int], **look: Any) -
     axes.annotate(text, at, shift, textcoords="offset points", **given)
 
 
-def _look(
+def look_at(
     axes: Any, x: tuple[float, float], z: tuple[float, float], name: str = "z [mm]"
 ) -> None:
     axes.set(aspect="equal", xlim=x, ylim=z, xlabel="x [mm]", ylabel=name)
@@ -103,7 +105,7 @@ def frames_figure() -> Any:
             if np.linalg.norm(along) > 0.1:
                 _arrow(axes, at, 42 * along, color, 1.8)
         axes.plot(*at, "o", ms=4, color=Color.BLACK, zorder=6)
-        _label(axes, text, at, shift)
+        written_at(axes, text, at, shift)
     line = {"color": Color.BLACK, "lw": 0.8, "ls": (0, (6, 3, 1, 3)), "zorder": 2}
     for joint, link, reach in (
         ("axis_e", "link_1", (-70, 130)),
@@ -114,7 +116,7 @@ def frames_figure() -> Any:
             poses[link].rotation[[0, 2], 2],
         )
         axes.plot(*np.array([at + s * along for s in reach]).T, **line)
-        _label(
+        written_at(
             axes,
             f"{joint}: in the plane",
             at + reach[1] * along,
@@ -127,7 +129,9 @@ def frames_figure() -> Any:
     ):
         at = poses[link].translation[[0, 2]] * 1e3
         axes.plot(*at, "o", ms=15, mfc="none", mec=Color.BLACK, mew=0.8, zorder=4)
-        _label(axes, f"{joint}: square to it", at, shift, style="italic", ha="center")
+        written_at(
+            axes, f"{joint}: square to it", at, shift, style="italic", ha="center"
+        )
     for color, text in ((Color.VERMILION, "x"), (Color.GREEN, "y"), (Color.BLUE, "z")):
         axes.plot([], [], color=color, label=text)
     axes.legend(
@@ -138,7 +142,7 @@ def frames_figure() -> Any:
         f"frames at q = ({angles}), seen along y: "
         "the arm moves in a plane that axis_e turns"
     )
-    _look(axes, (-150, 330), (-115, 185))
+    look_at(axes, (-150, 330), (-115, 185))
     return page
 
 
@@ -177,9 +181,9 @@ def products_figure() -> Any:
             ends = np.array([centre - length * axis, centre + length * axis]) * 1e3
             axes.plot(*ends.T, color=color, lw=1.0, ls="--", zorder=4)
         axes.plot(*centre * 1e3, "o", color=Color.BLACK, ms=5, zorder=5)
-        _label(axes, "COM", centre * 1e3, (8, -10))
+        written_at(axes, "COM", centre * 1e3, (8, -10))
         axes.set_title(f"{title}\nixy = {number(inertia[0, 1] * 1e6)} kg·mm²")
-        _look(axes, (-45, 65), (-65, 40), "y of link_3 [mm]")
+        look_at(axes, (-45, 65), (-65, 40), "y of link_3 [mm]")
         axes.set_xlabel("x of link_3 [mm]")
     panels[1].set_ylabel("")
     return page
@@ -210,11 +214,11 @@ def buoyancy_figure() -> Any:
             at = pose.act(np.array(point))[[0, 2]] * 1e3
             _arrow(axes, at, np.array([0.0, per_newton * force]), color, 2.0)
             axes.plot(*at, "o", ms=4, color=Color.BLACK, zorder=6)
-            _label(
+            written_at(
                 axes, f"{abs(force):.1f} N", at, (5, 4 if weight else -6), fontsize=8
             )
         axes.set_title(title)
-        _look(axes, (-150, 330), (-110, 150))
+        look_at(axes, (-150, 330), (-110, 150))
     middle.set_ylabel("")
     names = arm.joint_names
     rows = np.arange(len(names))
@@ -272,7 +276,7 @@ def branches_figure() -> Any:
         angles = ", ".join(f"{x:.0f}°" for x in np.degrees(q[:3]))
         verdict = "within the limits" if allowed else "beyond a joint limit"
         axes.set_title(f"{name}: ({angles})\n{verdict}")
-        _look(axes, (-200, 260), (-120, 280))
+        look_at(axes, (-200, 260), (-120, 280))
         axes.set_xlabel(
             "distance from the yaw axis, towards the target [mm]", fontsize=8
         )

@@ -83,8 +83,11 @@ def test_each_verdict_follows_from_its_figures(row: AuditRow) -> None:
     assert (row.verdict == "agrees") == (distance <= row.bound)
     assert row.place.startswith(("Section", "Tables", "Lecture 7.1"))
     assert 0 < len(row.says) < 90
-    assert row.finding
-    assert (row.effect is None) == (row.effect_unit == "")
+    assert row.measures
+    assert row.finding == "" or row.finding.endswith(".")
+    # What differs says what is used instead, and what an effect is the size of.
+    assert (row.used == "") == (row.verdict == "agrees")
+    assert (row.effect is None) == (row.effect_unit == "") == (row.cost == "")
     assert row.effect_unit in ("", "N m", "N m/A", "mm")
     assert row.kind in ("claim", "observation")
     assert (row.category is None) == (row.kind == "observation")
@@ -133,9 +136,12 @@ def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
         assert set(claims) <= set(rows)
     # Frames are {0}, {i}, {i-1} and {A}; a longer word in braces is an unfilled field.
     unfilled = re.compile(r"\{\w*[a-z_]{2}")
-    assert not any(
-        unfilled.search(row.says + row.place + row.finding) for row in rows.values()
-    )
+    assert not any(unfilled.search(" ".join(texts(row))) for row in rows.values())
+
+
+def texts(row: AuditRow) -> list[str]:
+    """The words of a row."""
+    return [row.place, row.says, row.measures, row.finding, row.used, row.cost]
 
 
 def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
@@ -201,7 +207,7 @@ def test_errors_readings_and_matters_of_transcription(
     assert of("transcription") == TRANSCRIPTION
     # A reading names the one that was measured, and one in which the claim is right.
     for claim in of("reading") - {"cross_reference.section_2.2", "frames.first"}:
-        finding = differing[claim].finding
+        finding = f"{differing[claim].measures}. {differing[claim].finding}".lower()
         assert " if " in finding, claim
         assert "right" in finding or claim in RIGHT_IN_OTHER_WORDS, claim
     for claim in (
@@ -301,7 +307,9 @@ def test_parallel_axis_and_its_bound(rows: dict[str, AuditRow], i: int) -> None:
     assert row.bound == pytest.approx(bound[k], rel=2e-3)
     assert (row.verdict == "differs") == bool((np.abs(residual) > bound).any())
     beyond = int((np.abs(residual) > bound).sum())
-    assert f": {beyond} of 6 entries" in row.finding
+    assert row.finding.startswith(f"{beyond} of 6 entries")
+    fastest = math.radians(50)
+    assert row.effect == pytest.approx(row.measured * 1e-6 * fastest**2)
 
 
 def test_parallel_axis_verdicts(rows: dict[str, AuditRow]) -> None:
@@ -428,7 +436,7 @@ def test_the_jaws_lie_along_x(rows: dict[str, AuditRow]) -> None:
     assert spread.bound == pytest.approx(
         max(corners) - spread.expected + 1e-3, rel=0.02
     )
-    assert f"two of {1000 * 9.386 / (2 * 15.5**2):.3g} g" in spread.finding
+    assert f"Two of {1000 * 9.386 / (2 * 15.5**2):.3g} g" in spread.finding
 
 
 def test_link_1_is_longer_than_its_part(rows: dict[str, AuditRow]) -> None:
@@ -438,7 +446,7 @@ def test_link_1_is_longer_than_its_part(rows: dict[str, AuditRow]) -> None:
     assert row.kind == "observation"
     assert (row.measured, row.expected) == (pytest.approx(spread), pytest.approx(room))
     assert row.verdict == "differs"
-    housing = "; part of this mass turns inside the neighbour's housing"
+    housing = "Part of this mass turns inside the neighbour's housing."
     assert row.finding.endswith(housing)
     for i in (0, 2, 3, 4):
         other = rows[f"mass_spread.link_{i}"]
@@ -472,7 +480,7 @@ def test_densities(rows: dict[str, AuditRow]) -> None:
     worst = 0.1615 / 0.0315 - 0.161 / 0.032
     assert rows["density.link_1"].bound == pytest.approx(worst, rel=0.03)
     for i in range(5):
-        said = "some of the mass sits in volume" in rows[f"density.link_{i}"].finding
+        said = "Some of the mass sits in volume" in rows[f"density.link_{i}"].finding
         assert said == (i in (1, 3))
     # 2.70 +- what the digits allow: just inside it is not said
     for mass, heavy in (("0.0868", False), ("0.0900", True)):
@@ -480,7 +488,7 @@ def test_densities(rows: dict[str, AuditRow]) -> None:
             "density.link_1"
         ]
         assert (turned.verdict == "differs") == heavy
-        assert ("some of the mass" in turned.finding) == heavy
+        assert ("Some of the mass" in turned.finding) == heavy
 
 
 def test_totals(rows: dict[str, AuditRow]) -> None:
@@ -548,7 +556,7 @@ def test_friction_and_stall_torque(rows: dict[str, AuditRow]) -> None:
     stall = rows["stall_torque.actuator_0"]
     supply = max(0.0116 * 1754.4 * math.radians(30), 0.0545 * 340.4 * math.radians(50))
     assert stall.measured == pytest.approx(0.0134 * supply / 3.22 * 1754.4 * 0.86)
-    assert f"{supply:.1f} V" in stall.finding
+    assert f"{supply:.1f} V" in stall.measures
     assert stall.measured > 100
     assert stall.verdict == "differs"
 
@@ -656,7 +664,7 @@ def test_coupled_strips_overstate_about_three_axes(rows: dict[str, AuditRow]) ->
 
     for joint, ratio in zip(("axis_e", "axis_d", "axis_c"), ratios, strict=True):
         finding = rows[f"circulating_water.{joint}"].finding
-        stated = float(re.search(r"; (\d\.\d\d) with", finding)[1])
+        stated = float(re.search(r"it is (\d\.\d\d)\.$", finding)[1])
         assert stated == pytest.approx(ratio, abs=0.008)
 
 
@@ -956,7 +964,7 @@ def test_the_formulas_recover_one_bend_of_the_elbow(rows: dict[str, AuditRow]) -
     assert share == pytest.approx(81.1, abs=0.05)
     assert row.measured == pytest.approx(share, abs=3 * row.standard_error)
     assert row.verdict == "differs"
-    assert row.finding.endswith("the four solutions recover 100 %")
+    assert row.finding.endswith("The four solutions recover 100 %.")
 
 
 # --- the lecture ----------------------------------------------------------------------
@@ -1049,7 +1057,7 @@ def test_the_theorem_with_four_joints(rows: dict[str, AuditRow]) -> None:
 
     assert by_pairs == 0
     assert by_threes > 100
-    assert f"share of the {turning} sets" in row.finding
+    assert f"share of the {turning} sets" in row.measures
     assert f", {broken} promises are broken" in row.finding
     assert broken == 0
     tips = [tip for tip in range(1, 11) if hand_turns((3, 3, 3), 1, tip)]
@@ -1069,7 +1077,7 @@ def test_the_spatial_condition_by_counting_dimensions(
         kinds for n in range(1, 7) for kinds in itertools.product("RP", repeat=n)
     ]
     able = [kinds for kinds in sequences if len(kinds) == 6 and kinds.count("R") >= 3]
-    assert f"the {len(able)} sequences of up to 6 joints" in row.finding
+    assert f"the {len(able)} sequences of up to 6 joints" in row.measures
 
 
 def test_the_notes_numbers_of_axes_and_frames(rows: dict[str, AuditRow]) -> None:
@@ -1154,7 +1162,7 @@ def test_dexterous_without_a_free_joint(rows: dict[str, AuditRow]) -> None:
         100 * math.pi * math.sqrt(p * (1 - p) / 4000)
     )
     assert row.verdict == "differs"
-    at_135 = float(row.finding.split("still ")[1])
+    at_135 = float(row.finding.split("still ")[1].rstrip("."))
     assert at_135 == pytest.approx(dexterous_cells(0.75 * math.pi), abs=4)
     limits = rows["dexterous_workspace.limits"]
     assert (limits.measured, limits.standard_error) == (
@@ -1373,7 +1381,7 @@ def test_a_mass_without_its_last_digit(rows: dict[str, AuditRow]) -> None:
     assert (row.measured, row.expected, row.verdict) == (2, 3, "differs")
     lever = math.dist((0, 0, 0), reference.COM[2]) / 1000
     assert row.effect == pytest.approx((0.005 - 0.0005) * 9.81 * lever)
-    assert "it may stand for 0.380 kg" in row.finding
+    assert "It may stand for 0.380 kg" in row.finding
     assert "the two tensors give 0.37990 +-0.00001 kg" in row.finding
     assert rows["implied_mass.link_2"].measured == pytest.approx(0.3799, abs=5e-6)
     mended = audit_of(DOCUMENT.replace('mass = "0.38"', 'mass = "0.380"'))
@@ -1393,7 +1401,10 @@ def test_eta_max_as_a_gearboxs(rows: dict[str, AuditRow]) -> None:
         assert row.expected == pytest.approx(100 * 0.77**stages)
         assert row.verdict == "differs"
         assert row.effect == pytest.approx(stall / 0.86 - stall)
-    assert "if it is the motor's, 118.2 N m" in rows["stall_torque.actuator_0"].finding
+    assert (
+        "if it is the motor's, the torque is 118.2 N m"
+        in rows["stall_torque.actuator_0"].finding
+    )
     assert stall == pytest.approx(101.7, abs=0.05)
     worse = audit_of(DOCUMENT.replace('efficiency = "86"', 'efficiency = "71"'))
     assert worse["efficiency.actuator_0"].verdict == "agrees"
@@ -1434,7 +1445,7 @@ def test_the_tori_fit_the_underarm_pose(rows: dict[str, AuditRow]) -> None:
 
     share = underarm.shares(TORUS_NUMBERS)["left_out"]
     row = rows["workspace.left_out"]
-    (printed,) = re.findall(r"it is ([\d.]+) % if the tori", row.finding)
+    (printed,) = re.findall(r"It is ([\d.]+) % if the tori", row.finding)
     assert float(printed) == pytest.approx(share, abs=0.02)
     assert float(printed) < row.measured / 8
 

@@ -139,7 +139,11 @@ def test_ctrl_c_with_workers_prints_one_line(tmp_path: Path) -> None:
     """It goes to all processes of the terminal, the workers included."""
     study = written(tmp_path, 400_000_000)
     out = tmp_path / "out"
-    program = "import sys; from alpha5_model.cli import main; sys.exit(main())"
+    # Jobs that a script starts in the background ignore Ctrl-C; their children, too.
+    program = (
+        "import signal, sys; from alpha5_model.cli import main; "
+        "signal.signal(signal.SIGINT, signal.default_int_handler); sys.exit(main())"
+    )
     words = [sys.executable, "-c", program, "sweep", str(study), "-o", str(out)]
     with (
         (tmp_path / "said").open("w") as said,

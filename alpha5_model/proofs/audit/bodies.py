@@ -38,7 +38,7 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     # The link with the longest lever shows most of equations (1) and (2).
     longest = rows[4]
     return [
-        *(tensors.parallel_axis(row) for row in rows),
+        *(tensors.parallel_axis(row, fastest) for row in rows),
         *(tensors.product_sign(row, fastest) for row in rows),
         *(tensors.equation(claim, longest) for claim in tensors.EQUATIONS),
         *tensors.rotation(parameters),

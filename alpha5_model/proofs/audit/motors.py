@@ -100,9 +100,8 @@ def _motor_constants(row: ActuatorRow) -> AuditRow:
     k_t = row.torque_constant
     k_v = row.voltage_constant
     ratio = figure(lambda x: x[0] / x[1], [k_t, k_v])
-    drives_a_joint = row.actuator != "4"
     effect = None
-    if drives_a_joint:
+    if row.actuator != "4":  # it drives the jaws, by a screw of unpublished lead
         effect = abs(k_t.si - k_v.si) * row.gear_ratio.si * row.efficiency.si
     return audited(
         "motor_constants",
@@ -111,7 +110,6 @@ def _motor_constants(row: ActuatorRow) -> AuditRow:
         expected=1.0,
         of=row,
         effect=effect,
-        more=drives_a_joint,
     )
 
 

@@ -48,9 +48,13 @@ class AuditRow:
         unit: Empty for a pure number.
         verdict: ``agrees``; ``differs``: the figure is beyond the bound;
             ``impossible``: it is, and no body or formula can be so.
-        finding: What was found, in one sentence.
-        effect: Consequence of the difference, in ``effect_unit``; None if it has none.
+        measures: What ``measured`` is.
+        finding: What follows from it, in sentences; empty where the figure says it all.
+        used: What this package takes instead; empty if the verdict is ``agrees``.
+        effect: What the difference costs, in ``effect_unit``; None if it costs nothing
+            that the audit can compute.
         effect_unit: ``N m``, ``N m/A`` or ``mm``.
+        cost: What ``effect`` is the size of; empty if it is None.
         kind: ``claim``: the documents say so. ``observation``: they do not; their
             numbers are compared with something else, and a difference is not their
             error.
@@ -72,9 +76,12 @@ class AuditRow:
     bound: float
     unit: str
     verdict: Verdict
-    finding: str
+    measures: str
+    finding: str = ""
+    used: str = ""
     effect: float | None = None
     effect_unit: str = ""
+    cost: str = ""
     kind: Kind = "claim"
     standard_error: float = 0.0
     category: Category | None = "error"
@@ -111,7 +118,7 @@ def audited(
             The bound is None if no printed digits are rounded: then it is `EXACT`.
         of: The printed row that the claim is about. Its link or actuator is added to
             the claim (``.link_3``), and its columns to the words.
-        more: Whether to append the text ``more`` to the finding.
+        more: Whether to append the sentence ``more`` to the finding.
         words: Values of the {names} in the text.
     """
     if of is not None:
@@ -120,8 +127,7 @@ def audited(
         claim = f"{claim}.{title}_{number}"
         words = columns | words
 
-    text = _text_of(claim)
-    finding = text["finding"] + (text["more"] if more else "")
+    text = _text_of(claim, more, words)
     unit = text.get("unit", "")
     per_si = PER_SI.get(unit, 1.0)
     relation: Relation = text.get("must", "=")
@@ -131,42 +137,55 @@ def audited(
     shown_expected = _shown(expected, unit)
     shown_bound = EXACT if bound is None else float(bound * per_si)
 
-    effect_unit = ""
-    shown_effect = None
-    if effect is not None:
-        effect_unit = text["effect_unit"]
-        shown_effect = float(effect * PER_SI.get(effect_unit, 1.0))
+    effect_unit = "" if effect is None else text["effect_unit"]
+    per_si_of_effect = PER_SI.get(effect_unit, 1.0)
 
+    found = verdict(
+        measured=shown_measured,
+        relation=relation,
+        expected=shown_expected,
+        bound=shown_bound,
+        law=text.get("law", False),
+    )
     return AuditRow(
         claim=claim,
-        place=text["place"].format_map(words),
-        says=text["says"].format_map(words),
+        place=text["place"],
+        says=text["says"],
         measured=shown_measured,
         relation=relation,
         expected=shown_expected,
         bound=shown_bound,
         unit=unit,
-        verdict=verdict(
-            measured=shown_measured,
-            relation=relation,
-            expected=shown_expected,
-            bound=shown_bound,
-            law=text.get("law", False),
-        ),
-        finding=finding.format_map(words),
-        effect=shown_effect,
+        verdict=found,
+        measures=text["measures"],
+        finding=text.get("finding", ""),
+        used="" if found == "agrees" else text.get("used", ""),
+        effect=None if effect is None else float(effect * per_si_of_effect),
         effect_unit=effect_unit,
+        cost="" if effect is None else text["cost"],
         kind=kind,
         standard_error=float(standard_error * per_si),
         category=category if kind == "claim" else None,
     )
 
 
-def _text_of(claim: str) -> dict[str, Any]:
-    """The words of a claim: those of its subject before those of its topic."""
+def _text_of(claim: str, more: bool, words: dict[str, Any]) -> dict[str, Any]:
+    """The words of a claim: those of its subject before those of its topic.
+
+    Args:
+        more: Whether the finding ends with the sentence ``more``.
+        words: Values of the {names}.
+    """
     topic, _, subject = claim.partition(".")
     shared = texts()[topic]
-    return {**shared, **shared.get(subject, {})}
+    text = {**shared, **shared.get(subject, {})}
+    last = text.pop("more", "")
+    if more:
+        text["finding"] = f"{text.get('finding', '')} {last}".lstrip()
+    return {
+        key: value.format_map(words) if isinstance(value, str) else value
+        for key, value in text.items()
+    }
 
 
 def _shown(value: float, unit: str) -> float:

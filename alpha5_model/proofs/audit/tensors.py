@@ -150,14 +150,19 @@ def _worst(claim: str, row: InertialRow) -> _Entry:
     )
 
 
-def parallel_axis(row: InertialRow) -> AuditRow:
-    """Whether I_Link is I_COM moved to the link frame."""
+def parallel_axis(row: InertialRow, fastest: float) -> AuditRow:
+    """Whether I_Link is I_COM moved to the link frame.
+
+    Args:
+        fastest: The highest joint velocity [rad/s].
+    """
     worst = _worst("parallel_axis", row)
     return audited(
         "parallel_axis",
         measured=worst.size,
         bound=worst.bound,
         of=row,
+        effect=worst.size * fastest**2,
         entry=worst.name,
         beyond=worst.beyond,
     )
