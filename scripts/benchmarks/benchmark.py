@@ -35,6 +35,7 @@ SECTIONS = (
     "planning",
     "dynamics",
     "trajectory",
+    "sweeps",
 )
 
 

@@ -336,3 +336,75 @@ def test_many_names_of_foreign_files_are_shortened(
     said = str(caught.value)
     assert "part-.sha256: is no part" in said
     assert "nor are part-0.parquet, part-000003.parquet, x, y and 1 more" in said
+
+
+def units(file: Path) -> dict[str, str]:
+    """Column -> unit in the metadata of its field."""
+    fields = parquet.read_schema(file)
+    metadata = {field.name: field.metadata or {} for field in fields}
+    return {name: found.get(b"unit", b"").decode() for name, found in metadata.items()}
+
+
+def test_every_column_has_its_unit(tmp_path: Path) -> None:
+    study = tmp_path / "study.toml"
+    text = """
+    samples = 5
+    [axes]
+    axis_e_pos = {values = 90, unit = "deg"}
+    axis_d_pos = {random = [0, 200], unit = "deg"}
+    axis_c_pos = 1.0
+    axis_b_pos = 0.0
+    axis_b_vel = 0.1
+    payload_mass = {values = [100, 200], unit = "g"}
+    corrections = ["none"]
+    [outputs.heavy]
+    quantity = "power"
+    as = "maximum"
+    by = ["payload_mass"]
+    [outputs.middle]
+    quantity = "current"
+    as = "quantile"
+    levels = [0.5]
+    [outputs.bars]
+    quantity = "mount_force"
+    as = "histogram"
+    range = [0, 9]
+    bins = 3
+    [outputs.all]
+    quantity = "reach"
+    as = "table"
+    """
+    study.write_text(text, encoding="utf-8")
+    a5.sweep(study, tmp_path / "out")
+    rows = units(tmp_path / "out" / "rows" / "part-000000.parquet")
+    angles = {f"axis_{x}_pos": "rad" for x in "edcb"}
+    reach = {f"reach.{x}": "m" for x in ("x", "y", "z", "norm")}
+    of_case = {"row": "", "payload_mass": "kg", "corrections": ""}
+    assert rows == {**of_case, **angles, "axis_b_vel": "rad/s", **reach}
+
+    heavy = units(tmp_path / "out" / "heavy.parquet")
+    assert heavy["payload_mass"] == "kg"
+    assert heavy["axis_d"] == "W"
+    assert heavy["axis_d_row"] == ""
+    middle = units(tmp_path / "out" / "middle.parquet")
+    assert middle["axis_d_low"] == middle["axis_b_high"] == "A"
+    assert middle["level"] == ""
+    bars = units(tmp_path / "out" / "bars.parquet")
+    assert bars == {
+        **dict.fromkeys(["low", "high"], "N"),
+        **dict.fromkeys("xyz", ""),
+        "norm": "",
+    }
+    found = parquet.read_table(tmp_path / "out" / "rows")
+    assert found["axis_e_pos"].to_pylist() == pytest.approx([np.pi / 2] * 10)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
+    outputs = {"heavy": "W", "middle": "A", "bars": "N", "all": "m"}
+    assert summary["units"]["outputs"] == outputs
+    assert summary["units"]["axes"]["payload_mass"] == "kg"
+
+
+def test_the_time_of_a_recording_is_in_seconds(tmp_path: Path) -> None:
+    a5.sweep(season(tmp_path), tmp_path / "out")
+    rows = units(tmp_path / "out" / "rows" / "part-000000.parquet")
+    assert rows["time"] == "s"
+    assert rows["recording"] == rows["sample"] == ""

@@ -20,9 +20,8 @@ from alpha5_model.studies.sweep.outputs import Output
 from alpha5_model.studies.sweep.quantities import quantities_of
 from alpha5_model.studies.sweep.states import States, recorded_states, states_of
 from alpha5_model.studies.sweep.study import BLOCK, Study
+from alpha5_model.studies.sweep.tables import Columns
 
-#: Columns of a table by name.
-Columns = dict[str, NDArray[Any]]
 #: Row numbers reserved for each recording, whose number of samples is not known before.
 _ROWS_OF_RECORDING = 2**32
 

@@ -6,13 +6,14 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.text import plain
 from alpha5_model.codegen.kernels.choice import backend
 from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.studies.sweep.checksums import digest_of_file
+from alpha5_model.studies.sweep.tables import Columns, parquet_file
 
 if TYPE_CHECKING:
     from alpha5_model.studies.sweep.reduction import Reduction
@@ -172,8 +173,22 @@ def _computed(chunks: Chunks, number: int, before: str) -> ComputedChunk:
 
     return ComputedChunk(
         number=number,
-        rows=parquet_file(*tables, study=chunks.head) if tables else None,
+        rows=rows_file(chunks, tables) if tables else None,
         part=_part(chunks, found, rows, before, problem=""),
+    )
+
+
+def rows_file(chunks: Chunks, tables: list[Columns]) -> bytes:
+    """Rows as Parquet. Random numbers and quantities are not worth compressing."""
+    from alpha5_model.studies.sweep.units import units_of_rows
+
+    study = chunks.study
+    return parquet_file(
+        tables,
+        units=units_of_rows(study),
+        repeated=[*study.cases, *study.states],
+        compression="none",
+        study=chunks.head,
     )
 
 
@@ -192,26 +207,14 @@ def _part(
     """The part of a chunk as Parquet; `facts_of_part` and `merge` read it."""
     tables = [reduction.parts(name) for name, reduction in found.items()]
     return parquet_file(
-        *tables,
+        tables,
+        units={},
         study=chunks.head,
         rows=str(rows),
         blocks=str(chunks.size),
         input=before,
         problem=problem,
     )
-
-
-def parquet_file(*tables: dict[str, Any], **metadata: str) -> bytes:
-    """Tables with the same columns, one below the other, as Parquet."""
-    import pyarrow
-    from pyarrow import parquet
-
-    whole = pyarrow.table({})
-    if tables:
-        whole = pyarrow.concat_tables([pyarrow.table(table) for table in tables])
-    sink = pyarrow.BufferOutputStream()
-    parquet.write_table(whole.replace_schema_metadata(metadata), sink)
-    return bytes(sink.getvalue())
 
 
 def facts_of_part(content: bytes) -> dict[str, str]:

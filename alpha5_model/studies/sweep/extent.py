@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from time import perf_counter
 
 from alpha5_model.errors import Alpha5Error
-from alpha5_model.studies.sweep.chunks import Chunks, parquet_file
+from alpha5_model.studies.sweep.chunks import Chunks, rows_file
 
 #: Studies with more rows, or with larger tables [bytes], are to be confirmed. It is a
 #: choice: on one core of 2024 they take minutes at least, and fill a small disk.
@@ -103,6 +103,6 @@ def _timed(chunks: Chunks, number: int) -> tuple[float, float]:
         for reduction in found.values():
             reduction.add(block)
         if chunks.has_table:
-            table = parquet_file(table_of_block(chunks.study, block))
+            table = rows_file(chunks, [table_of_block(chunks.study, block)])
             bytes_per_row = len(table) / len(block.rows)
     return bytes_per_row, perf_counter() - start

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.studies.sweep.blocks import Block, Columns
+from alpha5_model.studies.sweep.blocks import Block
 from alpha5_model.studies.sweep.outputs import Output
+from alpha5_model.studies.sweep.tables import Columns
 
 IntArray = NDArray[np.int64]
 

@@ -21,9 +21,9 @@ from alpha5_model.studies.sweep.chunks import (
     compute,
     made_by,
     merge,
-    parquet_file,
 )
 from alpha5_model.studies.sweep.results_folder import ResultsFolder
+from alpha5_model.studies.sweep.tables import parquet_file
 from alpha5_model.studies.sweep.workers import results
 
 if TYPE_CHECKING:
@@ -190,15 +190,23 @@ def _merged(folder: ResultsFolder) -> Sweep:
 
 def _result_files(found: Sweep, chunks: Chunks, target: Path) -> dict[Path, bytes]:
     """The content of a table for each output, and of the summary."""
-    files = {
-        target / f"{name}.parquet": parquet_file(table, study=chunks.head)
-        for name, table in found.outputs.items()
-    }
+    from alpha5_model.studies.sweep.units import units_of_axes, units_of_result
+
+    study = found.study
+    files = {}
+    for name, table in found.outputs.items():
+        units = units_of_result(study, study.outputs[name])
+        content = parquet_file([table], units, study=chunks.head)
+        files[target / f"{name}.parquet"] = content
     summary = {
         "made_by": made_by(),
         "seed": found.study.seed,
         "rows": found.rows,
         "failures": found.failures,
+        "units": {
+            "axes": units_of_axes(study),
+            "outputs": {name: output.unit for name, output in study.outputs.items()},
+        },
         "sha256": {file.name: digest(content) for file, content in files.items()},
     }
     if found.study.arm is not None:
