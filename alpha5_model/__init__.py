@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.collision import without_self_collision
     from alpha5_model.dynamics.load import load, robot_wrapper
     from alpha5_model.kinematics import workspace
+    from alpha5_model.kinematics.bus_devices import devices_from_q, q_from_devices
     from alpha5_model.kinematics.ik import (
         BRANCHES,
         inverse_kinematics,
@@ -76,6 +77,7 @@ __all__ = [
     "audit",
     "backend",
     "compare",
+    "devices_from_q",
     "dh",
     "distance_to_reach",
     "gravity_in_base",
@@ -91,6 +93,7 @@ __all__ = [
     "planar",
     "published",
     "published_inverse_kinematics",
+    "q_from_devices",
     "reachable",
     "robot_wrapper",
     "sweep",
@@ -127,6 +130,8 @@ _NAMES = {
     "reachable": "kinematics.reach",
     "distance_to_reach": "kinematics.reach",
     "nearest_reachable": "kinematics.reach",
+    "q_from_devices": "kinematics.bus_devices",
+    "devices_from_q": "kinematics.bus_devices",
     # Dynamics, dry, in still and in moving water.
     "load": "dynamics.load",
     "robot_wrapper": "dynamics.load",

@@ -14,6 +14,7 @@ from alpha5_model.dynamics.actuators import Actuator, Interval, actuator
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.trajectory import smoothing
+from alpha5_model.trajectory.current_units import efforts_and_currents
 from alpha5_model.trajectory.file_table import Progress
 from alpha5_model.trajectory.motions import Motion
 from alpha5_model.trajectory.motors import Drive, drive_limits, motor_columns
@@ -22,6 +23,7 @@ from alpha5_model.trajectory.warning import MotionWarning
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.trajectory.arm_loads import Loads
     from alpha5_model.water.terms import WaterTerms
 
 #: Bandwidth at which velocities and positions are compared [Hz], and as a share of the
@@ -75,6 +77,11 @@ class Analysis:
             the nominal values. None if no water current was given.
         current_limits: Limit of the current of each motor, (n,) [A]; None for one that
             is not known.
+        effort: Recorded joint torques, (N, n) [N m], jaw rod [N]; NaN if unknown, None
+            if there are none.
+        recorded_current: Recorded currents of the motors, (N, n) [A]; NaN if unknown,
+            None if there are none. Efforts of the motion that are milliamperes are
+            here.
     """
 
     motion: Motion
@@ -101,6 +108,8 @@ class Analysis:
     warnings: tuple[MotionWarning, ...]
     moving_water: WaterTerms | None = None
     current_limits: tuple[float | None, ...] = ()
+    effort: FloatArray | None = None
+    recorded_current: FloatArray | None = None
 
     def causes(self) -> dict[str, FloatArray]:
         """Torques by cause, (N, n) each; the last, ``friction``, is at the motor."""
@@ -175,16 +184,10 @@ def analyse(
 
     smooth = smooth_for(arm.parameters, motion, method, bandwidth, use_velocity)
     loads = arm_loads.loads_of(arm, smooth, current, threads, progress)
-    torque = loads.inertia + loads.coriolis + loads.weight + loads.buoyancy
-    base_wrench = loads.base_wrench
-    if loads.moving_water is not None:
-        torque = torque + loads.moving_water.torque[:, 1]
-        base_wrench = base_wrench + loads.moving_water.wrench[:, 1]
+    torque, base_wrench = _with_water(loads)
 
     by_motor = motor_columns(motors, smooth, torque)
-    limits = None
-    if drive is not None:
-        limits = drive_limits(motors, smooth, torque, drive)
+    recorded = efforts_and_currents(motion, torque, motors)
 
     return Analysis(
         motion=motion,
@@ -205,13 +208,29 @@ def analyse(
         mechanical_power=frozen(torque * smooth.velocity),
         base_wrench=frozen(base_wrench),
         tcp=frozen(loads.tcp),
-        torque_limits=limits,
+        torque_limits=drive_limits(motors, smooth, torque, drive),
         supply_voltage=None if drive is None else drive.supply_voltage,
         current_limit=None if drive is None else _shared(drive.current_limits),
-        warnings=(*motion.warnings, *_velocity_warnings(motion, arm.parameters)),
+        warnings=(
+            *motion.warnings,
+            *_velocity_warnings(motion, arm.parameters),
+            *recorded.warnings,
+        ),
         moving_water=loads.moving_water,
         current_limits=() if drive is None else drive.current_limits,
+        effort=recorded.effort,
+        recorded_current=recorded.current,
     )
+
+
+def _with_water(loads: Loads) -> tuple[FloatArray, FloatArray]:
+    """Torque (N, n) and load on the mount (N, 6) of all causes, moving water, too."""
+    torque = loads.inertia + loads.coriolis + loads.weight + loads.buoyancy
+    if loads.moving_water is None:
+        return torque, loads.base_wrench
+    nominal = 1
+    torque = torque + loads.moving_water.torque[:, nominal]
+    return torque, loads.base_wrench + loads.moving_water.wrench[:, nominal]
 
 
 def _drive(

@@ -75,6 +75,7 @@ def motion_for_arm(motion: Motion, arm: Arm) -> Motion:
 
     velocity = motion.velocity
     effort = motion.effort
+    current = motion.current
     return replace(
         motion,
         joints=wanted,
@@ -83,6 +84,7 @@ def motion_for_arm(motion: Motion, arm: Arm) -> Motion:
         warnings=tuple(w for w in motion.warnings if not _is_of_the_rod(w)),
         ignored=(*motion.ignored, "axis_a"),
         effort=None if effort is None else effort[:, :4],
+        current=None if current is None else current[:, :4],
     )
 
 

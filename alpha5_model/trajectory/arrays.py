@@ -22,6 +22,7 @@ def motion(
     joints: Sequence[str] | None = None,
     effort: ArrayLike | None = None,
     arm: Alpha5Parameters | None = None,
+    current: ArrayLike | None = None,
 ) -> Motion:
     """A motion from arrays, with the same checks as one from a file.
 
@@ -34,6 +35,7 @@ def motion(
         effort: Recorded joint torques, (N, n) [N m], jaw rod [N], optional.
         arm: Record of an arm of your own, for its ranges and rated speeds; None for the
             catalogue's.
+        current: Recorded currents of the motors, (N, n) [A], optional.
 
     Raises:
         InputError: Time runs back, a joint is missing or named twice, too few samples,
@@ -51,6 +53,7 @@ def motion(
     names = wanted if joints is None else _listed_joints(joints)
     v = _like_position("velocity", velocity, q)
     tau = _like_position("effort", effort, q)
+    amperes = _like_position("current", current, q)
 
     named("joint", names, JOINT_NAMES)
     if sorted(names) != sorted(wanted):
@@ -63,6 +66,7 @@ def motion(
         position=q[:, order],
         velocity=None if v is None else v[:, order],
         effort=None if tau is None else tau[:, order],
+        current=None if amperes is None else amperes[:, order],
     )
     return checked(raw, chosen_arm(arm), ArrayOrigin())
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,9 +65,12 @@ class BagTable(FileTable):
         self.header = ["time", *names]
         self._columns = np.column_stack([time, *quantities.values()])
 
-    def read(self, needed: list[int], efforts: list[int]) -> tuple[FloatArray, str]:
+    def read(
+        self, needed: list[int], optional: Sequence[list[int]]
+    ) -> tuple[FloatArray, str]:
         """The numbers of some columns; see `FileTable.read`."""
-        return self._columns[:, [*needed, *efforts]], "s"
+        used = [*needed, *chain.from_iterable(optional)]
+        return self._columns[:, used], "s"
 
     def place(self, row: int, column: int) -> str:
         """Where a number is in the bag, for messages."""

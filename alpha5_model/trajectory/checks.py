@@ -94,7 +94,7 @@ def checked(raw: Motion, parameters: Alpha5Parameters, origin: Origin) -> Motion
         Alpha5Error: Too few samples, numbers that are too large, time that runs back,
             angles in degrees.
     """
-    raw = replace(raw, effort=_known(raw.effort))
+    raw = replace(raw, effort=_known(raw.effort), current=_known(raw.current))
     _check_count(raw, origin)
     _check_sizes(raw, origin)
     _check_order(raw.time, origin)
@@ -117,16 +117,17 @@ def checked(raw: Motion, parameters: Alpha5Parameters, origin: Origin) -> Motion
         position=frozen(position),
         velocity=None if raw.velocity is None else frozen(raw.velocity[samples]),
         effort=None if raw.effort is None else frozen(raw.effort[samples]),
+        current=None if raw.current is None else frozen(raw.current[samples]),
         warnings=(*raw.warnings, *warnings),
     )
 
 
-def _known(effort: FloatArray | None) -> FloatArray | None:
-    """Efforts with NaN for what is not finite; None if nothing is."""
-    if effort is None:
+def _known(recorded: FloatArray | None) -> FloatArray | None:
+    """Efforts or currents with NaN for what is not finite; None if nothing is."""
+    if recorded is None:
         return None
-    known = np.isfinite(effort)
-    return np.where(known, effort, np.nan) if known.any() else None
+    known = np.isfinite(recorded)
+    return np.where(known, recorded, np.nan) if known.any() else None
 
 
 def _check_count(motion: Motion, origin: Origin) -> None:
@@ -148,6 +149,7 @@ def _check_sizes(motion: Motion, origin: Origin) -> None:
         "position": motion.position,
         "velocity": motion.velocity,
         "recorded effort": motion.effort,
+        "recorded current": motion.current,
     }
     for name, values in quantities.items():
         if values is None:

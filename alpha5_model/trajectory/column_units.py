@@ -8,7 +8,12 @@ from alpha5_model.numbers.tables import JOINT_NAMES
 
 _DEGREE = math.pi / 180.0
 _MILLI = 1e-3
-#: Quantity -> its units for an arm joint, each in rad, rad/s or N m.
+#: Units of a motor's current, each in A.
+CURRENTS = {
+    **dict.fromkeys(("a", "amp", "amps", "ampere", "amperes"), 1.0),
+    **dict.fromkeys(("ma", "milliamp", "milliamps", "milliamperes"), _MILLI),
+}
+#: Quantity -> its units for an arm joint, each in rad, rad/s, N m or A.
 _ANGLES = {
     "position": {
         **dict.fromkeys(("deg", "degs", "degree", "degrees", "°"), _DEGREE),
@@ -16,15 +21,17 @@ _ANGLES = {
     },
     "velocity": {"deg/s": _DEGREE, "°/s": _DEGREE, "rad/s": 1.0},
     "effort": {"nm": 1.0, "n m": 1.0, "n*m": 1.0, "n·m": 1.0},
+    "current": CURRENTS,
 }
-#: The same for the jaw rod, each in m, m/s or N.
+#: The same for the jaw rod, each in m, m/s, N or A.
 _LENGTHS = {
     "position": {"mm": _MILLI, "m": 1.0},
     "velocity": {"mm/s": _MILLI, "m/s": 1.0},
     "effort": {"n": 1.0},
+    "current": CURRENTS,
 }
 #: Units that may stand behind an underscore, without brackets.
-_ENDINGS = {"deg", "degs", "degree", "degrees", "rad", "mm"}
+_ENDINGS = {"deg", "degs", "degree", "degrees", "rad", "mm", *CURRENTS}
 
 
 def split_unit(name: str) -> tuple[str, str]:
@@ -49,7 +56,8 @@ def scale(joint: str, quantity: str, unit: str) -> float | None:
 
     Args:
         joint: ``"axis_e"`` and so on.
-        quantity: ``"position"``, ``"velocity"`` or ``"effort"``, or another meaning.
+        quantity: ``"position"``, ``"velocity"``, ``"effort"`` or ``"current"``, or
+            another meaning.
         unit: From `split_unit`.
     """
     units = _LENGTHS if joint == JOINT_NAMES[4] else _ANGLES

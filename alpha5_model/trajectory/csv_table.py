@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -56,16 +57,16 @@ class CsvTable(FileTable):
         _refuse_doubled(path, self.header, self.head)
 
     def read(
-        self, needed: list[int], efforts: list[int]
+        self, needed: list[int], optional: Sequence[list[int]]
     ) -> tuple[FloatArray, str | None]:
         """The numbers of some columns; see `FileTable.read`."""
         if self._has_dates(needed[0]):
             self._dates = needed[0]
 
-        numbers = self._numbers(needed, efforts)
+        numbers = self._numbers(needed, optional)
         if numbers is None:
             self._leave_out_bad_rows(needed)
-            numbers = self._numbers(needed, efforts)
+            numbers = self._numbers(needed, optional)
         if numbers is None:
             problem = "cannot be read as a table of numbers"
             raise FileFormatError(self._path, problem)
@@ -99,12 +100,15 @@ class CsvTable(FileTable):
                 return True
         return False
 
-    def _numbers(self, needed: list[int], efforts: list[int]) -> FloatArray | None:
+    def _numbers(
+        self, needed: list[int], optional: Sequence[list[int]]
+    ) -> FloatArray | None:
         """The numbers of some columns, (N, k); None if a row cannot be read.
 
-        Efforts that hold text are ignored, as other columns are.
+        Groups of optional columns that hold text are ignored, as other columns are.
         """
-        for used in ([*needed, *efforts], needed):
+        for groups in range(len(optional), -1, -1):
+            used = [*needed, *chain.from_iterable(optional[:groups])]
             with suppress(ValueError, csv.Error):
                 numbers = self._parsed(used)
                 if np.isfinite(numbers[:, : len(needed)]).all():

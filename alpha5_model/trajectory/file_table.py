@@ -43,17 +43,18 @@ class FileTable(ABC):
 
     @abstractmethod
     def read(
-        self, needed: list[int], efforts: list[int]
+        self, needed: list[int], optional: Sequence[list[int]]
     ) -> tuple[FloatArray, str | None]:
         """The numbers of some columns.
 
         Args:
             needed: Columns whose numbers must be finite, the time first.
-            efforts: Columns that are left out if they do not hold numbers.
+            optional: Groups of columns that are left out, with all later ones, if they
+                do not hold numbers.
 
         Returns:
-            The numbers, (N, k), and the unit of the time if the file's format defines
-            it, else None.
+            The numbers, (N, k), of as many groups as possible, and the unit of the time
+            if the file's format defines it, else None.
 
         Raises:
             FileFormatError: A needed column has something that is no finite number.

@@ -31,8 +31,8 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     Units: s, A, V, W, J, N, m; a joint's position, velocity and torque are in its
     ``units``: rad, rad/s, N m, for the jaw rod ``axis_a`` m, m/s, N. A margin is what
     is left to a limit, negative beyond it. ``null`` if a motor cannot be computed, a
-    limit is not given or no effort is recorded; an effort's differences are those of
-    what was recorded less the torque computed.
+    limit is not given or no effort or current is recorded. Their differences are those
+    of what was recorded less what was computed.
     """
     a = analysis
     time = a.smooth.time
@@ -226,6 +226,7 @@ def _joint(a: Analysis, k: int, joint: JointRange) -> dict[str, Any]:
         "torque_margin": joint.effort - np.abs(torque).max(),
         "causes_peak": _causes_peak(a, k),
         "effort": _effort(a, k),
+        "recorded_current": _recorded_current(a, k),
         **_motor(a, k),
         **_drive_margins(a, k),
     }
@@ -291,32 +292,51 @@ def _drive_margins(a: Analysis, k: int) -> dict[str, Any]:
 
 
 def _effort(a: Analysis, k: int) -> dict[str, Any] | None:
-    """The recorded effort of joint k against the torque computed.
-
-    Samples without an effort are left out; None if there is no effort at all.
-    """
-    if a.motion.effort is None:
+    """The recorded effort of joint k against the torque computed."""
+    if a.effort is None:
         return None
-    recorded = np.isfinite(a.motion.effort[:, k])
-    if not recorded.any():
+    figures = _comparison(a.effort[:, k], a.torque[:, k], a.smooth.time)
+    if figures is None:
         return None
-
-    time = a.smooth.time[recorded]
-    effort = a.motion.effort[recorded, k]
-    torque = a.torque[recorded, k]
-    difference = effort - torque
-    varied = min(np.ptp(effort), np.ptp(torque)) > ROUNDING
+    with_friction = a.torque[:, k] + a.friction[:, k]
+    left = a.effort[:, k] - with_friction
+    recorded = np.isfinite(a.effort[:, k])
     return {
-        "samples": effort.size,
-        "peak": _peak(effort, time),
-        "rms": _plain_rms(effort),
+        **figures,
+        "difference_rms_with_friction": _plain_rms(left[recorded]),
+    }
+
+
+def _recorded_current(a: Analysis, k: int) -> dict[str, Any] | None:
+    """The recorded current of the motor of joint k against the current computed."""
+    if a.recorded_current is None or k not in _known_motors(a):
+        return None
+    return _comparison(a.recorded_current[:, k], a.current[:, k], a.smooth.time)
+
+
+def _comparison(
+    recorded: FloatArray, computed: FloatArray, time: FloatArray
+) -> dict[str, Any] | None:
+    """What was recorded against what was computed, (N,) each.
+
+    Samples without a record are left out; None if there is no record at all.
+    """
+    known = np.isfinite(recorded)
+    if not known.any():
+        return None
+
+    values = recorded[known]
+    expected = computed[known]
+    difference = values - expected
+    varied = min(np.ptp(values), np.ptp(expected)) > ROUNDING
+    return {
+        "samples": values.size,
+        "peak": _peak(values, time[known]),
+        "rms": _plain_rms(values),
         "difference_mean": difference.mean(),
         "difference_rms": _plain_rms(difference),
-        "difference_peak": _peak(difference, time),
-        "difference_rms_with_friction": _plain_rms(
-            difference - a.friction[recorded, k]
-        ),
-        "correlation": np.corrcoef(effort, torque)[0, 1] if varied else None,
+        "difference_peak": _peak(difference, time[known]),
+        "correlation": np.corrcoef(values, expected)[0, 1] if varied else None,
     }
 
 

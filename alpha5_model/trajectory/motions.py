@@ -25,7 +25,9 @@ class Motion:
             ``"ns"``. `time` is in s.
         effort: Recorded joint torques, (N, n) [N m], jaw rod [N]; NaN if unknown, None
             if not given. They are compared with the model's torque, which does not
-            depend on them.
+            depend on them. Efforts that are milliamperes are found by `analyse`.
+        current: Recorded currents of the motors, (N, n) [A]; NaN if unknown, None if
+            not given.
     """
 
     time: FloatArray
@@ -37,3 +39,4 @@ class Motion:
     ignored: tuple[str, ...] = ()
     time_unit: str = "s"
     effort: FloatArray | None = None
+    current: FloatArray | None = None

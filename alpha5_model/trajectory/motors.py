@@ -71,8 +71,11 @@ def motor_columns(
 
 
 def drive_limits(
-    motors: Sequence[Actuator], motion: SmoothMotion, torque: FloatArray, drive: Drive
-) -> Interval:
+    motors: Sequence[Actuator],
+    motion: SmoothMotion,
+    torque: FloatArray,
+    drive: Drive | None,
+) -> Interval | None:
     """Torques that a drive can give in motion and hold at rest, (N, n) each.
 
     They are NaN for a motor without a current limit.
@@ -81,11 +84,16 @@ def drive_limits(
         motors: Of the n joints.
         motion: Of the same joints.
         torque: At the joints, (N, n) [N m, N].
-        drive: The limits of each motor.
+        drive: The limits of each motor; None if they are not known.
+
+    Returns:
+        None without a drive.
 
     Raises:
         InputError: A supply voltage or current limit that is not positive.
     """
+    if drive is None:
+        return None
     lower = np.full(torque.shape, np.nan)
     upper = np.full(torque.shape, np.nan)
     for k, (motor, limit) in enumerate(zip(motors, drive.current_limits, strict=True)):

@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.trajectory.column_units import scale, split_unit
+from alpha5_model.trajectory.column_units import CURRENTS, scale, split_unit
 
 POSITION = "position"
 VELOCITY = "velocity"
 EFFORT = "effort"
+#: Of the motor.
+CURRENT = "current"
 #: A word of a robot's name or place.
 NAME = "name"
 #: A word such as ``measured`` or ``filtered``, which names no quantity.
@@ -35,7 +37,7 @@ _WORDS = {
         rear right robot rov secondary sim slave starboard stbd top uvms vehicle""",
     MEASURED: """
         act actual est estimate estimated fb feedback filt filtered meas measured
-        present sensed sensor smooth smoothed unwrap unwrapped""",
+        present recorded sensed sensor smooth smoothed unwrap unwrapped""",
     COMMAND: """
         action actions cmd cmds command commands commanded dcmd ddes ddref demand
         demanded des desired dref goal goals input nominal plan planned ref reference
@@ -45,7 +47,9 @@ _WORDS = {
     "limit": "bound bounds lim limit limits lower margin range sat saturation upper",
     "torque": "mom moment moments nm taus tau torque torques tq trq",
     "force": "force forces frc load loads strain stress wrench",
-    "current": "amp ampere amperes amps cur curr current currents iq ma milliamps",
+    CURRENT: """
+        amp ampere amperes amps cur curr current currents iq ma milliamp milliamperes
+        milliamps""",
     "voltage": "mv vbus volt voltage voltages volts",
     "power": "energy joule joules pow power watt watts",
     "temperature": "celsius degc heat temp temperature temperatures temps thermal",
@@ -79,7 +83,7 @@ _MEANING = {
 }
 #: Meanings of a prefix that the caller may overrule by giving this prefix.
 _ON_REQUEST = {COMMAND, "raw value", "limit", UNKNOWN}
-_QUANTITIES = {POSITION, VELOCITY, EFFORT}
+_QUANTITIES = {POSITION, VELOCITY, EFFORT, CURRENT}
 #: Number of columns that a message explains.
 _REASONS = 4
 
@@ -101,8 +105,8 @@ class Column:
         joint: ``"axis_e"`` and so on.
         group: The prefix of the joint without the words of the quantity: ``"left_"`` in
             ``dq_left_axis_e``. Columns of one arm have the same group.
-        meaning: ``"position"``, ``"velocity"``, ``"effort"``, or another one, such as
-            ``"torque"``, ``"command"`` or ``"unknown"``.
+        meaning: ``"position"``, ``"velocity"``, ``"effort"``, ``"current"``, or another
+            one, such as ``"torque"``, ``"command"`` or ``"unknown"``.
         scale: SI units in the unit of its name; None if it names none.
     """
 
@@ -137,6 +141,11 @@ def joint_columns(
         after_without_unit, unit = split_unit(after)
         if unit:
             of_stem = _meaning(before, after_without_unit, on_request)
+            # Drivers report the current in the field of the effort, and a bare
+            # ``axis_e_mA`` is no position.
+            bare = of_stem == POSITION and not after_without_unit
+            if unit in CURRENTS and (bare or of_stem == EFFORT):
+                of_stem = CURRENT
             known = scale(joint.lower(), of_stem, unit)
             if known is not None:
                 meaning = of_stem

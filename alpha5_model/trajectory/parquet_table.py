@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,10 +78,11 @@ class ParquetTable(FileTable):
         self.header = joints.renamed(header)
 
     def read(
-        self, needed: list[int], efforts: list[int]
+        self, needed: list[int], optional: Sequence[list[int]]
     ) -> tuple[FloatArray, str | None]:
         """The numbers of some columns; see `FileTable.read`."""
-        sources = [self._sources[column] for column in (*needed, *efforts)]
+        used = [*needed, *chain.from_iterable(optional)]
+        sources = [self._sources[column] for column in used]
         names = [*dict.fromkeys(source.column for source in sources)]
         if _EPISODE in self._columns:
             names.append(_EPISODE)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.trajectory.bag_table import BagTable
 from alpha5_model.trajectory.checks import Origin, checked
 from alpha5_model.trajectory.csv_table import CsvTable
+from alpha5_model.trajectory.current_units import in_amperes
 from alpha5_model.trajectory.file_table import PER_SECOND, FileTable, Progress
 from alpha5_model.trajectory.joint_map import JointMap
 from alpha5_model.trajectory.motions import Motion
@@ -53,16 +54,19 @@ def read_motion(
       ``q_axis_b``;
     - velocities, optional, of all these joints or none: ``axis_b_vel``,
       ``axis_b_velocity`` or ``dq_axis_b``;
-    - efforts [N m], optional, NaN if unknown: ``axis_b_effort`` or ``effort_axis_b``.
+    - efforts [N m], optional, NaN if unknown: ``axis_b_effort`` or ``effort_axis_b``;
+    - currents of the motors, optional, NaN if unknown: ``axis_b_current`` or
+      ``current_axis_b``, in A, or in mA if no motor could take as many A at 24 V.
 
     The name of a robot may come before the joint; capitals do not matter. A column
-    holds positions only if each word of its name agrees: torques, currents, commands,
+    holds positions only if each word of its name agrees: torques, commands,
     errors and unknown words do not. Such columns are ignored and listed in
     `Motion.ignored`; a warning names commands. If there are no positions, the error
     explains what the columns are.
 
     A unit may stand behind the name of a column, as in ``axis_e_pos [deg]``,
-    ``axis_e_deg``, ``axis_e_vel [deg/s]`` or ``axis_a_pos [mm]``.
+    ``axis_e_deg``, ``axis_e_vel [deg/s]``, ``axis_a_pos [mm]`` or
+    ``axis_e_current_mA``. Efforts in A or mA are currents.
 
     Numbered columns (``position[0]``, ``field.position0``) belong to the joints that
     ``name[0]`` and so on name in each row. A CSV of ``ros2 topic echo --csv`` has no
@@ -193,23 +197,27 @@ def _recorded(
 ) -> Motion:
     """The motion in a file, before it is checked."""
     needed = roles.needed
-    effort_columns = [*roles.efforts.values()]
-    numbers, unit = table.read(needed, effort_columns)
-    for k, column in enumerate([*needed, *effort_columns][: numbers.shape[1]]):
+    efforts = [*roles.efforts.values()]
+    currents = [*roles.currents.values()]
+    numbers, unit = table.read(needed, [efforts, currents])
+    # Efforts and currents that hold text were left out.
+    read = [*needed, *efforts, *currents][: numbers.shape[1]]
+    for k, column in enumerate(read):
         numbers[:, k] *= roles.scales.get(column, 1.0)
 
     n = len(roles.joints)
     time = numbers[:, 0]
     position = numbers[:, 1 : 1 + n]
     velocity = numbers[:, 1 + n : 1 + 2 * n] if roles.velocities else None
-    effort = _effort(numbers[:, len(needed) :], roles)
-
-    used = {*needed}
-    if effort is not None:
-        used.update(effort_columns)
-    unused = [name for k, name in enumerate(table.header) if k not in used]
+    optional = numbers[:, len(needed) :]
+    effort = _by_joint(optional[:, : len(efforts)], roles.efforts, roles.joints)
+    current = _by_joint(optional[:, len(efforts) :], roles.currents, roles.joints)
+    unused = [name for k, name in enumerate(table.header) if k not in read]
 
     warnings = [*table.warnings, *roles.warnings]
+    if current is not None and not roles.scales.keys() & {*currents}:
+        current, doubts = in_amperes(current, parameters, table.head)
+        warnings += doubts
     if roles.nanoseconds is not None:
         time = time + numbers[:, len(needed) - 1] / PER_SECOND["ns"]
         unit = "s"
@@ -234,19 +242,23 @@ def _recorded(
         ignored=(*unused, *table.ignored),
         time_unit=unit,
         effort=effort,
+        current=current,
     )
 
 
-def _effort(columns: FloatArray, roles: Roles) -> FloatArray | None:
-    """Efforts of all joints, NaN for a joint without; None if there are no efforts.
+def _by_joint(
+    columns: FloatArray, column_of: Mapping[str, int], joints: Sequence[str]
+) -> FloatArray | None:
+    """A quantity of all joints, NaN for a joint without; None if no joint has it.
 
     Args:
-        columns: Efforts of k joints, (N, k). k is 0 if their columns hold text.
-        roles: Which joints these are.
+        columns: The quantity of k joints, (N, k). k is 0 if their columns hold text.
+        column_of: Has the names of these k joints.
+        joints: All joints.
     """
     if not columns.shape[1]:
         return None
-    recorded = [joint in roles.efforts for joint in roles.joints]
-    effort = np.full((len(columns), len(roles.joints)), np.nan)
-    effort[:, recorded] = columns
-    return effort
+    recorded = [joint in column_of for joint in joints]
+    values = np.full((len(columns), len(joints)), np.nan)
+    values[:, recorded] = columns
+    return values

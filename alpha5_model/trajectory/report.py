@@ -125,6 +125,38 @@ _EFFORT = (
         form=".4g",
     ),
 )
+_CURRENT = (
+    _Column(
+        title="current rms",
+        unit="A",
+        place="recorded_current.rms",
+        form=".3f",
+    ),
+    _Column(
+        title="mean",
+        unit="A",
+        place="recorded_current.difference_mean",
+        form="+.3f",
+    ),
+    _Column(
+        title="peak",
+        unit="A",
+        place="recorded_current.difference_peak.value",
+        form="+.3f",
+    ),
+    _Column(
+        title="rms",
+        unit="A",
+        place="recorded_current.difference_rms",
+        form=".3f",
+    ),
+    _Column(
+        title="correlation",
+        unit="",
+        place="recorded_current.correlation",
+        form=".4g",
+    ),
+)
 
 
 def text(record: dict[str, Any], verbose: bool = False) -> str:
@@ -144,6 +176,7 @@ def text(record: dict[str, Any], verbose: bool = False) -> str:
         *_margins(record),
         *_joint_table("largest torque by cause", joints, _causes(joints)),
         *_effort(joints),
+        *_recorded_current(joints),
         *_water(record),
         *_whole_arm(record),
         *(_notes(record) if verbose else []),
@@ -216,6 +249,17 @@ def _effort(joints: Mapping[str, _Record]) -> list[str]:
         return []
     title = "recorded effort, and what it has more than the torque"
     return _joint_table(title, recorded, _EFFORT)
+
+
+def _recorded_current(joints: Mapping[str, _Record]) -> list[str]:
+    """The table of recorded currents, of the motors that have some."""
+    recorded = {
+        name: joint for name, joint in joints.items() if joint.get("recorded_current")
+    }
+    if not recorded:
+        return []
+    title = "recorded current, and what it has more than the computed one"
+    return _joint_table(title, recorded, _CURRENT)
 
 
 def _water(record: _Record) -> list[str]:

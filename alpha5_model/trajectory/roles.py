@@ -12,6 +12,7 @@ from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory.file_table import FileTable
 from alpha5_model.trajectory.names import (
     COMMAND,
+    CURRENT,
     EFFORT,
     POSITION,
     VELOCITY,
@@ -40,7 +41,7 @@ class Roles:
         joints: Joints with a position, base to tip.
         positions, velocities: Columns, joint by joint; no velocities if none is
             recorded.
-        efforts: Joint -> column, of the joints that have one.
+        efforts, currents: Joint -> column, of the joints that have one.
         warnings: About columns that the caller may miss.
         scales: Column -> SI units in its unit, of the columns that are not in SI.
     """
@@ -51,6 +52,7 @@ class Roles:
     positions: list[int]
     velocities: list[int]
     efforts: dict[str, int]
+    currents: dict[str, int]
     warnings: list[MotionWarning]
     scales: dict[int, float]
 
@@ -93,6 +95,7 @@ def find_roles(
         positions=[columns.position(joint) for joint in joints],
         velocities=columns.velocities(joints),
         efforts=columns.efforts(joints),
+        currents=columns.currents(joints),
         warnings=[*time_warnings, *columns.command_warnings()],
         scales=columns.scales(degrees),
     )
@@ -173,6 +176,20 @@ class _Columns:
             names = self.names(joint, EFFORT)
             if names:
                 columns[joint] = self.only(names, f"the effort of {joint}")
+        return columns
+
+    def currents(self, joints: Sequence[str]) -> dict[str, int]:
+        """Joint -> column with the recorded currents of its motor.
+
+        A current with an interval is one that this package computed and wrote.
+        """
+        columns = {}
+        header = {*self._table.header}
+        for joint in joints:
+            names = self.names(joint, CURRENT)
+            recorded = [name for name in names if f"{name}_lower" not in header]
+            if recorded:
+                columns[joint] = self.only(recorded, f"the current of {joint}")
         return columns
 
     def scales(self, degrees: bool) -> dict[int, float]:

@@ -25,7 +25,8 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
     """Every quantity over time by column name, in SI units.
 
     ``time_secs``; for each joint ``axis_e_pos, axis_e_vel, axis_e_acc`` (smoothed),
-    ``axis_e_torque`` and its causes, ``axis_e_effort`` as recorded, currents, voltage,
+    ``axis_e_torque`` and its causes, ``axis_e_effort`` and
+    ``axis_e_recorded_current`` as recorded, currents, voltage,
     powers and, with limits, ``axis_e_torque_min``, ``_max``, in a current
     ``axis_e_torque_moving_water_low``, ``_high``; ``base_force_x .. base_moment_z`` on
     the mount; ``tcp_x .. tcp_z``. Columns of a motor that cannot be computed are left
@@ -50,8 +51,10 @@ def _columns_of_joints(a: Analysis) -> dict[str, FloatArray]:
     }
     for cause, torque in a.causes().items():
         table[f"torque_{cause}"] = torque
-    if a.motion.effort is not None:
-        table["effort"] = a.motion.effort
+    if a.effort is not None:
+        table["effort"] = a.effort
+    if a.recorded_current is not None:
+        table["recorded_current"] = a.recorded_current
     if a.moving_water is not None:
         table["torque_moving_water_low"] = a.moving_water.torque[:, 0]
         table["torque_moving_water_high"] = a.moving_water.torque[:, 2]

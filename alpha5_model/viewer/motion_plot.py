@@ -155,14 +155,20 @@ def _draw_torque(axes: Axes, analysis: Analysis, k: int) -> None:
     _draw_digits(axes, analysis, k)
     look: dict[str, Any] = {"color": Color.BLACK, "linewidth": 1.3}
     _curve(axes, analysis, torque, **look, label="torque")
-    if analysis.motion.effort is not None:
-        effort = analysis.motion.effort[:, k]
-        there = np.isfinite(effort)
-        recorded = thin(smooth.time[there], effort[there])
-        axes.plot(*recorded, color=_GRAY, zorder=1, label="recorded effort")
+    if analysis.effort is not None:
+        _draw_recorded(axes, analysis, analysis.effort[:, k], "recorded effort")
     _mark(axes, smooth.time, torque)
     unit = "N" if k == 4 else "N·m"
     axes.set_ylabel(f"{smooth.joints[k]} [{unit}]")
+
+
+def _draw_recorded(
+    axes: Axes, analysis: Analysis, values: FloatArray, label: str
+) -> None:
+    """What was recorded, behind what was computed."""
+    there = np.isfinite(values)
+    recorded = thin(analysis.smooth.time[there], values[there])
+    axes.plot(*recorded, color=_GRAY, zorder=1, label=label)
 
 
 def _draw_causes(axes: Axes, analysis: Analysis, k: int) -> None:
@@ -213,6 +219,9 @@ def _draw_current(axes: Axes, analysis: Analysis, k: int) -> None:
         )
         axes.set_yticks([])
         return
+    if analysis.recorded_current is not None:
+        recorded = analysis.recorded_current[:, k]
+        _draw_recorded(axes, analysis, recorded, "recorded current")
     _band(axes, analysis, analysis.current_lower[:, k], analysis.current_upper[:, k])
     _curve(axes, analysis, current, color=Color.BLUE)
     _mark(axes, analysis.smooth.time, current)

@@ -31,6 +31,8 @@ PLAIN = (
     "load",
     "gravity_in_base",
     "named_pose",
+    "q_from_devices",
+    "devices_from_q",
     "parameters",
     "compare",
     "without_self_collision",
@@ -151,8 +153,10 @@ def _own_values() -> dict[str, dict[str, Draws]]:
             "position": _samples_of(4),
             "velocity": _samples_of(4),
             "effort": _samples_of(4),
+            "current": _samples_of(4),
             "joints": always(None),
         },
+        "q_from_devices": {"devices": _devices},
         "without_self_collision": {"q": uniform(0, 3, 2, 4), "wrists": always(3)},
         "plan": {
             "q0": uniform(0.1, 3.2, 4),
@@ -178,6 +182,14 @@ def _own_values() -> dict[str, dict[str, Draws]]:
             "along": number(0, 1),
         },
     }
+
+
+def _devices(rng: Rng) -> dict[int, Any]:
+    """What the devices on the bus report, with the jaws or without."""
+    devices: dict[int, Any] = {k: rng.uniform(0.1, 3.0) for k in (5, 4, 3, 2)}
+    if flag(rng):
+        devices[1] = rng.uniform(2.0, 10.0)
+    return devices
 
 
 def _obstacles() -> dict[str, dict[str, Draws]]:

@@ -237,6 +237,11 @@ def arm_calls() -> list[tuple[str, Call]]:
     return calls + [(name, Call(*call)) for name, call in own.items()]
 
 
+def _from_turning_devices(e: Any, d: Any) -> Any:
+    """`q_from_devices` with arrays in place of its mapping."""
+    return a5.q_from_devices({5: e, 4: d, 3: d, 2: e})
+
+
 def kinematics_calls() -> list[tuple[str, Call]]:
     """Of inverse kinematics, reach and workspace, (name, call)."""
     rng = np.random.default_rng(4)
@@ -292,6 +297,8 @@ def kinematics_calls() -> list[tuple[str, Call]]:
         ("PoseSolutions.best", posed.best, {"q_reference": q[0]}, {}),
         ("reachable", a5.reachable, {"positions": positions}, {}),
         ("distance_to_reach", a5.distance_to_reach, {"positions": positions}, {}),
+        ("devices_from_q", a5.devices_from_q, {"q": q}, {}),
+        ("q_from_devices", _from_turning_devices, {"e": wrist, "d": wrist}, {}),
         ("nearest_reachable", a5.nearest_reachable, {"positions": positions}, {}),
         (
             "published_reachable",

@@ -1,0 +1,141 @@
+"""Devices on the arm's bus and joint positions, and the page about them."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import reference
+
+import alpha5_model as a5
+from alpha5_model.errors import InputError, ShapeError
+
+PAGE = Path(__file__).parents[2] / "docs" / "guides" / "from-arm-to-q.md"
+HOME = {5: 3.14, 4: 1.57, 3: 1.56, 2: 0.4}
+
+
+def test_the_bus_counts_from_the_tip() -> None:
+    np.testing.assert_array_equal(a5.q_from_devices(HOME), [3.14, 1.57, 1.56, 0.4])
+    jaws = a5.q_from_devices({**HOME, 1: 6.0})
+    np.testing.assert_allclose(jaws, [3.14, 1.57, 1.56, 0.4, 0.006], rtol=1e-15)
+    assert jaws.shape == (len(a5.load(gripper="jaws").joint_names),)
+
+
+def test_devices_and_back() -> None:
+    rng = np.random.default_rng(0)
+    lower = [*reference.LOWER, 0.0013]
+    upper = [*reference.UPPER, 0.0133]
+    for count in (4, 5):
+        q = rng.uniform(lower[:count], upper[:count], (7, count))
+        devices = a5.devices_from_q(q)
+        assert [*devices] == [5, 4, 3, 2, 1][:count]
+        np.testing.assert_allclose(a5.q_from_devices(devices), q, rtol=1e-15)
+    assert devices[1] == pytest.approx(1e3 * q[:, 4])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            {5: 180.0},
+            "devices[5]: expected axis_e in its range of 0.01745 to 6.143 rad, got 180",
+        ),
+        (
+            {1: 0.006},
+            "devices[1]: expected axis_a in its range of 1.3 to 13.3 mm, got 0.006",
+        ),
+        ({4: -0.6}, "devices[4]: expected axis_d"),
+        ({6: 1.0}, "devices 5, 4, 3, 2 and perhaps 1"),
+        ({"5": 1.0}, "devices 5, 4, 3, 2 and perhaps 1"),
+        ({3: math.nan}, "devices[3]"),
+        ({3: "1.5 rad"}, "devices[3]"),
+    ],
+)
+def test_what_no_arm_reports_is_refused(change: dict, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        a5.q_from_devices({**HOME, **change})
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_other_wrong_inputs() -> None:
+    with pytest.raises(InputError, match="devices 5, 4, 3, 2"):
+        a5.q_from_devices({5: 1.0, 4: 1.0, 3: 1.0})
+    with pytest.raises(InputError, match="a mapping"):
+        a5.q_from_devices([1.0, 1.0, 1.0, 1.0])
+    with pytest.raises(ShapeError, match="same number of samples"):
+        a5.q_from_devices({**HOME, 2: [0.1, 0.2]})
+    for q in (1.0, np.zeros(3), np.zeros((4, 6))):
+        with pytest.raises(ShapeError, match="with the jaw rod"):
+            a5.devices_from_q(q)
+
+
+def table(head: str) -> list[list[str]]:
+    """Cells of the rows of the page's table whose head begins so."""
+    lines = PAGE.read_text("utf-8").partition(f"\n| {head}")[2].splitlines()[2:]
+    rows = []
+    for line in lines:
+        if not line.startswith("|"):
+            break
+        rows.append([cell.strip() for cell in line.strip("|").split("|")])
+    return rows
+
+
+def numbers(text: str) -> list[float]:
+    return [float(x) for x in re.findall(r"-?\d+(?:\.\d+)?", text)]
+
+
+def test_the_pages_table_of_devices() -> None:
+    rows = table("device | joint")
+    joints = {joint.device_id: joint for joint in a5.parameters().joints}
+    assert [int(row[0]) for row in rows] == [5, 4, 3, 2, 1]
+    for k, (device, name, place, unit, ends, speed) in enumerate(rows):
+        joint = joints[int(device)]
+        assert f"`{joint.name}`" in name
+        assert f"`q[{k}]`" in place
+        per_si = 1e3 if unit == "mm" else 1.0
+        found = numbers(ends)
+        assert found == pytest.approx(
+            [per_si * joint.lower, per_si * joint.upper], rel=2e-4
+        )
+        rate = 1e3 * joint.velocity if unit == "mm" else math.degrees(joint.velocity)
+        assert numbers(speed) == pytest.approx([rate])
+
+
+def test_the_pages_three_poses() -> None:
+    """By the DH table of the document, not by the model."""
+    arm = a5.load()
+    rows = table("pose |")
+    assert len(rows) == 3
+    for _, devices, _, tip in rows:
+        q = np.round(np.array(numbers(devices)) / (math.pi / 2)) * math.pi / 2
+        np.testing.assert_allclose(q, numbers(devices), atol=0.003)
+        found = 1e3 * reference.dh_frames(q)[-1][:3, 3]
+        np.testing.assert_allclose(numbers(tip), found, atol=0.5)
+        assert not arm.in_collision(q)
+        assert (arm.limits.lower <= q).all()
+        assert (q <= arm.limits.upper).all()
+
+
+def test_what_the_poses_show() -> None:
+    """Directions of upper arm and forearm, left and right."""
+    turn = math.pi / 2
+    one, two, three = (
+        reference.dh_frames(np.array(q))
+        for q in (
+            [2 * turn, turn, turn, 0],
+            [2 * turn, turn, 2 * turn, 0],
+            [3 * turn, turn, turn, turn],
+        )
+    )
+    forearm = [frames[-1][:3, 3] - frames[-3][:3, 3] for frames in (one, two)]
+    np.testing.assert_allclose(
+        forearm[0] / np.linalg.norm(forearm[0]), [0, 0, 1], atol=1e-12
+    )
+    np.testing.assert_allclose(
+        forearm[1] / np.linalg.norm(forearm[1]), [1, 0, 0], atol=1e-12
+    )
+    assert three[-1][1, 3] > 0.18  # +y, on the left of somebody who looks along x
