@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from alpha5_model.planning.planner import plan
     from alpha5_model.proofs.audit import audit
     from alpha5_model.proofs.comparison import compare
+    from alpha5_model.studies import calibration as calibrate
     from alpha5_model.studies import uncertainty
     from alpha5_model.studies.sweep import sweep
     from alpha5_model.studies.uncertainty import identify
@@ -76,6 +77,7 @@ __all__ = [
     "arm_file_text",
     "audit",
     "backend",
+    "calibrate",
     "compare",
     "devices_from_q",
     "dh",
@@ -160,6 +162,7 @@ _MODULES = {
     "actuators": "dynamics.actuators",
     "trajectory": "trajectory",
     "uncertainty": "studies.uncertainty",
+    "calibrate": "studies.calibration",
     "dh": "theory.dh",
     "planar": "theory.planar",
 }

@@ -48,6 +48,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("planning",),
     ("proofs.audit", "proofs.comparison"),
     ("studies.uncertainty",),
+    ("studies.calibration",),
     ("studies.sweep",),
     ("viewer",),
     ("cli",),
