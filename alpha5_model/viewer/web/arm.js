@@ -2,7 +2,7 @@
 //
 // setPose(values, by) moves the arm; onPose(listener) calls listener(by) after every move. `by` is what moved
 // it: "hand", "travel", "motion", "python" or "page".
-const q = { ...data.q };
+const { q } = state;
 let poses = {};
 const listeners = [];
 const onPose = (listener) => listeners.push(listener);

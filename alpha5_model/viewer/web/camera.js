@@ -7,10 +7,9 @@ const unswap = ({ x, y, z }) => new THREE.Vector3(x, -z, y);
 viewer.camera.fov = data.camera.field_of_view;
 viewer.controls.minDistance = 0.05;
 viewer.controls.maxDistance = 12;
-let chosen = "home"; // the view that is kept when the window changes; null after the user has turned it
 let gliding = 0; // number of the latest camera movement; an earlier one stops
 viewer.controls.addEventListener("start", () => {
-  chosen = null;
+  change({ view: null });
   gliding++;
 });
 
@@ -70,7 +69,7 @@ function pointsToFrame(all) {
   const coming = data.motion ? data.motion.q : Object.values(data.poses);
   const step = Math.ceil(coming.length / 40);
   if (all) for (let i = 0; i < coming.length; i += step) points.push(...bodiesAt(forwardKinematics(named(coming[i]))));
-  if (aim) points.push(toWorld(aim));
+  if (state.aim) points.push(toWorld(state.aim));
   for (const group of data.groups) {
     if (!shown[group.name] || ["bodies", "labels", "see-through"].includes(group.name)) continue;
     const parts = meshes(`/meshcat/alpha5/${group.name}`);
@@ -120,7 +119,7 @@ const backwards = () => unswap(viewer.camera.position).sub(unswap(viewer.control
 
 function look(name, slowly = true) {
   const back = name in data.views ? vector(data.views[name]).normalize() : backwards();
-  chosen = name in data.views ? name : null;
+  change({ view: name in data.views ? name : null });
   center();
   const points = pointsToFrame(name !== "fit");
   if (!points.length) return;
@@ -148,7 +147,7 @@ function glide(to) {
 // After the user has let go: move the camera back if the arm is out of the picture.
 function keepInSight() {
   const [left, top, right, bottom] = free();
-  const seen = [...bodiesAt(poses), ...(aim ? [toWorld(aim)] : [])].map(onScreen);
+  const seen = [...bodiesAt(poses), ...(state.aim ? [toWorld(state.aim)] : [])].map(onScreen);
   if (seen.some(([x, y]) => x < left || x > right || y < top || y > bottom)) glide(framing(pointsToFrame(true), backwards()));
 }
 
@@ -156,6 +155,6 @@ const resize = viewer.set_3d_pane_size.bind(viewer);
 viewer.set_3d_pane_size = (...size) => {
   resize(...size);
   center();
-  if (chosen && poses[root]) look(chosen, false);
+  if (state.view && poses[root]) look(state.view, false);
   viewer.set_dirty();
 };

@@ -30,7 +30,7 @@ viewer.handle_command = (command) => {
   }
   if (command.type === "set_object" && globalThis.alpha5 && !unframed) {
     unframed = true;
-    requestAnimationFrame(() => { unframed = false; if (chosen) look(chosen, false); });
+    requestAnimationFrame(() => { unframed = false; if (state.view) look(state.view, false); });
   }
   onCommand(command);
 };

@@ -1,5 +1,5 @@
 // Switches that show and hide the groups of the scene.
-const shown = {};
+const { shown } = state;
 const DOTS = { com: "#e0a400", cob: "#1f78c8", weight: "#c8322d", buoyancy: "#2a8fd6", collision: "#ee8b1a", workspace: "#159a80", surface: "#159a80", current: "#00808c" };
 
 for (const group of data.groups) {

@@ -14,7 +14,7 @@ const labels = [
     where: () => ghost.group.visible && origin(ghost.poses.link_3),
     choose: () => ghost.open && take(i),
   }),
-  { group: "ghosts", text: "target", color: [0.75, 0.05, 0.4], where: () => aim && toWorld(aim) },
+  { group: "ghosts", text: "target", color: [0.75, 0.05, 0.4], where: () => state.aim && toWorld(state.aim) },
 ];
 for (const label of labels) {
   label.element = added(byId("labels"), label.choose ? "button" : "div", { onclick: label.choose });
@@ -67,7 +67,7 @@ function drawTip() {
   const from = onScreen(origin(poses.tcp));
   moveElement(tip, from[0], from[1]);
   tip.style.display = from[2] < 1 ? "" : "none";
-  const to = aim ? onScreen(toWorld(aim)) : [0, 0, 2];
+  const to = state.aim ? onScreen(toWorld(state.aim)) : [0, 0, 2];
   const away = to[2] < 1 && Math.hypot(to[0] - from[0], to[1] - from[1]) > 1;
   mark.style.display = to[2] < 1 && (away || shown.ghosts) ? "" : "none";
   moveElement(mark, to[0], to[1]);

@@ -11,7 +11,7 @@ function onCommand(command) {
     viewer.camera.position.set(...swap(command.eye));
     viewer.controls.target.set(...swap(command.target));
     viewer.controls.update();
-    chosen = null;
+    change({ view: null });
   }
 }
 

@@ -19,13 +19,12 @@ function say(matter, text) {
 }
 
 // ---- joints, in degrees or radians
-let degrees = true;
 const DIGITS = { rad: 4, "\u00b0": 2, mm: 2 };
 const UNITS = { rad: 1, "\u00b0": Math.PI / 180, mm: 1e-3 };
 // Keys of a slider, and the step of one of them: 0.1 degree or 0.1 mm.
 const SLIDER_KEYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
 const KEY_STEP = { revolute: 0.1 * Math.PI / 180, continuous: 0.1 * Math.PI / 180, prismatic: 1e-4 };
-const unit = (joint) => joint.kind === "prismatic" ? "mm" : degrees ? "\u00b0" : "rad";
+const unit = (joint) => joint.kind === "prismatic" ? "mm" : state.degrees ? "\u00b0" : "rad";
 const rows = joints.map((joint) => {
   const row = added(byId("joints"), "div", { className: "joint" });
   added(row, "label", { textContent: joint.name, htmlFor: `${joint.name}-value` });
@@ -48,7 +47,7 @@ const rows = joints.map((joint) => {
   return { joint, row, slider, value, unit: added(row, "span", { className: "unit" }), torque: added(row, "span", { className: "torque" }) };
 });
 const units = document.querySelectorAll("#units button");
-for (const button of units) button.onclick = () => showJoints(degrees = button.value === "deg");
+for (const button of units) button.onclick = () => change({ degrees: button.value === "deg" });
 for (const [name, values] of Object.entries(data.poses)) {
   added(byId("poses"), "button", { textContent: name, onclick: () => { dropTarget(); travelTo(values, name); } });
 }
@@ -86,7 +85,7 @@ function showJoints() {
     sign.textContent = unit(joint);
     row.classList.toggle("beyond", limit(joint) !== undefined);
   }
-  for (const button of units) button.setAttribute("aria-pressed", degrees === (button.value === "deg"));
+  for (const button of units) button.setAttribute("aria-pressed", state.degrees === (button.value === "deg"));
   const [x, y, z] = tcpInBase();
   byId("readout").textContent = `tcp  x ${mm(x)}  y ${mm(y)}  z ${mm(z)} mm`;
 }
@@ -114,12 +113,18 @@ function showLimits() {
 }
 const spoken = (pairs) => pairs.map((pair) => pair.join(" with ")).join(", ");
 for (const show of [showJoints, showTorques, showLimits]) onPose(show);
+onChange((part) => { if ("degrees" in part) showJoints(); });
 
 // ---- if it is wanted, a hand does not move the arm from a free position into itself
 const guard = byId("guard").firstChild;
-guard.onchange = () => say("guard", "");
+guard.onchange = () => change({ guard: guard.checked });
+onChange((part) => {
+  if (!("guard" in part)) return;
+  guard.checked = state.guard;
+  say("guard", "");
+});
 function isBlocked(values) {
-  if (!guard.checked || touching(poses).length) return false;
+  if (!state.guard || touching(poses).length) return false;
   const pairs = touching(forwardKinematics(named(values)));
   if (pairs.length) say("guard", `Stopped: ${spoken(pairs)} would touch.`);
   return pairs.length > 0;

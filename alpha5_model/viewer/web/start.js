@@ -6,7 +6,8 @@ fold(narrow.matches);
 unfold(narrow.matches || window.innerHeight > 720);
 look("home", false);
 globalThis.alpha5 = {
-  viewer, data, q, holding, setJoint, setPose, onPose, setGroup, seek, play, pause, poses: () => poses,
-  look, free, reach, touching: () => touching(poses), follow, setAim, travelTo, aim: () => aim, ghosts, picture, record,
+  state, change, onChange, viewer, data, q, holding, setJoint, setPose, onPose, setGroup, seek, play, pause,
+  poses: () => poses,
+  look, free, reach, touching: () => touching(poses), follow, setAim, travelTo, aim: () => state.aim, ghosts, picture, record,
 };
 document.documentElement.dataset.ready = "true";

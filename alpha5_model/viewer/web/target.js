@@ -1,5 +1,4 @@
 // The target of the tcp: typed, dragged or given. The arm follows on its branch; the other solutions are ghosts.
-let aim = data.target; // in base_link [m], or null
 let short = false; // whether the arm was sent there and its branch cannot reach it
 let missed = false; // whether the page shows that the tcp is not at the target
 
@@ -13,7 +12,7 @@ const fields = ["x", "y", "z"].map((axis) => {
   };
   input.onchange = () => {
     if (!near(input)) refuse(input, axis);
-    else if (aim) follow(aim, freeBranch(aim), (goal) => travelTo(goal, "Target"));
+    else if (state.aim) follow(state.aim, freeBranch(state.aim), (goal) => travelTo(goal, "Target"));
   };
   return input;
 });
@@ -29,30 +28,30 @@ const near = (input) => !(Math.abs(input.valueAsNumber) > NEAR) && !input.validi
 function refuse(input, axis) {
   const given = input.validity.badInput ? "needs a number" : `cannot be ${asTyped(input)} mm`;
   say("typed", `The target's ${axis} ${given}: it must lie between \u2212${NEAR} and ${NEAR} mm.`);
-  input.value = aim ? (1e3 * aim[fields.indexOf(input)]).toFixed(1) : "";
+  input.value = state.aim ? (1e3 * state.aim[fields.indexOf(input)]).toFixed(1) : "";
 }
 function typed() {
   const point = fields.map((input) => input.valueAsNumber / 1e3);
   return point.every(Number.isFinite) ? point : null;
 }
 function fill() {
-  fields.forEach((input, i) => { if (aim && input !== document.activeElement) input.value = (1e3 * aim[i]).toFixed(1); });
+  fields.forEach((input, i) => { if (state.aim && input !== document.activeElement) input.value = (1e3 * state.aim[i]).toFixed(1); });
 }
 fill();
 function setAim(point) {
-  aim = point;
+  change({ aim: point });
   showSolutions();
   viewer.set_dirty();
 }
 // Forget the target, which the arm leaves.
 function dropTarget() {
-  if (!aim) return;
+  if (!state.aim) return;
   for (const input of fields) input.value = "";
   setAim(null);
 }
 // Move the tcp to a point in base_link, or as near to it as a branch can; the jaws stay as they are.
 function follow(point, branch, move = setPose) {
-  aim = point;
+  change({ aim: point });
   fill();
   const nearest = reach(point, branch);
   move(withJaws(nearest.q));
@@ -70,11 +69,11 @@ function freeBranch(point) {
 }
 // Move the arm to another branch, with the tcp at the target or where it is.
 function take(branch) {
-  follow(aim || tcpInBase(), branch, (goal) => travelTo(goal, branchNames[branch]));
+  follow(state.aim || tcpInBase(), branch, (goal) => travelTo(goal, branchNames[branch]));
 }
 
 function showSolutions() {
-  const found = solutions(aim || tcpInBase());
+  const found = solutions(state.aim || tcpInBase());
   const now = poses[root] && currentBranch();
   const wouldTouch = branchNames.map((_, i) => found.within_limits[i] ? touching(posesAt(found.q[i])) : []);
   buttons.forEach((button, i) => {
@@ -83,14 +82,14 @@ function showSolutions() {
     button.classList.toggle("collides", wouldTouch[i].length > 0);
     button.title = wouldTouch[i].length ? `The arm collides with itself there: ${spoken(wouldTouch[i])}.` : "";
   });
-  const away = aim ? Math.hypot(...tcpInBase().map((value, i) => value - aim[i])) : 0;
+  const away = state.aim ? Math.hypot(...tcpInBase().map((value, i) => value - state.aim[i])) : 0;
   missed = away > SHOWN && (short || !found.within_limits.some(Boolean));
   say("target", missed && !moving ? missText(found, now, away) : "");
   drawGhosts(found, wouldTouch);
 }
 function missText(found, now, away) {
   const others = branchNames.filter((_, i) => found.within_limits[i]);
-  const nearest = Math.min(...data.branches.map((_, i) => reach(aim, i).away));
+  const nearest = Math.min(...data.branches.map((_, i) => reach(state.aim, i).away));
   if (nearest > SHOWN && away - nearest < SHOWN) return `Target out of reach: the tip stops ${mm(away)} mm from it.`;
   if (nearest > SHOWN) return `Target out of reach by ${mm(nearest)} mm; the tip is ${mm(away)} mm from it.`;
   return `The tip is ${mm(away)} mm from the target, which ${others.join(" and ")} ${others.length > 1 ? "reach" : "reaches"}.`;
