@@ -36,6 +36,9 @@ FLAGS = [
     "-g0",
 ]
 MSVC_FLAGS = ["/O2", "/fp:precise", "/std:c11"]
+#: Where the models of `mjcf/` have their meshes: in a checkout the folder stands alone,
+#: in a wheel they are in the package once.
+MESHES = {"checkout": 'meshdir="assets"', "wheel": 'meshdir="../meshes"'}
 
 
 def digest() -> str:
@@ -68,13 +71,32 @@ def compiled(output: Path) -> Path:
     return Path(command.get_outputs()[0])
 
 
+def mjcf_files(output: Path) -> dict[str, str]:
+    """Write ``mjcf/`` for a wheel, without the meshes: file -> its place there."""
+    places = {}
+    for file in sorted((ROOT / "mjcf").iterdir()):
+        if file.is_dir():
+            continue
+        content = file.read_bytes()
+        if file.suffix == ".xml":
+            content = content.replace(*(line.encode() for line in MESHES.values()))
+        (output / file.name).write_bytes(content)
+        places[str(output / file.name)] = f"alpha5_model/_data/mjcf/{file.name}"
+    return places
+
+
 class KernelHook(BuildHookInterface):
-    """Adds the compiled kernels to a wheel; an editable install gets them in place."""
+    """Adds the compiled kernels to a wheel; an editable install gets them in place.
+
+    A wheel also gets ``mjcf/``, whose meshes it has already.
+    """
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Called by hatchling before it collects the files of the wheel."""
         editable = version == "editable"
         self.folder = None if editable else Path(tempfile.mkdtemp())
+        if self.folder:
+            build_data["force_include"] |= mjcf_files(self.folder)
         try:
             module = compiled(self.folder or ROOT / FOLDER)
         except (Exception, SystemExit) as error:

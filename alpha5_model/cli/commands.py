@@ -37,8 +37,15 @@ _WITH_NUMBERS = ("fk", "ik", "move", "dh", "planar")
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(__version__)
+        typer.echo(f"{__version__}, kernels: {_kernels()}")
         raise typer.Exit
+
+
+def _kernels() -> str:
+    """Which kernels run, so that an install without a compiler is visible."""
+    from alpha5_model.codegen.kernels.choice import backend
+
+    return backend()
 
 
 _VERSION = typer.Option(

@@ -120,8 +120,14 @@ _FIELD_OF = {
     "mesh_uri": "mesh_prefix",
     "fluid": "fluid_density",
 }
-#: Option -> why a format does not have it, for options that need an explanation.
-_REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
+#: Option and format -> why the format does not have it, if that needs an explanation.
+_REASONS = {
+    ("hydrodynamics", "urdf"): " (URDF has no element for drag or added mass)",
+    (
+        "gripper",
+        "c",
+    ): " (the formulas of c have four joints, the jaws locked in link_4)",
+}
 #: Value of --mesh-uri -> prefix of the name of each mesh.
 MESH_URIS = {
     "relative": "meshes/",
@@ -291,7 +297,7 @@ def _refuse_options_of_other_formats(context: Context, description_format: str) 
             key for key, form in _FORMATS.items() if field in form.option_names()
         ]
         if formats and description_format not in formats:
-            reason = _REASONS.get(name, "")
+            reason = _REASONS.get((name, description_format), "")
             expected = f"--format {' or '.join(formats)} with it{reason}"
             raise InputError(_flag(context, name), description_format, expected)
 

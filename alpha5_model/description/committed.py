@@ -90,10 +90,20 @@ def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
     files["mjcf/alpha5_jaws.xml"] = jaws["alpha5.xml"]
     scene = locked["scene.xml"]
     files["mjcf/scene_jaws.xml"] = scene.replace(b"alpha5", b"alpha5_jaws")
+    if not _in_checkout():
+        return {path: _in_wheel(content) for path, content in files.items()}
     for name, content in drawn.items():
         if name.endswith(".obj"):
             files[f"mjcf/assets/{name}"] = content
     return files
+
+
+def _in_wheel(content: bytes) -> bytes:
+    """A file of ``mjcf/`` as ``hatch_build.py`` puts it into a wheel.
+
+    The wheel has the meshes once, in ``meshes/``.
+    """
+    return content.replace(b'meshdir="assets"', b'meshdir="../meshes"')
 
 
 def not_generated() -> tuple[str, ...]:

@@ -17,7 +17,10 @@ ls "$work"/dist/alpha5_model-*-cp311-abi3-*.whl # one for every Python from 3.11
 mkdir "$work/elsewhere" && cd "$work/elsewhere"
 
 "$work/venv/bin/python" - <<'PYTHON'
+from collections import Counter
+from hashlib import sha256
 from pathlib import Path
+from xml.etree import ElementTree
 import alpha5_model as a5
 import numpy as np
 
@@ -28,8 +31,21 @@ v = np.zeros(4)
 assert arm.model.nv == 4
 assert a5.backend().startswith("compiled ("), a5.backend()
 np.testing.assert_allclose(arm.inverse_dynamics(q, v, v), arm.hydrostatic_torque(q), atol=1e-12)
+
+# The meshes are there once, and MuJoCo's models find them.
+data = Path(a5.REPOSITORY_PATH)
+meshes = [file for file in data.rglob("*") if file.suffix in (".obj", ".glb")]
+copies = Counter(sha256(file.read_bytes()).hexdigest() for file in meshes)
+assert len(meshes) == 8 and set(copies.values()) == {1}, meshes
+models = [ElementTree.parse(file).getroot() for file in data.glob("mjcf/alpha5*.xml")]
+for model in models:
+    folder = data / "mjcf" / model.find("compiler").get("meshdir")
+    named = [folder / mesh.get("file") for mesh in model.iter("mesh")]
+    assert named and all(file.is_file() for file in named), named
+assert len(models) == 2, models
 PYTHON
 "$work/venv/bin/alpha5" --version
+"$work/venv/bin/alpha5" --version | grep -q ', kernels: compiled ('
 "$work/venv/bin/alpha5" generate --gripper jaws --output arm.urdf
 grep -q '<mimic joint="axis_a"' arm.urdf
 test -s meshes/link_0.obj
@@ -96,6 +112,7 @@ q, v, a = np.random.default_rng(1).uniform(-1.0, 1.0, (3, 100, 4))
 single = [arm.inverse_dynamics(*state) for state in zip(q, v, a)]
 np.testing.assert_allclose(arm.inverse_dynamics_batch(q, v, a), single, atol=1e-12)
 PYTHON
+without_compiler -m alpha5_model --version | grep ', kernels: numpy$'
 if ALPHA5_KERNELS=compiled without_compiler -c 'import alpha5_model as a5; a5.backend()' 2>error.txt; then exit 1; fi
 tail -1 error.txt | grep 'ALPHA5_KERNELS=compiled needs alpha5_model.codegen.kernels._compiled'
 echo "package check passed"

@@ -39,8 +39,10 @@ def patch(checkout: Path) -> dict[Path, bytes]:
     A checkout that has the arm gets its files anew, its lines once.
 
     Raises:
-        SystemExit: No checkout, or one in which a line has no place.
+        SystemExit: No checkout, one of a version before 5, or one in which a line has
+            no place.
     """
+    _refuse_old(checkout)
     module = MODULE.read_text("utf-8").replace(
         "from example_robot_data.utils", "from .utils"
     )
@@ -64,6 +66,21 @@ def patch(checkout: Path) -> dict[Path, bytes]:
         files[path] = text.encode()
     robots = checkout / "robots"
     return files | {robots / name: data for name, data in loaders.robot_files().items()}
+
+
+def _refuse_old(checkout: Path) -> None:
+    """Version 4 has every loader in one file; 5 has one in each, beside `utils`.
+
+    Raises:
+        SystemExit: A checkout of such a version.
+    """
+    loaders_file = checkout / PACKAGE / "robots_loader.py"
+    utilities = checkout / PACKAGE / "utils.py"
+    if loaders_file.is_file() and not utilities.is_file():
+        raise SystemExit(
+            f"{utilities}: no such file; this checkout of example-robot-data is older "
+            "than version 5, which is expected"
+        )
 
 
 def main() -> None:

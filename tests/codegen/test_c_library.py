@@ -18,7 +18,15 @@ from alpha5_model.cli import main
 from alpha5_model.codegen.arm_functions import SUMMARIES
 from alpha5_model.codegen.c_library import COptions, c_files
 
-STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O0"]
+STRICT = [
+    "-std=c99",
+    "-pedantic",
+    "-Wall",
+    "-Wextra",
+    "-Wdouble-promotion",
+    "-Werror",
+    "-O0",
+]
 SANITIZERS = [ADDRESS_AND_UNDEFINED, "-fno-sanitize-recover=all"]
 #: Each compiler with each type, place of the parameters and check. Much is zero in air.
 BUILDS = {

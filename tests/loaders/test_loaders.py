@@ -262,6 +262,14 @@ def test_a_folder_that_is_no_checkout_is_not_patched(checkout):
         broken.write_text('from .human import Human\nROBOTS = {\n    "b1": None,\n}\n')
 
 
+def test_a_checkout_of_version_4_is_refused(checkout):
+    """Its loaders are in one file, which has the base class, too."""
+    (checkout / "python" / "example_robot_data" / "utils.py").unlink()
+    script = runpy.run_path(str(SCRIPT))
+    with pytest.raises(SystemExit, match="older than version 5, which is expected"):
+        script["patch"](checkout)
+
+
 def test_a_missing_collection_is_one_clear_line(monkeypatch):
     monkeypatch.delitem(
         sys.modules, "alpha5_model.loaders.alpha5_loader", raising=False
