@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import warnings
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
@@ -196,6 +195,18 @@ def with_vehicle(still: Any, vehicle: Vehicle) -> Any:
     return still._rebuilt(loaded, (*still.displacements, displaced))
 
 
+def trim_angles(upward: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Roll and pitch at which vectors of the vehicle point up, (...) each [rad].
+
+    Args:
+        upward: In the vehicle's frame, (..., 3), not zero.
+    """
+    x, y, z = np.moveaxis(upward, -1, 0)
+    roll = np.arctan2(y, z)
+    pitch = np.arctan2(-x, np.hypot(y, z))
+    return roll, pitch
+
+
 def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
     """Static trim of an arm that carries a vehicle; see `ArmOnVehicle.trim`."""
     gravity = still._model.gravity.linear
@@ -216,12 +227,10 @@ def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
         without = "a centre of buoyancy at the centre of mass"
         raise InputError("vehicle", without, "a righting moment")
 
-    x, y, z = righting / moment * -np.sign(gravity[2])
-    roll = math.atan2(y, z)
-    pitch = math.asin(-min(1.0, max(-1.0, x)))
+    roll, pitch = trim_angles(righting * -np.sign(gravity[2]))
     return Trim(
-        roll=roll,
-        pitch=pitch,
+        roll=float(roll),
+        pitch=float(pitch),
         rotation_vehicle_to_world=pin.rpy.rpyToMatrix(roll, pitch, 0.0),
         net_weight=g * (mass - displaced_mass),
         righting_moment=moment,

@@ -308,6 +308,17 @@ axis_c_pos = {values = [0.3, 1.7]}
 axis_b_pos = {from = 0, to = 1, count = 3}
 payload_mass = {values = [0, 250], unit = "g"}
 fluid_density = [1000, 1025]
+level = ["low", "high"]
+vehicle = "small"
+trim = [true, false]
+arm = "catalogue"
+in_collision = [false, true]
+[vehicles.small]
+mass = 13.5
+com = [0.0, 0.0, 0.0]
+volume = 0.0134
+cob = [0.0, 0.0, 0.01]
+rpy = [3.1, 0.0, 0.0]
 [outputs.peak]
 quantity = "torque"
 as = "peak"

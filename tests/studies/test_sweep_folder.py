@@ -408,3 +408,16 @@ def test_the_time_of_a_recording_is_in_seconds(tmp_path: Path) -> None:
     rows = units(tmp_path / "out" / "rows" / "part-000000.parquet")
     assert rows["time"] == "s"
     assert rows["recording"] == rows["sample"] == ""
+
+
+def test_a_new_recording_in_a_folder_is_found_in_the_same_process(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "season").mkdir()
+    recording(tmp_path / "season" / "a.csv", 0.1)
+    study = tmp_path / "study.toml"
+    text = OF_RECORDINGS.replace('["a.csv", "b.csv"]', '"season"')
+    study.write_text(text, encoding="utf-8")
+    assert a5.sweep(study, tmp_path / "one").rows == 300
+    recording(tmp_path / "season" / "b.csv", 0.2)
+    assert a5.sweep(study, tmp_path / "two").rows == 600

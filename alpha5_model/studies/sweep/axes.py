@@ -13,20 +13,31 @@ from alpha5_model._support.checks import (
     choice,
     count,
     float_array,
-    listed,
-    named,
     real,
     shaped,
 )
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.corrections import CORRECTIONS
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.studies.sweep.named_axes import (
+    arms_of,
+    corrections_of,
+    flags_of,
+    levels_of,
+    recordings_of,
+    vehicles_of,
+)
 from alpha5_model.studies.sweep.schema import CASE_AXES, STATE_AXES, UNITS
 
 #: Most values of an axis, and most groups or bins of an output.
 MOST = 10_000_000
-#: Suffixes of recordings in a folder.
-_RECORDINGS = (".csv", ".parquet", ".pq", ".bag", ".db3", ".mcap")
+#: Axes that contradict each other.
+_EITHER_OR = (
+    ("parameters", "corrections"),
+    ("arm", "corrections"),
+    ("vehicle", "mount_roll"),
+    ("vehicle", "mount_pitch"),
+    ("vehicle", "mount_yaw"),
+)
 #: A state beyond a limit by less is at the limit: degrees are rounded [rad, rad/s].
 _SLACK = 1e-9
 #: SI units of axes that cannot be negative.
@@ -41,33 +52,65 @@ class Axes(NamedTuple):
             ``recording``, it is the first.
         states: Axis of a state -> values.
         drawn: Axis of a state -> the range to draw from, lower and upper end.
+        in_collision: Which states are kept: those of which it is true, or false, that
+            the arm touches itself. Empty without this axis.
+        files: What was read and found.
     """
 
     cases: dict[str, Sequence[Any]]
     states: dict[str, Sequence[float]]
     drawn: dict[str, Sequence[float]]
+    in_collision: list[bool]
+    files: StudyFiles
+
+
+class StudyFiles(NamedTuple):
+    """The files that the axes of a study name.
+
+    Attributes:
+        recordings: Paths as given, or found in folders.
+        arms: Value of the axis ``arm`` -> its record.
+    """
+
+    recordings: tuple[str, ...]
+    arms: dict[str, Alpha5Parameters]
 
 
 def read_axes(
-    given: dict[str, Any], folder: Path, recordings: Sequence[str] | None
+    given: dict[str, Any],
+    folder: Path,
+    vehicles: Sequence[str],
+    files: StudyFiles | None,
 ) -> Axes:
     """The axes of a study.
 
     Args:
         given: The table of a study file.
-        folder: Where relative paths of recordings start.
-        recordings: The recordings, if they were found before.
+        folder: Where relative paths of files start.
+        vehicles: Names of the vehicles that the study describes.
+        files: Its files, if they were read before.
 
     Raises:
         InputError: An invalid axis, or axes that do not fit together.
-        UnknownNameError: No such axis, unit or correction.
+        UnknownNameError: No such axis, unit, correction, level or vehicle.
+        MissingFileError: No such arm file.
+        FileFormatError: Not an arm file.
     """
-    axes = Axes(cases={}, states={}, drawn={})
+    present = files or _files(given, folder)
+    axes = Axes(cases={}, states={}, drawn={}, in_collision=[], files=present)
     if "recordings" in given:
-        found = recordings or _recordings(given["recordings"], folder)
-        axes.cases["recording"] = found
+        axes.cases["recording"] = present.recordings
     for name, values in given.items():
         if name == "recordings":
+            continue
+        if name == "in_collision":
+            axes.in_collision.extend(flags_of("axes.in_collision", values))
+            continue
+        if name == "vehicle":
+            axes.cases[name] = vehicles_of(values, vehicles)
+            continue
+        if name == "arm":
+            axes.cases[name] = list(present.arms)
             continue
         random = isinstance(values, dict) and "random" in values
         if name in CASE_AXES:
@@ -80,10 +123,27 @@ def read_axes(
     return axes
 
 
+def _files(given: Mapping[str, Any], folder: Path) -> StudyFiles:
+    """The files that axes name."""
+    recordings = given.get("recordings")
+    arms = given.get("arm")
+    return StudyFiles(
+        recordings=() if recordings is None else recordings_of(recordings, folder),
+        arms={} if arms is None else arms_of(arms, folder),
+    )
+
+
 def _check_together(axes: Axes) -> None:
     """Refuse axes that contradict each other, and states without all positions."""
-    if {"parameters", "corrections"} <= {*axes.cases}:
-        raise InputError("axes", "parameters and corrections", "one of them")
+    for one, other in _EITHER_OR:
+        if {one, other} <= {*axes.cases}:
+            raise InputError("axes", f"{one} and {other}", "one of them")
+    if "trim" in axes.cases and "vehicle" not in axes.cases:
+        raise InputError("axes.trim", axes.cases["trim"], "an axis vehicle beside it")
+    tilts = "vehicle" in axes.cases and True in axes.cases.get("trim", [True])
+    if tilts and max(axes.cases.get("current_speed", [0.0])) > 0.0:
+        expected = "trim = false, as the trim is that of still water"
+        raise InputError("axes", "a current and a vehicle in its trim", expected)
 
     recorded = "recording" in axes.cases
     states = {*axes.states, *axes.drawn}
@@ -93,25 +153,34 @@ def _check_together(axes: Axes) -> None:
         raise InputError("axes, states", sorted(states), expected)
 
 
-def check_arm(
-    arm: Alpha5Parameters,
-    cases: Mapping[str, Sequence[Any]],
-    states: Mapping[str, Sequence[float]],
-) -> None:
-    """Refuse axes that contradict an arm of one's own.
+def check_alone(arm: Alpha5Parameters, cases: Mapping[str, Sequence[Any]]) -> None:
+    """Refuse axes beside the arm of a whole study.
 
     Args:
         arm: Its record.
         cases: Axis of the arm and its surroundings -> values.
-        states: Axis of a state -> values, or the range to draw from.
 
     Raises:
-        InputError: Corrections, which a record has already, or states beyond its
-            limits.
+        InputError: Other arms, or corrections, which a record has already.
     """
+    if "arm" in cases:
+        expected = f"none beside {arm.name}, which is the arm of the whole study"
+        raise InputError("axes.arm", list(cases["arm"]), expected)
     if "corrections" in cases:
         expected = f"none beside {arm.name}, which has its own corrections"
         raise InputError("axes.corrections", list(cases["corrections"]), expected)
+
+
+def check_arm(arm: Alpha5Parameters, states: Mapping[str, Sequence[float]]) -> None:
+    """Refuse states beyond the limits of an arm.
+
+    Args:
+        arm: Its record.
+        states: Axis of a state -> values, or the range to draw from.
+
+    Raises:
+        InputError: States beyond its limits.
+    """
     for joint in arm.joints[:4]:
         limits = {
             "pos": (joint.lower, joint.upper, "rad"),
@@ -127,40 +196,19 @@ def check_arm(
                 raise InputError(f"axes.{name}", f"{farthest:.6g} {unit}", expected)
 
 
-def _recordings(given: Any, folder: Path) -> tuple[str, ...]:
-    """Paths of recordings, in the order given; those of a folder by their names."""
-    paths = [given]
-    if not isinstance(given, str):
-        paths = listed("axes.recordings", given, "files")
-
-    found: list[str] = []
-    for path in paths:
-        whole = folder / str(path)
-        if whole.is_dir():
-            names = sorted(inside.name for inside in whole.iterdir())
-            found += [
-                str(Path(path, name))
-                for name in names
-                if Path(name).suffix in _RECORDINGS
-            ]
-        else:
-            found.append(str(path))
-
-    if not found:
-        expected = f"files, or folders with some of {', '.join(_RECORDINGS)}"
-        raise InputError("axes.recordings", given, expected)
-    return tuple(found)
-
-
 def _axis(name: str, given: Any) -> Sequence[Any]:
     """Values of an axis, or the range to draw from."""
     units = {**STATE_AXES, **CASE_AXES}
-    choice("axis", name, (*units, "recordings"))
+    choice("axis", name, (*units, "recordings", "in_collision"))
     place = f"axes.{name}"
     if name == "parameters":
         return range(count(place, given))
     if name == "corrections":
-        return _corrections(place, given)
+        return corrections_of(given)
+    if name == "level":
+        return levels_of(given)
+    if name == "trim":
+        return flags_of(place, given)
 
     unit = units[name]
     table = given if isinstance(given, dict) else {"values": given}
@@ -174,15 +222,6 @@ def _axis(name: str, given: Any) -> Sequence[Any]:
 
     least = 0.0 if unit in _NOT_NEGATIVE else None
     return [real(place, scale * number, least) for number in numbers.ravel().tolist()]
-
-
-def _corrections(place: str, given: Any) -> list[str]:
-    """Sets of corrections, each joined by ``+``."""
-    expected = "a list of names, such as ['none', 'base_frame+link3_cob']"
-    sets = listed(place, given, expected)
-    every_name = "+".join(map(str, sets)).split("+")
-    named(place, every_name, ("none", *CORRECTIONS))
-    return sets
 
 
 def _scale(place: str, table: dict[str, Any], unit: str) -> float:

@@ -34,7 +34,7 @@ class Block:
         rows: Their numbers, (n,).
         index: Axis -> index of its value, one for all rows or (n,).
         columns: Other columns that describe the states, (n,) each.
-        quantities: By name, (n, 4) each.
+        quantities: By name, (n, columns) each.
     """
 
     rows: NDArray[np.int64]
@@ -86,11 +86,13 @@ def _states(study: Study, case_index: dict[str, int], start: int) -> States:
         case_index: Of its case, see `_case_index`.
         start: Number in the case of the first state.
     """
+    arm = study.arm_of(case_index)
     if "recording" in case_index:
         recording = study.cases["recording"][case_index["recording"]]
-        return recorded_states(Path(study.folder, recording), study.arm)
+        path = Path(study.folder, recording)
+        return recorded_states(path, arm, tuple(study.in_collision))
     last = min(study.sizes().states, start + BLOCK)
-    return states_of(study, start, last)
+    return states_of(study, arm, start, last)
 
 
 def _rows_per_case(study: Study) -> int:
@@ -113,7 +115,7 @@ def values_of_row(study: Study, row: int) -> dict[str, Any]:
 
 def table_of_block(study: Study, block: Block) -> Columns:
     """A block as a table: row numbers, axes, and the quantities kept as tables."""
-    grid = {**study.cases, **study.states}
+    grid = study.axes
     table: Columns = {"row": block.rows}
     for name, index in block.index.items():
         table[name] = np.array(grid[name])[index]

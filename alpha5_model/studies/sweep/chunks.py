@@ -108,8 +108,13 @@ def chunks_of(study: Study, rows: int) -> Chunks:
 def _head(study: Study, recordings: Sequence[str], settings: str) -> str:
     """The version that computes a study, its settings, recordings and own arm."""
     names = [f"# recording {k}: {name}\n" for k, name in enumerate(recordings)]
-    arm = "" if study.arm is None else f"# arm: {json.dumps(plain(study.arm))}\n"
-    return f"# {made_by()}\n{settings}{''.join(names)}{arm}"
+    arms = [
+        f"# arm {name}: {json.dumps(plain(arm))}\n"
+        for name, arm in study.files.arms.items()
+    ]
+    if study.arm is not None:
+        arms = [f"# arm: {json.dumps(plain(study.arm))}\n"]
+    return f"# {made_by()}\n{settings}{''.join(names)}{''.join(arms)}"
 
 
 def made_by() -> str:
@@ -186,7 +191,7 @@ def rows_file(chunks: Chunks, tables: list[Columns]) -> bytes:
     return parquet_file(
         tables,
         units=units_of_rows(study),
-        repeated=[*study.cases, *study.states],
+        repeated=[*study.axes],
         compression="none",
         study=chunks.head,
     )

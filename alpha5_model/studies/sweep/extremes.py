@@ -22,8 +22,7 @@ class Extremes(Reduction):
     """
 
     def __init__(self, study: Study, output: Output) -> None:
-        grid = {**study.cases, **study.states}
-        self._by = {name: grid[name] for name in output.by}
+        self._by = {name: study.axes[name] for name in output.by}
         sizes = [len(axis) for axis in self._by.values()]
         super().__init__(output, groups=math.prod(sizes))
 

@@ -59,6 +59,9 @@ def read_output(name: str, given: Any, grid: Mapping[str, Sequence[Any]]) -> Out
     form = choice(f"{place}.as", table.get("as"), tuple(FORMS))
     named(f"key of {place}", table, ("quantity", "as", *FORMS[form]))
 
+    if quantity == "trim" and "vehicle" not in grid:
+        raise InputError(f"{place}.quantity", quantity, "an axis vehicle beside it")
+
     by = listed(f"{place}.by", table.get("by", ()), "a list")
     levels = listed(f"{place}.levels", table.get("levels", ()), "a list")
     for axis in by:

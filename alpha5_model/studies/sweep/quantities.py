@@ -20,7 +20,7 @@ _OF_MOUNT = {"mount_force", "mount_moment"}
 def quantities_of(
     case: ArmOfCase, motion: SmoothMotion, wanted: Set[str]
 ) -> dict[str, FloatArray]:
-    """Quantities by name, (n, 4) each: those that are wanted, and perhaps more.
+    """Quantities by name, (n, columns) each: those that are wanted, and perhaps more.
 
     Args:
         case: The arm and its motors.
@@ -47,6 +47,8 @@ def quantities_of(
         wrench = arm.base_wrench_batch(q, v, a, 1)
         found["mount_force"] = _with_norm(wrench[:, :3])
         found["mount_moment"] = _with_norm(wrench[:, 3:])
+    if "trim" in wanted and case.trim is not None:
+        found["trim"] = case.trim.angles(q)
     if "reach" in wanted:
         still = getattr(arm, "still", arm)
         found["reach"] = _with_norm(batch.frame_positions(still, q))

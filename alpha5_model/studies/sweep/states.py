@@ -42,26 +42,40 @@ class States:
     motion: SmoothMotion
 
 
-def states_of(study: Study, first: int, last: int) -> States:
-    """States first to last - 1 of a case; all cases have the same states.
+def states_of(
+    study: Study, arm: Alpha5Parameters | None, first: int, last: int
+) -> States:
+    """States first to last - 1 of a case; all cases of an arm have the same states.
 
     Those in self-collision are not among them, if the study leaves them out. The states
     are kept for the next case, if there is room for all of a case.
+
+    Args:
+        study: The study.
+        arm: Record of the case's arm; None for the catalogue's.
+        first: Number of the first state.
+        last: Number after that of the last one.
     """
+    if not (study.leaves_out_collisions or study.in_collision):
+        arm = None  # the states do not depend on it
     sizes = study.sizes()
     if sizes.cases > 1 and sizes.blocks <= _KEPT:
-        return _kept_states(study, first, last)
-    return _new_states(study, first, last)
+        return _kept_states(study, arm, first, last)
+    return _new_states(study, arm, first, last)
 
 
 @lru_cache(maxsize=_KEPT)
-def _kept_states(study: Study, first: int, last: int) -> States:
+def _kept_states(
+    study: Study, arm: Alpha5Parameters | None, first: int, last: int
+) -> States:
     """`_new_states`, kept."""
-    return _new_states(study, first, last)
+    return _new_states(study, arm, first, last)
 
 
-def _new_states(study: Study, first: int, last: int) -> States:
-    """States first to last - 1 of a case."""
+def _new_states(
+    study: Study, arm: Alpha5Parameters | None, first: int, last: int
+) -> States:
+    """States first to last - 1 of a case; see `states_of`."""
     index = _grid_index(study, first, last)
     drawn = _drawn(study, first, last)
     on_grid = {name: np.array(study.states[name])[at] for name, at in index.items()}
@@ -83,25 +97,55 @@ def _new_states(study: Study, first: int, last: int) -> States:
     )
     number = np.arange(first, last)
     states = States(number=number, index=index, columns=drawn, motion=motion)
-    return _free_states(states, study.arm) if study.leaves_out_collisions else states
+    if study.leaves_out_collisions:
+        return _selected(states, ~_touches(states, arm))
+    return _told_apart(states, arm, tuple(study.in_collision))
 
 
-def _free_states(states: States, arm: Alpha5Parameters | None) -> States:
-    """The states at which the arm, its jaws closed, does not touch itself."""
+def _touches(states: States, arm: Alpha5Parameters | None) -> NDArray[np.bool_]:
+    """Whether the arm, its jaws closed, touches itself, (n,)."""
+    return self_collision(chosen_arm(arm)).touches(states.motion.position)
+
+
+def _told_apart(
+    states: States, arm: Alpha5Parameters | None, in_collision: tuple[bool, ...]
+) -> States:
+    """The states with their place on the axis ``in_collision``, if there is one.
+
+    Those that have no place on it are left out.
+    """
+    if not in_collision:
+        return states
+    touches = _touches(states, arm)
+    place = np.zeros(len(touches), np.intp)
+    on_axis = np.zeros(len(touches), bool)
+    for k, value in enumerate(in_collision):
+        is_value = touches == value
+        place[is_value] = k
+        on_axis |= is_value
+    index = {**states.index, "in_collision": place}
+    return _selected(replace(states, index=index), on_axis)
+
+
+def _selected(states: States, kept: NDArray[np.bool_]) -> States:
+    """Some of the states.
+
+    Args:
+        states: All of them.
+        kept: Whether each is one of them, (n,).
+    """
     motion = states.motion
-    free = ~self_collision(chosen_arm(arm)).touches(motion.position)
     return States(
-        number=states.number[free],
-        index={name: index[free] for name, index in states.index.items()},
-        columns={name: column[free] for name, column in states.columns.items()},
+        number=states.number[kept],
+        index={name: index[kept] for name, index in states.index.items()},
+        columns={name: column[kept] for name, column in states.columns.items()},
         motion=replace(
             motion,
-            time=motion.time[free],
-            position=motion.position[free],
-            velocity=motion.velocity[free],
-            acceleration=motion.acceleration[free],
-            direction=motion.direction[free],
-            deviation=motion.deviation[free],
+            time=motion.time[kept],
+            position=motion.position[kept],
+            velocity=motion.velocity[kept],
+            acceleration=motion.acceleration[kept],
+            direction=motion.direction[kept],
         ),
     )
 
@@ -156,19 +200,22 @@ def _zeros(*shape: int) -> FloatArray:
 
 
 @lru_cache(maxsize=1)
-def recorded_states(path: Path, arm: Alpha5Parameters | None) -> States:
+def recorded_states(
+    path: Path, arm: Alpha5Parameters | None, in_collision: tuple[bool, ...]
+) -> States:
     """The samples of a recording, smoothed.
 
     Args:
         path: Of the recording.
         arm: Record of an arm of one's own; None for the catalogue's.
+        in_collision: Values of the axis; empty without it.
 
     Raises:
         Alpha5Error: The recording cannot be used.
     """
     motion = smooth(read_motion(path, arm=arm), arm=arm)
     sample = np.arange(len(motion.time))
-    return States(
+    states = States(
         number=sample,
         index={},
         columns={"sample": sample, "time": motion.time},
@@ -180,6 +227,7 @@ def recorded_states(path: Path, arm: Alpha5Parameters | None) -> States:
             direction=_arm_columns(motion.direction),
         ),
     )
+    return _told_apart(states, arm, in_collision)
 
 
 def _arm_columns(values: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -18,8 +18,15 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.studies.sweep.axes import check_arm, read_axes
+from alpha5_model.studies.sweep.axes import (
+    StudyFiles,
+    check_alone,
+    check_arm,
+    read_axes,
+)
+from alpha5_model.studies.sweep.named_axes import CATALOGUE
 from alpha5_model.studies.sweep.outputs import Output, read_output
+from alpha5_model.studies.sweep.vehicles import Carrier, read_vehicles
 
 #: Axis of a case -> plausible range of the value farthest from 0.
 _PLAUSIBLE = {
@@ -31,6 +38,15 @@ _PLAUSIBLE = {
     "fluid_density": plausibility.FLUID_DENSITY,
     "current_speed": plausibility.CURRENT,
 }
+#: Tables and keys of a study.
+_KEYS = (
+    "seed",
+    "samples",
+    "leave_out_self_collision",
+    "axes",
+    "vehicles",
+    "outputs",
+)
 #: States computed at a time: the numbers of so many stay in the cache.
 BLOCK = 8192
 
@@ -59,7 +75,7 @@ class Study:
         text: As read.
         settings: Its tables and keys, without comments.
         source: The file's name.
-        folder: Where relative paths of recordings start.
+        folder: Where relative paths of recordings and arm files start.
         seed: Of all random numbers.
         samples: States drawn for each point of the grid, the same in every case.
         cases, states: Axis -> values, in SI units. The axis ``recording`` of the cases
@@ -68,6 +84,10 @@ class Study:
         outputs: By name.
         leaves_out_collisions: Leave out the states of the grid, and random ones, at
             which the arm touches itself.
+        in_collision: Which states are kept, and told apart: those of which it is true,
+            or false, that the arm touches itself. Empty for all, not told apart.
+        vehicles: Those that the study describes, by name.
+        files: Its recordings, and the records of the axis ``arm``.
         arm: Record of an arm of your own; None for the catalogue's.
     """
 
@@ -82,7 +102,26 @@ class Study:
     drawn: dict[str, Sequence[float]]
     outputs: dict[str, Output]
     leaves_out_collisions: bool
+    in_collision: Sequence[bool]
+    vehicles: dict[str, Carrier]
+    files: StudyFiles
     arm: Alpha5Parameters | None = None
+
+    @property
+    def axes(self) -> dict[str, Sequence[Any]]:
+        """Axis that has values, by which rows can be told apart -> its values."""
+        axes: dict[str, Sequence[Any]] = {**self.cases, **self.states}
+        return {**axes, **_collision_axis(self.in_collision)}
+
+    def arm_of(self, case_index: Mapping[str, int]) -> Alpha5Parameters | None:
+        """The record of the arm of a case; None for the catalogue's.
+
+        Args:
+            case_index: Axis of the cases -> index of its value.
+        """
+        if "arm" not in self.cases:
+            return self.arm
+        return self.files.arms[self.cases["arm"][case_index["arm"]]]
 
     def sizes(self) -> Sizes:
         """Number of cases, and of states and blocks in each."""
@@ -93,9 +132,8 @@ class Study:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Pickled as its text: a worker then reads it once for all its chunks.
-        recordings = self.cases.get("recording")
-        given = (self.text, self.source, self.folder, recordings)
-        return _study, (*given, _packed(self.arm))
+        read = (pickle.dumps(self.files), _packed(self.arm))
+        return _kept_study, (self.text, self.source, self.folder, *read)
 
 
 def read_study(study: PathLike, arm: Alpha5Parameters | None = None) -> Study:
@@ -116,7 +154,7 @@ def read_study(study: PathLike, arm: Alpha5Parameters | None = None) -> Study:
     text = read_named(study, "a study (TOML)").decode("utf-8-sig", "replace")
     folder = Path(study).resolve().parent
     own = None if arm is None or _is_default(arm) else _packed(arm)
-    found = _study(text.replace("\r\n", "\n"), str(study), folder, arm=own)
+    found = _study(text.replace("\r\n", "\n"), str(study), folder, None, own)
     for name, limits in _PLAUSIBLE.items():
         farthest = max(found.cases.get(name, [0.0]), key=abs)
         plausibility.check(f"axes.{name}", farthest, limits)
@@ -126,6 +164,11 @@ def read_study(study: PathLike, arm: Alpha5Parameters | None = None) -> Study:
 def _points(grid: dict[str, Sequence[Any]]) -> int:
     """Number of points of a grid."""
     return math.prod(len(values) for values in grid.values())
+
+
+def _collision_axis(values: Sequence[bool]) -> dict[str, Sequence[bool]]:
+    """The axis ``in_collision``, if a study has it."""
+    return {"in_collision": values} if values else {}
 
 
 def _is_default(arm: Alpha5Parameters) -> bool:
@@ -140,20 +183,23 @@ def _packed(arm: Alpha5Parameters | None) -> bytes | None:
 
 
 @lru_cache(maxsize=2)
+def _kept_study(
+    text: str, source: str, folder: Path, files: bytes, arm: bytes | None
+) -> Study:
+    """The study that was sent to a worker, kept for its next chunk."""
+    return _study(text, source, folder, files, arm)
+
+
 def _study(
-    text: str,
-    source: str,
-    folder: Path,
-    recordings: tuple[str, ...] | None = None,
-    arm: bytes | None = None,
+    text: str, source: str, folder: Path, files: bytes | None, arm: bytes | None
 ) -> Study:
     """The study in a text.
 
     Args:
         text: TOML.
         source: Name of its file, for messages.
-        folder: Where relative paths of recordings start.
-        recordings: Its recordings, if they were found before.
+        folder: Where relative paths of files start.
+        files: Its `StudyFiles` as bytes, if they were read before.
         arm: Its `_packed` arm.
 
     Raises:
@@ -161,12 +207,19 @@ def _study(
     """
     tables = toml_tables(text, source)
     own = None if arm is None else pickle.loads(arm)
+    present = None if files is None else pickle.loads(files)
     try:
-        study = _checked(tables, text, source, folder, recordings)
-        if own is None:
-            return study
-        check_arm(own, study.cases, {**study.states, **study.drawn})
+        study = _checked(tables, text, source, folder, present)
+        by_name = study.files.arms
+        arms = [by_name[name] for name in by_name if name != CATALOGUE]
+        if own is not None:
+            check_alone(own, study.cases)
+            arms.append(own)
+        for record in arms:
+            check_arm(record, {**study.states, **study.drawn})
         return replace(study, arm=own)
+    except FileFormatError:  # of an arm file
+        raise
     except ValueError as error:  # this package's own
         raise FileFormatError(source, str(error)) from None
 
@@ -176,27 +229,33 @@ def _checked(
     text: str,
     source: str,
     folder: Path,
-    recordings: tuple[str, ...] | None,
+    files: StudyFiles | None,
 ) -> Study:
     """The study in the tables of a file.
 
     Raises:
         InputError: An invalid value, with its place.
     """
-    keys = ("seed", "samples", "leave_out_self_collision", "axes", "outputs")
-    named("key", given, keys)
+    named("key", given, _KEYS)
     for key in ("axes", "outputs"):
         if not isinstance(given.get(key), dict) or not given[key]:
             raise InputError(key, given.get(key), "a table with at least one key")
 
-    axes = read_axes(given["axes"], folder, recordings)
+    vehicles = read_vehicles(given.get("vehicles", {}))
+    axes = read_axes(given["axes"], folder, tuple(vehicles), files)
+    leaves_out = flag(
+        "leave_out_self_collision", given.get("leave_out_self_collision", False)
+    )
+    if leaves_out and axes.in_collision:
+        expected = "no leave_out_self_collision beside it"
+        raise InputError("axes.in_collision", list(axes.in_collision), expected)
     seed = given.get("seed", 0)
     generator(seed)
     samples = count("samples", given.get("samples", None if axes.drawn else 1))
     if samples > 1 and not axes.drawn:
         raise InputError("samples", samples, "none where no axis is random")
 
-    grid = {**axes.cases, **axes.states}
+    grid = {**axes.cases, **axes.states, **_collision_axis(axes.in_collision)}
     return Study(
         text=text,
         settings=given,
@@ -211,7 +270,8 @@ def _checked(
             name: read_output(name, table, grid)
             for name, table in given["outputs"].items()
         },
-        leaves_out_collisions=flag(
-            "leave_out_self_collision", given.get("leave_out_self_collision", False)
-        ),
+        leaves_out_collisions=leaves_out,
+        in_collision=axes.in_collision,
+        vehicles=vehicles,
+        files=axes.files,
     )
