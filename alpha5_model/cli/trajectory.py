@@ -33,7 +33,9 @@ _Map = Annotated[str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")
 _Degrees = Annotated[
     bool, Option("--degrees", help="Angles in degrees, if columns name no unit.")
 ]
-_Output = Annotated[Path | None, Option("--output", "-o", help="Table, .csv or .json.")]
+_Output = Annotated[
+    Path | None, Option("--output", "-o", help="Table: .csv, .json or .mcap.")
+]
 _Gripper = Annotated[str, Option(help=options.HELP["gripper"])]
 _Smoothing = Annotated[str, Option(help="spline, savgol or interpolate (no noise).")]
 _Bandwidth = Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")]

@@ -14,9 +14,10 @@ from alpha5_model._support.writing import atomic_write
 from alpha5_model.trajectory.analysis import Analysis
 from alpha5_model.trajectory.file_table import Progress
 from alpha5_model.trajectory.key_figures import summary
+from alpha5_model.trajectory.mcap_file import mcap
 
-#: Of the table: CSV, or JSON with the key figures on top.
-FORMATS = (".csv", ".json")
+#: Of the table: CSV; JSON with the key figures on top; messages for other viewers.
+FORMATS = (".csv", ".json", ".mcap")
 #: Rows written between two reports of progress.
 _CHUNK = 10_000
 
@@ -94,15 +95,20 @@ def write(analysis: Analysis, path: PathLike, progress: Progress | None = None) 
 
     Args:
         analysis: What to write.
-        path: Target: ``.csv`` (also ``-``, devices and pipes) or ``.json``.
+        path: Target: ``.csv`` (also ``-``, devices and pipes), ``.json``, or ``.mcap``
+            for Foxglove and Rerun, see `alpha5_model.trajectory.mcap_file`.
         progress: Called with a stage's name and the part done, 0 to 1.
 
     Raises:
         UnknownNameError: Another suffix.
+        InputError: Times that an MCAP file cannot have.
+        MissingDependencyError: MCAP, but rosbags is not installed.
         OutputError: The file cannot be written.
     """
     target = Path(path)
     suffix = output_format("table format", target, FORMATS)
+    if suffix == ".mcap":
+        return atomic_write(target, mcap(analysis, progress))
     table = columns(analysis)
     if suffix == ".json":
         return atomic_write(target, _json_text(analysis, table))

@@ -19,6 +19,7 @@ DISTRIBUTION = {
     "adam": "adam-robotics",
     "catkin_pkg": "catkin-pkg",
     "example_robot_data": "example-robot-data-loaders",
+    "mcap_ros2": "mcap-ros2-support",
     "mpl_toolkits": "matplotlib",
     "pink": "pin-pink",
     "pinocchio": "pin",
