@@ -29,8 +29,8 @@ UNKNOWN = "unknown"
 #: Meaning -> the words that have it.
 _WORDS = {
     POSITION: "pos position positions q angle angles theta",
-    VELOCITY: "vel velocity velocities dq qdot dtheta thetadot",
-    EFFORT: "effort efforts",
+    VELOCITY: "vel velocity velocities dq qd qdot dtheta thetadot",
+    EFFORT: "eff effort efforts",
     NAME: """
         alpha arm arms aft auv back blueprint bluerov bottom bravo follower fore front
         joint joints leader left main manip manipulator master port primary reach real

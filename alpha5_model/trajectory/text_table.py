@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import FileFormatError
+from alpha5_model.trajectory.other_formats import refuse_other_formats
 from alpha5_model.trajectory.ros_columns import echoed_names
 
 #: Separators of columns, and their names in messages.
@@ -72,9 +73,10 @@ def text_table(path: PathLike, content: bytes) -> TextTable:
         content: Its bytes.
 
     Raises:
-        FileFormatError: No such text, no names, or a Git LFS pointer.
+        FileFormatError: No such text, no names, another format, or a Git LFS pointer.
     """
     refuse_git_lfs_pointer(path, content)
+    refuse_other_formats(path, content)
     lines = _lines(path, content)
     separator = _stated_separator(path, lines[0])
     if separator is not None:

@@ -12,10 +12,10 @@ from alpha5_model.trajectory.file_table import PER_SECOND
 
 #: Names of the time with a unit: ``time_ms``, ``time [ms]``, ``Time (us)``.
 TIME_WITH_UNIT = re.compile(r"time[ _\[(]+([mun]?s)(?:ecs?)?[\])]?", re.IGNORECASE)
-#: Names that loggers give the time: ``timestamp``, ``wall_time_sec``; PlotJuggler's
-#: ``__time``, ``%time`` of rostopic, and the stamp of a message.
+#: Names that loggers give the time: ``t``, ``timestamp``, ``wall_time_sec``;
+#: PlotJuggler's ``__time``, ``%time`` of rostopic, and the stamp of a message.
 CLOCK = re.compile(
-    r"(?:timestamp|(?:elapsed|replay|ros|sim|wall)_time|__time|%time"
+    r"(?:t|timestamp|(?:elapsed|replay|ros|sim|wall)_time|__time|%time"
     r"|(?:.*[./])?header[./]stamp(?:[./]secs?)?)"
     r"(?:[ _\[(]+([mun]?s)(?:ecs?)?[\])]?)?",
     re.IGNORECASE,

@@ -2,6 +2,7 @@
 
     python scripts/benchmarks/benchmark.py                    # every section
     python scripts/benchmarks/benchmark.py kinematics --json
+    python scripts/benchmarks/benchmark.py --page docs/speed.md
 
 Install the peers with ``pip install alpha5-model[bench]``; one that is missing is left
 out of the table and named below it.
@@ -23,7 +24,8 @@ from rich.table import Table
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from benchmarks.timing import Row
+from benchmarks.speed_page import write_page
+from benchmarks.timing import Row, duration
 
 #: Modules of ``scripts/benchmarks`` with ``rows() -> list[Row]`` and ``missing() ->
 #: list[str]``.
@@ -58,7 +60,7 @@ def show(rows: Sequence[Row], missing: Sequence[str]) -> None:
         table.add_row(
             row.work if row.work != work else "",
             row.candidate,
-            _duration(row.seconds),
+            duration(row.seconds),
             f"{ratio(row, rows):.3g}",
             "" if row.target is None else f">= {row.target:.3g}",
             "" if row.success is None else f"{row.success:.2%}",
@@ -72,13 +74,6 @@ def show(rows: Sequence[Row], missing: Sequence[str]) -> None:
         console.print(f"not installed, left out: {peer}")
 
 
-def _duration(seconds: float) -> str:
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
-        if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds / 1e-9:.3g} ns"
-
-
 def main() -> None:
     """Measure the chosen sections and print them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -87,6 +82,9 @@ def main() -> None:
     )
     parser.add_argument(
         "--json", action="store_true", help="machine-readable rows on stdout"
+    )
+    parser.add_argument(
+        "--page", type=Path, help="also write table and figure into this page"
     )
     options = parser.parse_args()
     for section in options.sections:
@@ -104,6 +102,8 @@ def main() -> None:
         print(json.dumps({"rows": table, "missing": missing}, indent=2))
     else:
         show(rows, missing)
+    if options.page:
+        write_page(options.page, rows)
 
 
 if __name__ == "__main__":

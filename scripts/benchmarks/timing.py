@@ -35,6 +35,14 @@ class Row:
     target: float | None = None
 
 
+def duration(seconds: float) -> str:
+    """A time with three digits and the unit that suits it."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
 def measure(
     functions: Mapping[str, Callable[[], object]], per_call: int = 1, rounds: int = 9
 ) -> dict[str, float]:

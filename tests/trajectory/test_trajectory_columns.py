@@ -166,6 +166,7 @@ def test_two_columns_of_one_quantity_are_refused(tmp_path: Path) -> None:
 
 def test_clocks_of_loggers(tmp_path: Path) -> None:
     for name in (
+        "t",
         "timestamp",
         "ros_time",
         "sim_time_sec",
@@ -177,7 +178,7 @@ def test_clocks_of_loggers(tmp_path: Path) -> None:
         motion = a5.trajectory.read_motion(write(tmp_path / "m.csv", table))
         np.testing.assert_allclose(motion.time, TIME, rtol=1e-15)
         assert motion.warnings == ()
-    for name in ("start_time", "settling_time", "t", "timestamps"):
+    for name in ("start_time", "settling_time", "tt", "timestamps"):
         table = {name: TIME, **named("*", ANGLES)}
         with pytest.raises(FileFormatError, match="no column for the time"):
             a5.trajectory.read_motion(write(tmp_path / "m.csv", table))
