@@ -74,10 +74,10 @@ def read_motion(
 
     A column ``time`` with steps of a second or more is read in milliseconds, or in a
     smaller unit, if the joints can move that fast; a warning says so. If there is no
-    such column, the time is the first of ``t``, ``timestamp``, ``ros_time``, ``sim_time``,
-    ``wall_time_sec`` and the like, of PlotJuggler's ``__time``, of ``%time`` as
-    ``rostopic echo -p`` writes it, or of a stamp's ``header.stamp.sec`` and
-    ``header.stamp.nanosec``. In a CSV it may be a date and time of ISO 8601
+    such column, the time is the first of ``t``, ``timestamp``, ``ros_time``,
+    ``sim_time``, ``wall_time_sec`` and the like, of PlotJuggler's ``__time``, of
+    ``%time`` as ``rostopic echo -p`` writes it, or of a stamp's ``header.stamp.sec``
+    and ``header.stamp.nanosec``. In a CSV it may be a date and time of ISO 8601
     (``2026-11-23 18:53:54.25``), in Parquet files (``.parquet``, needs pyarrow) one of
     Parquet's types of time.
 
