@@ -82,7 +82,7 @@ def compare(
         return 0
     if other is None:
         raise InputError("OTHER", None, "a URDF or xacro file, or --explain ID")
-    choice("format", form, _FORMS)
+    _check_form(form, as_json)
     outputs = {"write-arm": (write_arm, (".toml",)), "plot": (plot, FORMATS)}
     check_outputs([other], **outputs)
     if write_arm is not None and write_arm.exists():
@@ -113,6 +113,13 @@ def compare(
         as_record = as_json or form == "json"
         _show(as_record, comparison, described, picture, written)
     return 0 if comparison.agrees else 1
+
+
+def _check_form(form: str, as_json: bool) -> None:
+    """Refuse a form that is unknown, or none that --json goes with."""
+    choice("format", form, _FORMS)
+    if as_json and form == "junit":
+        raise InputError("format", form, "json or text with --json")
 
 
 def _show(

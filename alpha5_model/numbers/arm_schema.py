@@ -32,6 +32,11 @@ class Key:
         """Its dimension."""
         return DIMENSIONS[self.dimension_name]
 
+    def takes(self, number: float) -> bool:
+        """Whether a file may say a number, in SI units: an arm of this size has it."""
+        plausible = self.dimension.plausible
+        return plausible is None or plausible.holds(abs(number))
+
 
 def _positive(dimension: str, about: str) -> Key:
     return Key(dimension, about, least=0.0)

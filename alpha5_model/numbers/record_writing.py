@@ -38,12 +38,13 @@ def arm_file_text(arm: Alpha5Parameters, notes: Iterable[str] = ()) -> str:
 
     Args:
         arm: The record.
-        notes: Lines of comments at the head.
+        notes: Lines of comments at the head; characters that would end a line, or
+            that no comment may hold, are escaped.
     """
     record = instance("arm", arm, Alpha5Parameters)
     writer = _Writer(record)
     lines = [
-        *(f"# {note}" for note in notes),
+        *(_comment(note) for note in notes),
         "# Numbers are in SI units; what is left out is as printed.",
         f"format = {schema.FORMAT}",
         f"name = {_text(record.name)}",
@@ -61,6 +62,19 @@ def arm_file_text(arm: Alpha5Parameters, notes: Iterable[str] = ()) -> str:
         *writer.motors(),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _comment(note: str) -> str:
+    """A comment of one line, whatever the note holds: names from other files."""
+    characters = [
+        character if character.isprintable() else _escaped(character)
+        for character in note
+    ]
+    return f"# {''.join(characters)}"
+
+
+def _escaped(character: str) -> str:
+    return character.encode("unicode_escape").decode()
 
 
 class _Writer:

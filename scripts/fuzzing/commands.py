@@ -11,9 +11,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from fuzzing import hostile
+from fuzzing import folders, hostile, own_arms
 from fuzzing.cases import Case, Target
-from fuzzing.readers import STUDY, damage
+from fuzzing.damage import damage
+from fuzzing.readers import STUDY
 from fuzzing.values import Rng, pick
 
 import alpha5_model as a5
@@ -104,7 +105,26 @@ _NUMBER = ("0.3", "-0.1", "1.2", "0", "3")
 _TRIPLE = ("0 0 -9.81", "0 9.81 0", "0,0,1")
 _FLUID = ("sea", "fresh", "air", "1025", "0", "1.025", "1e5", "-3")
 _PAYLOAD = ("0.2", "0.2 0 0 0.05", "500", "-1", "250g", "0.2 0 0 20")
+_ARMS = ("arm.toml", "arm.toml", "damaged_arm.toml", "trapped_arm.toml", "none", "-")
+_MAPS = (
+    "axis_e=axis_e",
+    "axis_e=x",
+    "axis_e=axis_e,axis_d=axis_d,axis_c=axis_c,axis_b=axis_b",
+    "axis_e=axis_d,axis_d=axis_e",
+    "axis_e=axis_e,axis_e=axis_d",
+    "axis_e=axis_e,axis_d=axis_e",
+    "axis_a=axis_e",
+    "axis_e=axis_e_pos",
+    "axis_e==x",
+    "axis_e=",
+    "=,=",
+    "axis_e=[red]x[/red]",
+    "axis_e=a\nb",
+    "axis_z=axis_e",
+    ",".join(f"j{k}=k{k}" for k in range(300)),
+)
 _JSON: dict[str, tuple[str, ...]] = {"--json": ()}
+_ARM: dict[str, tuple[str, ...]] = {"--arm": _ARMS}
 #: An option and its values; the empty name stands for an argument.
 Option = tuple[str, tuple[str, ...]]
 #: Command -> options that are always there, and options that may be there; flags have
@@ -112,7 +132,7 @@ Option = tuple[str, tuple[str, ...]]
 COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
     "ik": (
         (("", ("0.3", "0.25")), ("", ("0.1", "-0.05")), ("", ("0.1", "0"))),
-        {"--wrist": _NUMBER, **_JSON},
+        {"--wrist": _NUMBER, **_ARM, **_JSON},
     ),
     "torque": (
         (("--q", _NUMBER), ("", _NUMBER), ("", _NUMBER), ("", _NUMBER)),
@@ -123,18 +143,49 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
             "--degrees": (),
             "--payload": _PAYLOAD,
             "--mount": _TRIPLE,
+            **_ARM,
             **_JSON,
         },
     ),
-    "fk": ((("", _NUMBER), ("", _NUMBER), ("", _NUMBER), ("", _NUMBER)), {**_JSON}),
+    "fk": (
+        (("", _NUMBER), ("", _NUMBER), ("", _NUMBER), ("", _NUMBER)),
+        {**_ARM, **_JSON},
+    ),
+    "arm": (
+        (("", ("check", "show", "show", "new", "x")), ("", _ARMS)),
+        {**_JSON},
+    ),
+    "move": (
+        (
+            ("", ("home", "stow", "reach", "1 1 1 1")),
+            ("", ("stow", "home", "0.3", "0.1", "x")),
+            ("", ("0.1", "-0.05")),
+            ("", ("0.1", "0.2")),
+        ),
+        {
+            "--output": _out(".csv", ".txt"),
+            "--obstacles": ("obstacles.toml", "damaged_obstacles.toml", "none", "-"),
+            "--speed": ("0.2", "0", "1e-9", "9"),
+            "--acceleration": ("0.5", "0", "1e9"),
+            "--margin": ("0", "0.02", "9", "20mm"),
+            "--wrist": _NUMBER,
+            "--fluid": _FLUID,
+            "--payload": _PAYLOAD,
+            "--mount": _TRIPLE,
+            "--supply-voltage": ("24", "1e-3"),
+            "--current-limit": ("1", "1e-6"),
+            **_ARM,
+            **_JSON,
+        },
+    ),
     "sweep": (
         (
             ("", ("study.toml", "study.toml", "damaged.toml", "arm.urdf", "none")),
             ("--output", _out("")),
         ),
-        {**_JSON},
+        {"--yes": (), **_ARM, **_JSON},
     ),
-    "workspace": ((), {"--plot": _PICTURE, **_JSON}),
+    "workspace": ((), {"--plot": _PICTURE, **_ARM, **_JSON}),
     "dh": (
         (),
         {
@@ -166,6 +217,8 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
             "--payload": _PAYLOAD,
             "--prefix": ("left_", ""),
             "--topic": ("/x",),
+            "--map": _MAPS,
+            "--degrees": (),
             "--smoothing": ("spline", "savgol", "interpolate"),
             "--bandwidth": ("2", "0.1", "1e-100"),
             "--velocities": ("auto", "file", "positions"),
@@ -173,6 +226,7 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
             "--supply-voltage": ("24",),
             "--current-limit": ("1",),
             "--screw-lead": ("0.001",),
+            **_ARM,
             **_JSON,
         },
     ),
@@ -180,7 +234,16 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
         (),
         {
             "--output": _out(".urdf", "", ".xml"),
-            "--format": ("urdf", "mjcf", "sdf", "water", "lighthill"),
+            "--format": (
+                "urdf",
+                "srdf",
+                "xacro",
+                "mjcf",
+                "sdf",
+                "c",
+                "water",
+                "lighthill",
+            ),
             "--gripper": ("locked", "jaws"),
             "--prefix": ("a_",),
             "--parent": ("rov",),
@@ -191,7 +254,8 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
             "--corrections": ("", "base_frame"),
             "--fluid": _FLUID,
             "--actuators": ("motor",),
-            "--level": ("low", "high"),
+            "--level": ("low", "nominal", "high"),
+            **_ARM,
             "--dh-frames": (),
             "--ros2-control": (),
             "--drag": (),
@@ -200,15 +264,19 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
     "compare": (
         (("", URDFS), ("--samples", ("3",))),
         {
-            "--map": ("axis_e=axis_e", "axis_e=x"),
+            "--map": _MAPS,
+            "--base": ("base_link", "link_2", "tcp", "none"),
+            "--write-arm": _out(".toml", ".toml", ".txt"),
+            "--explain": ("body.mass", "tool.offset", "body", ""),
+            **_ARM,
             "--plot": _PICTURE,
-            "--format": ("json", "junit"),
+            "--format": ("text", "json", "junit"),
             **_JSON,
         },
     ),
     "check": (
         (("--urdf", URDFS),),
-        {"--corrections": ("", "base_frame", "link3_cob"), **_JSON},
+        {"--corrections": ("", "base_frame", "link3_cob"), **_ARM, **_JSON},
     ),
     "view": (
         (("--image", _PICTURE), ("--size", ("64x48",))),
@@ -220,6 +288,7 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
             "--gripper": ("locked", "jaws"),
             "--fluid": _FLUID,
             "--html": _out(".html"),
+            **_ARM,
         },
     ),
 }
@@ -241,12 +310,18 @@ def _furnish(folder: Path, rng: Rng) -> Path:
         ending = name.partition(".")[2]
         (work / name).write_text(text, encoding="utf-8")
         (work / f"damaged.{ending}").write_bytes(damage(rng, text))
+    tables = {"arm.toml": own_arms.ARM, "obstacles.toml": folders.OBSTACLES}
+    for name, text in tables.items():
+        (work / name).write_text(text, encoding="utf-8")
+        (work / f"damaged_{name}").write_bytes(damage(rng, text))
+    (work / "frame.stl").write_bytes(folders.stl(rng))
 
     trapped = hostile.trapped_xml(rng, arm)
     bad = {
         "trapped.urdf": trapped,
         "trapped.xacro": trapped,
         "trapped.csv": hostile.table_of_anything(rng),
+        "trapped_arm.toml": hostile.study_of_anything(rng, own_arms.ARM),
         "torques.csv": motion.replace("axis", "tau_axis"),
     }
     for name, text in bad.items():
@@ -259,7 +334,7 @@ def _make_folders_and_links(work: Path) -> None:
     (work / "locked").mkdir(mode=0o500)
     (work / "empty").touch()
     (work / "link.csv").symlink_to("motion.csv")
-    for end in ("", ".csv", ".json", ".png", ".svg", ".urdf", ".html"):
+    for end in ("", ".csv", ".json", ".png", ".svg", ".urdf", ".html", ".toml"):
         (work / f"loop{end}").symlink_to(f"loop{end}")
         (work / f"dangling{end}").symlink_to(f"nowhere{end}")
 
@@ -315,7 +390,8 @@ def _run(folder: Path) -> Callable[[list[str]], Any]:
         # What else there is to say makes way for a file on standard output.
         aside = said.status != 2 and "-" in args
         _check_what_it_says(said, complaint, aside)
-        if said.status < 2 and "--json" in args and args[0] != "generate":
+        others = args[0] == "generate" or "--explain" in args
+        if said.status < 2 and "--json" in args and not others:
             text = _without_lines(complaint, "wrote ") if aside else said.answer
             return json.loads(text, parse_constant=_refuse)
         if said.status == 2:

@@ -8,10 +8,12 @@ Mutants are made of all hand-written Python of the package and of all hand-writt
 the kernels and the templates of the C library. Each room, which is a folder, a module
 or all C, has a share of the sample in proportion to its lines.
 
-Every test file is run once, to record which test passes which line. A mutant is written
+A test file is run once, to record which test passes which line. A mutant is written
 into a copy of the checkout, where a forked child runs the tests of its line, then those
-of its file and room, until one fails. Results are appended to a file of JSON lines; the
-same command goes on where it was stopped.
+of its file and room, until one fails. The tests in the folder of its room come first.
+Mutants that they do not see wait until all others are recorded, and are judged by
+these. Results are appended to a file of JSON lines; the same command goes on where it
+was stopped.
 
 A mutant that makes the tests endless is reported apart and does not count as killed.
 One that no test can see may be named in ``scripts/mutating/equivalent.toml``, with the
@@ -54,7 +56,7 @@ from mutating.sandbox import (
     run,
     warm,
 )
-from mutating.seen import C_TESTS, Seen
+from mutating.seen import BUDGET, Seen, test_files, tests_of
 from mutating.statuses import (
     EQUIVALENT,
     INVALID,
@@ -62,6 +64,7 @@ from mutating.statuses import (
     SURVIVED,
     TIMEOUT,
     UNTESTED,
+    WAITING,
 )
 
 BUILD = REPOSITORY / "build" / "mutation"
@@ -80,19 +83,12 @@ def main() -> int:
         warm()
         if not _proved(boxes, texts):
             return 1
-        seen = Seen(BUILD / "seen", texts)
-        seen.record(boxes, C_TESTS if asked.rooms == [C_ROOM] else ())
+        seen = Seen(BUILD / "seen", texts, asked.budget)
         done = _appended(asked.output, texts, results)
         spare = 0
         while True:
             mutants = _mutants(asked, texts, spare)
-            for mutant in mutants:
-                if mutant.key not in results and is_equivalent(
-                    mutant, texts[mutant.file]
-                ):
-                    done(Job(mutant, (), 0.0), Outcome(EQUIVALENT, 0.0), boxes[0])
-            waiting = (seen.job(m) for m in mutants if m.key not in results)
-            run(waiting, boxes, texts, done)
+            _judge(mutants, seen, boxes, results, done)
             # Another mutant in place of each that does not compile.
             invalid = sum(results[m.key]["status"] == INVALID for m in mutants)
             if invalid == spare or asked.at:
@@ -102,6 +98,40 @@ def main() -> int:
     print(table(own))
     print(f"seed {asked.seed}; all mutants: {asked.output}")
     return 0 if own and share(own) >= asked.least else 1
+
+
+def _judge(
+    mutants: Sequence[Mutant],
+    seen: Seen,
+    boxes: Sequence[Sandbox],
+    results: dict[str, dict[str, Any]],
+    done: Any,
+) -> None:
+    """Have each mutant judged by the tests of its room, then the rest by all others."""
+    texts = seen.texts
+    for mutant in mutants:
+        if mutant.key not in results and is_equivalent(mutant, texts[mutant.file]):
+            done(Job(mutant, (), 0.0), Outcome(EQUIVALENT, 0.0), boxes[0])
+
+    def at_home(job: Job, outcome: Outcome, box: Sandbox) -> None:
+        mutant = job.mutant
+        assert mutant is not None
+        if outcome.status in (SURVIVED, UNTESTED) and not is_c(mutant.file):
+            outcome = Outcome(WAITING, outcome.seconds)
+        done(job, outcome, box)
+
+    new = [mutant for mutant in mutants if mutant.key not in results]
+    for name, count in Counter(room(m.file) for m in new).most_common():
+        print(f"{name}: {count} mutants", flush=True)
+        seen.record(boxes, tests_of(name))
+        own = [mutant for mutant in new if room(mutant.file) == name]
+        run((seen.job_at_home(m) for m in own), boxes, texts, at_home)
+
+    left = [m for m in mutants if results[m.key]["status"] == WAITING]
+    if left:
+        print(f"all tests: {len(left)} mutants", flush=True)
+        seen.record(boxes, test_files())
+        run((seen.job_elsewhere(m) for m in left), boxes, texts, done)
 
 
 def table(results: Sequence[dict[str, Any]]) -> str:
@@ -142,6 +172,9 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--least", type=float, default=95.0, help="percent killed")
+    parser.add_argument(
+        "--budget", type=float, default=BUDGET, help="s of tests, at home and elsewhere"
+    )
     parser.add_argument("--at", nargs="*", default=(), metavar="FILE:LINE")
     parser.add_argument("--output", type=Path, default=BUILD / "results.jsonl")
     return parser.parse_args()

@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 
 import coverage
-from mutating.mutants import REPOSITORY, Mutant, is_c
+from mutating.mutants import C_ROOM, REPOSITORY, Mutant, is_c, room
 from mutating.python_code import readers, statement
 from mutating.sandbox import Job, Outcome, Sandbox, Selection, run
 from mutating.statuses import SURVIVED
@@ -62,12 +62,22 @@ KERNEL_TESTS = (
 #: For the templates of the C library.
 LIBRARY_TESTS = ("tests/codegen/test_c_library.py",)
 C_TESTS = (*KERNEL_TESTS, *LIBRARY_TESTS)
-#: Processor time of the tests of one mutant, without it [s].
-BUDGET = 90.0
-#: At most this of one test file at a time [s].
-SHARE = 20.0
+#: Room -> the folder of its tests, if that has another name.
+HOMES = {
+    "__init__.py": "package",
+    "__main__.py": "cli",
+    "casadi.py": "codegen",
+    "errors.py": "package",
+    "jax.py": "codegen",
+}
+#: Processor time of the tests of one mutant without it, at home and elsewhere [s].
+BUDGET = 60.0
+#: At most this share of it for one test file at a time.
+SHARE = 0.3
 #: What opening one more test file costs [s].
 OPENING = 0.5
+#: Test file -> names of tests.
+Tests = dict[str, set[str]]
 #: A test file may take this long where its lines are recorded [s].
 _LONGEST = 1200.0
 
@@ -76,26 +86,28 @@ class Seen:
     """The records of all test files, in a folder.
 
     Attributes:
+        budget: Processor time of the tests of a mutant, at home and elsewhere [s].
         seconds: Test file -> test -> processor time.
     """
 
-    def __init__(self, folder: Path, texts: dict[Path, str]) -> None:
+    def __init__(
+        self, folder: Path, texts: dict[Path, str], budget: float = BUDGET
+    ) -> None:
         self.folder = folder
         self.texts = texts
+        self.budget = budget
         self.seconds: dict[str, dict[str, float]] = {}
         self._sources: dict[str, dict[str, str]] = {}
         self._data: dict[str, coverage.CoverageData] = {}
         self._tests_of: dict[Path, dict[str, dict[int, set[str]]]] = {}
 
-    def record(self, boxes: Sequence[Sandbox], only: Sequence[str] = ()) -> None:
-        """Run the test files, or only these, of which there is no record."""
+    def record(self, boxes: Sequence[Sandbox], asked: Sequence[str]) -> None:
+        """Run those of the test files of which there is no record."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        asked = list(only) or [
-            file.relative_to(REPOSITORY).as_posix()
-            for file in sorted((REPOSITORY / "tests").rglob("test_*.py"))
-            if not file.name.startswith(NOT_RUN)
+        self._tests_of.clear()
+        missing = [
+            file for file in asked if file not in self.seconds and not self._read(file)
         ]
-        missing = [file for file in asked if not self._read(file)]
         jobs = [Job(None, (Selection(file),), _LONGEST) for file in missing]
         digests = self._keep_sources()
 
@@ -115,65 +127,92 @@ class Seen:
 
         run(jobs, boxes, self.texts, done)
 
-    def job(self, mutant: Mutant) -> Job:
-        """The tests of a mutant, those that are likely to see it first."""
+    def job_at_home(self, mutant: Mutant) -> Job:
+        """The tests of a mutant in the folder of its room.
+
+        They see most mutants. For these, the tests of other folders need be neither
+        recorded nor run.
+        """
         if is_c(mutant.file):
-            files = KERNEL_TESTS
-            if "c_library" in mutant.file.parts:
-                files = LIBRARY_TESTS
-            selections = tuple(Selection(file) for file in files)
-            known = [sum(self.seconds.get(file, {}).values()) for file in files]
-            return Job(mutant, selections, 2.0 * sum(known))
-        return self._python_job(mutant)
+            return self._c_job(mutant)
+        selections = self._chosen(self._tiers_at_home(mutant), mutant, frozenset())
+        return self._job(mutant, selections)
 
-    def _python_job(self, mutant: Mutant) -> Job:
-        """First the tests of the statement, then of the file, the room, and the rest.
+    def job_elsewhere(self, mutant: Mutant) -> Job:
+        """All other tests of a mutant, those that are likely to see it first."""
+        if is_c(mutant.file):
+            return Job(mutant, (), 0.0)
+        at_home = self._chosen(self._tiers_at_home(mutant), mutant, frozenset())
+        asked = frozenset(name for own in at_home for name in own.names)
+        selections = self._chosen(self._tiers(mutant), mutant, asked)
+        return self._job(mutant, selections)
 
-        The tests of a statement that only an import runs are those of its readers.
+    def _c_job(self, mutant: Mutant) -> Job:
+        files = KERNEL_TESTS
+        if "c_library" in mutant.file.parts:
+            files = LIBRARY_TESTS
+        selections = tuple(Selection(file) for file in files)
+        known = [sum(self.seconds.get(file, {}).values()) for file in files]
+        return Job(mutant, selections, 2.0 * sum(known))
+
+    def _job(self, mutant: Mutant, selections: list[Selection]) -> Job:
+        seconds = OPENING * len(selections)
+        for selection in selections:
+            known = self.seconds[selection.file]
+            seconds += sum(known[name] for name in selection.names)
+        return Job(mutant, tuple(selections), seconds)
+
+    def _tiers_at_home(self, mutant: Mutant) -> list[Tests]:
+        """Tests of the statement, then all others of their files, then of records.
+
+        The folder of tests that mirrors the package comes first: other folders pass
+        many lines, and judge few of their results.
+        """
+        home = home_of(room(mutant.file))
+        own = {
+            test: by_line
+            for test, by_line in self._lines(mutant.file).items()
+            if test.startswith(home)
+        }
+        of_line = _of_statement(self.texts[mutant.file], mutant.line, own)
+        beside = {t: set(self.seconds[t]) for t, names in of_line.items() if names}
+        of_records = {OF_RECORDS: set(self.seconds.get(OF_RECORDS, ()))}
+        return [of_line, beside, of_records]
+
+    def _tiers(self, mutant: Mutant) -> list[Tests]:
+        """Tests of the statement, then of the file, the room, and the rest.
 
         Later tiers are needed since what a module or a cache computes once is seen in
-        one test, or in none. The folder of tests that mirrors the package comes first:
-        other folders pass many lines, and judge few of their results.
+        one test, or in none.
         """
-        text = self.texts[mutant.file]
-        lines = statement(text, mutant.line)
         own = self._lines(mutant.file)
-        of_line = {t: _tests(by_line, lines) for t, by_line in own.items()}
-        if not any(of_line.values()):
-            read = readers(text, mutant.line)
-            of_line = {t: _tests(by_line, read) for t, by_line in own.items()}
+        of_line = _of_statement(self.texts[mutant.file], mutant.line, own)
         of_file = {t: set().union(*by_line.values()) for t, by_line in own.items()}
         beside = {t: set(self.seconds[t]) for t, names in of_line.items() if names}
-        of_room: dict[str, set[str]] = defaultdict(set)
+        of_room: Tests = defaultdict(set)
         for file in self.texts:
-            if file.parts[0] == mutant.file.parts[0] and not is_c(file):
+            if room(file) == room(mutant.file) and not is_c(file):
                 for test, by_line in self._lines(file).items():
                     of_room[test] |= set().union(*by_line.values())
         everything = {t: set(names) for t, names in self.seconds.items()}
-        home = f"tests/{mutant.file.parts[0]}/"
-        tiers = (
-            _below(home, of_line),
-            _below(home, beside),
-            _below(OF_RECORDS, everything),
-            of_line,
-            of_file,
-            beside,
-            of_room,
-            everything,
-        )
-        weight = {t: len(by_line) for t, by_line in own.items()}
+        return [of_line, of_file, beside, of_room, everything]
+
+    def _chosen(
+        self, tiers: list[Tests], mutant: Mutant, asked: frozenset[str]
+    ) -> list[Selection]:
+        """What the budget affords of the tiers, without what was asked before."""
+        weight = {t: len(by_line) for t, by_line in self._lines(mutant.file).items()}
         selections: list[Selection] = []
-        asked: set[str] = set()
         total = 0.0
         for tier in tiers:
             new = {t: names - asked for t, names in tier.items() if names - asked}
             for selection, seconds in self._affordable(new, weight):
-                if selections and total + seconds > BUDGET:
+                if selections and total + seconds > self.budget:
                     continue
                 selections.append(selection)
                 asked |= set(selection.names)
                 total += seconds
-        return Job(mutant, tuple(selections), total)
+        return selections
 
     def _affordable(
         self, tests: dict[str, set[str]], weight: dict[str, int]
@@ -185,7 +224,7 @@ class Seen:
             total = OPENING
             for name in _one_of_each_first(names, self.seconds[file]):
                 cost = self.seconds[file][name]
-                if not chosen or total + cost <= SHARE:
+                if not chosen or total + cost <= SHARE * self.budget:
                     chosen.append(name)
                     total += cost
             found.append((Selection(file, tuple(chosen)), total))
@@ -240,13 +279,48 @@ class Seen:
         return (self.folder / f"{digest}.txt").read_text(encoding="utf-8")
 
 
+def home_of(room_: str) -> str:
+    """The folder of tests that mirrors a room."""
+    return f"tests/{HOMES.get(room_, room_)}/"
+
+
+def tests_of(room_: str) -> list[str]:
+    """The test files that judge the mutants of a room at first."""
+    if room_ == C_ROOM:
+        return list(C_TESTS)
+    home = home_of(room_)
+    return [f for f in test_files() if f.startswith(home) or f == OF_RECORDS]
+
+
+def test_files() -> list[str]:
+    """All that a mutant may be judged by."""
+    return [
+        file.relative_to(REPOSITORY).as_posix()
+        for file in sorted((REPOSITORY / "tests").rglob("test_*.py"))
+        if not file.name.startswith(NOT_RUN)
+    ]
+
+
+def _of_statement(text: str, line: int, own: dict[str, dict[int, set[str]]]) -> Tests:
+    """The tests that pass the statement around a line of a file.
+
+    Of a statement that only an import runs, those that pass its readers.
+
+    Args:
+        text: Of the file.
+        line: Of the file.
+        own: Test file -> line of the file -> tests that pass it.
+    """
+    lines = statement(text, line)
+    of_line = {test: _tests(by_line, lines) for test, by_line in own.items()}
+    if not any(of_line.values()):
+        read = readers(text, line)
+        of_line = {test: _tests(by_line, read) for test, by_line in own.items()}
+    return of_line
+
+
 def _tests(by_line: dict[int, set[str]], lines: Iterable[int]) -> set[str]:
     return {name for line in lines for name in by_line.get(line, ())}
-
-
-def _below(folder: str, tests: dict[str, set[str]]) -> dict[str, set[str]]:
-    """The test files in a folder."""
-    return {file: names for file, names in tests.items() if file.startswith(folder)}
 
 
 def _one_of_each_first(names: set[str], seconds: dict[str, float]) -> list[str]:

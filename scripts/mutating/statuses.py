@@ -6,3 +6,5 @@ TIMEOUT = "timeout"
 INVALID = "does not compile"
 UNTESTED = "no test"
 EQUIVALENT = "equivalent"
+#: Until the tests of other folders have judged it.
+WAITING = "waiting"

@@ -101,6 +101,18 @@ def test_the_catalogues_arm_has_no_table_but_its_notes(read: Any) -> None:
     )
 
 
+@pytest.mark.parametrize("end", ["\n", "\r", "\x0b", "\x85", "\u2028", "\0", "\x7f"])
+def test_a_note_stays_in_its_line(read: Any, end: str) -> None:
+    """Names in notes come from other people's files."""
+    text = arm_file_text(a5.parameters(), [f"sensor{end}[links.link_2]{end}mass = 3"])
+    head, *rest = text.split("\n")
+    assert head.startswith("# sensor\\")
+    assert head.isprintable()
+    assert head.endswith("mass = 3")
+    assert rest[0] == "# Numbers are in SI units; what is left out is as printed."
+    check_same(read(text), a5.parameters())
+
+
 def test_what_was_measured_as_printed_is_kept(read: Any) -> None:
     text = (
         "format = 1\n[links.link_2]\nmass = {value = 0.38, half_width = 0.002, "

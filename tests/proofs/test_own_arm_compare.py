@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -95,6 +96,74 @@ def test_an_arm_to_the_letter_is_refused() -> None:
     """Its link_0 is turned, and the numbers of link_0 are compared in base_link."""
     with pytest.raises(InputError, match="with the correction base_frame"):
         compare_robots(parse_urdf(urdf()), arm=own.RECORDS[8])
+
+
+def changed_urdf(*changes: tuple[str, str]) -> str:
+    """Our URDF with other attributes, everywhere."""
+    text = Path(a5.URDF_PATH).read_text(encoding="utf-8")
+    for pattern, new in changes:
+        text, count = re.subn(pattern, new, text)
+        assert count, pattern
+    return text
+
+
+#: A change of our URDF, what the arm file says of it, and the field that stays.
+UNSAYABLE = [
+    ((r' velocity="[^"]+"', ' velocity="100"'), "axis_e has a largest velocity of 100"),
+    ((r' effort="[^"]+"', ' effort="1000"'), "axis_b has a largest effort of 1000"),
+    (
+        (r'lower="[^"]+" upper="[^"]+"', 'lower="300" upper="302"'),
+        "from 300 to 302 rad",
+    ),
+    ((r'lower="[^"]+" upper="[^"]+"', 'lower="0" upper="7"'), "a range of 401.1 deg"),
+    ((r'<mass value="[^"]+"', '<mass value="30"'), "link_2 has 30 kg"),
+    ((r'<mass value="[^"]+"', '<mass value="0"'), "(no mass)"),
+    (
+        (r'(<inertial>\s*<origin rpy="0 0 0" xyz=")[^"]+"', r'\g<1>0 0 3"'),
+        "link_1 has its COM 3 m off",
+    ),
+]
+
+
+@pytest.mark.parametrize(("change", "said"), UNSAYABLE)
+def test_what_no_arm_file_takes_is_as_printed_and_listed(
+    change: tuple[str, str], said: str, tmp_path: Path
+) -> None:
+    """Velocities of 100 and efforts of 1000 are what exporters write for 'any'."""
+    described = arm_of_robot(parse_urdf(changed_urdf(change)))
+    listed = [text for text in described.left_out if said in text]
+    assert listed, described.left_out
+    assert all(text.endswith("is kept") for text in listed)
+    back = read_back(described, tmp_path)
+    for ours, theirs in zip(a5.parameters().joints, back.joints, strict=True):
+        assert vars(theirs) == pytest.approx(vars(ours), abs=1e-9)
+    for body, own_body in zip(a5.parameters().links, back.links, strict=True):
+        assert own_body.mass == pytest.approx(body.mass)
+        assert own_body.com == pytest.approx(body.com)
+
+
+def test_a_length_that_no_arm_file_takes_is_as_printed(tmp_path: Path) -> None:
+    record = a5.parameters()
+    row = dataclasses.replace(record.dh[2], a=2.5)
+    long = dataclasses.replace(record, dh=(*record.dh[:2], row, *record.dh[3:]))
+    described = arm_of_robot(parse_urdf(urdf(Variant(arm=long))))
+    assert "a_2 is 2.5 m: the printed one is kept" in described.left_out
+    assert read_back(described, tmp_path).dh[2].a == record.dh[2].a
+
+
+def test_names_of_a_model_stay_in_the_comments(tmp_path: Path) -> None:
+    """A name with a line end wrote tables into the file of somebody else's arm."""
+    name = "x&#10;[links.link_2]&#10;mass = 3"
+    body = (
+        f'<link name="{name}"><inertial><mass value="0.1"/><inertia ixx="1e-4" '
+        'ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>'
+        '<joint name="j" type="fixed"><parent link="base_link"/>'
+        f'<child link="{name}"/></joint></robot>'
+    )
+    described = arm_of_robot(parse_urdf(changed_urdf(("</robot>", body))))
+    assert any("\nmass = 3" in text for text in described.left_out)
+    back = read_back(described, tmp_path)
+    assert back.links[2].mass == a5.parameters().links[2].mass
 
 
 def changed_link(record: Alpha5Parameters) -> Alpha5Parameters:

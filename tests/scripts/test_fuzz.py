@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import os
 import socket
 import subprocess
@@ -438,3 +439,64 @@ def test_a_masked_added_mass_is_no_added_mass():
 def test_lengths_whose_sum_overflows_are_refused():
     with pytest.raises(InputError, match="length_ranges"):
         a5.planar.annulus([(1.7e308, 1.7e308)] * 3)
+
+
+def test_an_arm_file_of_another_arm_is_a_failure(fuzz, tmp_path, monkeypatch):
+    """What is written is heavier than what was asked for, or cannot be read."""
+    from fuzzing import own_arms
+
+    monkeypatch.setattr(own_arms, "_WAYS", (lambda rng, text: text,))
+
+    def found():
+        return fuzz.outcome(own_arms.model_file(np.random.default_rng(1), tmp_path))
+
+    assert found() == "ok"
+    whole = own_arms.arm_text
+    monkeypatch.setattr(
+        own_arms, "arm_text", lambda *args: whole(*args) + "[links.link_1]\nmass = 2\n"
+    )
+    assert found().startswith("WrongArmError: 2.0 instead of")
+    monkeypatch.setattr(own_arms, "arm_text", lambda *args: "mass = 2")
+    assert found().startswith("WrongArmError: the file cannot be read")
+
+
+def test_other_results_of_a_sweep_are_a_failure(fuzz, tmp_path, monkeypatch):
+    from fuzzing import folders
+
+    files, outputs = folders._results()
+    column = {name: value + 1 for name, value in outputs["peak"].items()}
+    wrong = (files, {**outputs, "peak": column})
+    monkeypatch.setattr(folders, "_results", lambda: wrong)
+    rng = np.random.default_rng(2)
+    found = fuzz.outcome(folders.sweep_folder(rng, tmp_path))
+    assert found.startswith("WrongAnswerError: peak.")
+
+
+def test_a_column_of_lists_that_no_file_has_is_a_failure(fuzz, tmp_path, monkeypatch):
+    from fuzzing import folders
+
+    def turned(path):
+        motion = read(path)
+        return dataclasses.replace(motion, position=motion.position + 1)
+
+    def found(number):
+        rng = np.random.default_rng(number)
+        return fuzz.outcome(folders.lerobot(rng, tmp_path))
+
+    good = [number for number in range(12) if found(number) == "ok"]
+    assert len(good) > 1
+    read = a5.trajectory.read_motion
+    monkeypatch.setattr(a5.trajectory, "read_motion", turned)
+    assert {found(number)[:22] for number in good} == {"WrongAnswerError: read"}
+
+
+def test_the_package_may_unpickle_its_records_and_nothing_else(fuzz):
+    import pickle
+
+    from fuzzing import cases
+
+    own = pickle.dumps(a5.parameters())
+    other = pickle.dumps(os.getcwd)
+    assert fuzz.outcome(cases.Case(lambda: pickle.loads(own).name, {})) == "ok"
+    found = fuzz.outcome(cases.Case(lambda: len(str(pickle.loads(other))), {}))
+    assert found.startswith("did what no file may make it do: pickle.find_class")

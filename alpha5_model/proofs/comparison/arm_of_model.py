@@ -20,6 +20,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, transform, wrap
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import arm_schema as schema
 from alpha5_model.numbers.arm_checks import FARTHEST_TOOL
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.chosen_arm import chosen_arm
@@ -48,6 +49,8 @@ _ROUNDING = 1e-12
 _LEFT_OUT = 1e-7
 #: A base_link whose d_0 differs by more is another frame [m].
 _OTHER_BASE = 0.1
+#: What a file takes as limits of a turning joint.
+_LIMITS = schema.JOINT_LIMITS["axis_e"]
 #: Names that a parent of base_link cannot have.
 _TAKEN = ("base_link", "tcp", *BODY_NAMES)
 
@@ -348,6 +351,8 @@ def _rows(
         if length * printed <= 0:
             text = f"{field}_{i} is {length:.3g} m, which has not the sign of Table 1"
             left_out.append(text)
+        elif not schema.LENGTHS[f"{field}_{i}"].takes(length):
+            left_out.append(f"{field}_{i} is {length:.3g} m: the printed one is kept")
         elif abs(length - printed) > _ROUNDING:
             own: dict[str, Any] = {field: length}
             rows[i] = replace(rows[i], **own)
@@ -422,22 +427,46 @@ def _joints(
             left_out.append(f"{ours.name} has no limits: the catalogue's are kept")
         else:
             given = sorted([axes.sign[i] * model.lower, axes.sign[i] * model.upper])
-            if 0 < given[1] - given[0] < math.tau:
-                ends = given
-            else:
-                width = math.degrees(given[1] - given[0])
-                text = f"{ours.name} has a range of {width:.4g} deg"
-                left_out.append(f"{text}: the catalogue's is kept")
-        joints[i] = replace(ours, lower=float(ends[0]), upper=float(ends[1]))
-        for field in ("velocity", "effort"):
-            value = getattr(model, field)
-            if value and value > 0:
-                own: dict[str, Any] = {field: float(value)}
-                joints[i] = replace(joints[i], **own)
-            else:
-                text = f"{ours.name} has no largest {field}: the catalogue's is kept"
+            problem = _problem_of_range(given)
+            if problem:
+                text = f"{ours.name} has a range {problem}: the catalogue's is kept"
                 left_out.append(text)
+            else:
+                ends = given
+        joints[i] = replace(
+            ours,
+            lower=float(ends[0]),
+            upper=float(ends[1]),
+            velocity=_largest("velocity", ours, model.velocity, left_out),
+            effort=_largest("effort", ours, model.effort, left_out),
+        )
     return tuple(joints)
+
+
+def _problem_of_range(ends: list[float]) -> str:
+    """Why an arm file cannot say a range of positions; empty if it can."""
+    width = ends[1] - ends[0]
+    if not 0 < width < math.tau:
+        return f"of {math.degrees(width):.4g} deg"
+    if not all(_LIMITS["min_position"].takes(end) for end in ends):
+        return f"from {ends[0]:.4g} to {ends[1]:.4g} rad"
+    return ""
+
+
+def _largest(
+    field: str, ours: JointParameters, value: float | None, left_out: list[str]
+) -> float:
+    """The largest velocity or effort of a joint: the model's, or the catalogue's."""
+    printed: float = getattr(ours, field)
+    if value is None or value <= 0:
+        text = f"{ours.name} has no largest {field}: the catalogue's is kept"
+        left_out.append(text)
+        return printed
+    if not _LIMITS[f"max_{field}"].takes(value):
+        text = f"{ours.name} has a largest {field} of {value:.4g}"
+        left_out.append(f"{text}: the catalogue's is kept")
+        return printed
+    return float(value)
 
 
 def _tool(

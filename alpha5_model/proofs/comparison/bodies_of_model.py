@@ -9,6 +9,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import arm_schema as schema
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.inertia import inconsistencies, point_mass_tensor
 from alpha5_model.numbers.parameters import LinkParameters
@@ -42,10 +43,9 @@ def bodies_of_model(
     bodies = zip(printed, masses.tolist(), coms, inertias, strict=True)
     for link, mass, com, inertia in bodies:
         symmetric = (inertia + inertia.T) / 2
-        wrong = inconsistencies(mass, com, symmetric) if mass else ["no mass"]
-        if wrong:
-            text = f"{link.name} is no possible body ({wrong[0]})"
-            left_out.append(f"{text}: the printed one is kept")
+        problem = _problem(mass, com, symmetric)
+        if problem:
+            left_out.append(f"{link.name} {problem}: the printed one is kept")
             links.append(link)
             continue
         try:
@@ -55,6 +55,19 @@ def bodies_of_model(
             links.append(body)
             attached.append(rest)
     return tuple(links), tuple(attached)
+
+
+def _problem(mass: float, com: FloatArray, inertia: FloatArray) -> str:
+    """Why an arm file cannot say a body; empty if it can."""
+    wrong = inconsistencies(mass, com, inertia) if mass else ["no mass"]
+    if wrong:
+        return f"is no possible body ({wrong[0]})"
+    if not schema.ATTACHED["mass"].takes(mass):
+        return f"has {mass:.4g} kg"
+    farthest = float(np.abs(com).max())
+    if not schema.ATTACHED["com"].takes(farthest):
+        return f"has its COM {farthest:.4g} m off"
+    return ""
 
 
 def _link(
