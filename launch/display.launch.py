@@ -40,10 +40,16 @@ XACRO_ARGUMENTS = (
         "adds hardware interfaces and the bus address of each joint",
     ),
     (
-        "ros2_control_plugin",
-        "mock_components/GenericSystem",
-        "name of the hardware plugin",
+        "ros2_control_hardware",
+        "mock",
+        "mock, alpha_hardware, blue_reach_5, or a YAML file of your own",
     ),
+    (
+        "ros2_control_parameters",
+        "",
+        "NAME=VALUE of the hardware, such as serial_port=/dev/ttyUSB0",
+    ),
+    ("ros2_control_plugin", "", "another plugin than the hardware's"),
 )
 FOLDER = Path(__file__).resolve().parent.parent
 MESHES = "package://alpha5_description/meshes/"

@@ -119,6 +119,7 @@ _FIELD_OF = {
     "arm_file": "arm",
     "mesh_uri": "mesh_prefix",
     "fluid": "fluid_density",
+    "ros2_control_param": "ros2_control_parameters",
 }
 #: Option and format -> why the format does not have it, if that needs an explanation.
 _REASONS = {
@@ -149,7 +150,13 @@ _MeshUri = Annotated[str, Option(help=options.HELP["meshes"])]
 _Collision = Annotated[str, Option(help="primitives or none.")]
 _DhFrames = Annotated[bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")]
 _Ros2Control = Annotated[bool, Option("--ros2-control", help="Interfaces, device ids.")]
-_Ros2ControlPlugin = Annotated[str, Option(help="Hardware.")]
+_Ros2ControlHardware = Annotated[
+    str, Option(help="mock, alpha_hardware, blue_reach_5, or a YAML file.")
+]
+_Ros2ControlParam = Annotated[
+    list[str] | None, Option(help="Of the hardware: NAME=VALUE.")
+]
+_Ros2ControlPlugin = Annotated[str, Option(help="Another than the hardware's.")]
 _Corrections = Annotated[str | None, Option(help="With commas; '' is to the letter.")]
 _Fluid = Annotated[str, Option(help=f"Not urdf: {options.FLUID}")]
 _Gravity = Annotated[str, Option(help="c: in base_link (m/s^2).")]
@@ -181,7 +188,9 @@ def generate(
     collision: _Collision = "primitives",
     dh_frames: _DhFrames = False,
     ros2_control: _Ros2Control = False,
-    ros2_control_plugin: _Ros2ControlPlugin = "mock_components/GenericSystem",
+    ros2_control_hardware: _Ros2ControlHardware = "mock",
+    ros2_control_param: _Ros2ControlParam = None,
+    ros2_control_plugin: _Ros2ControlPlugin = "",
     corrections: _Corrections = None,
     fluid: _Fluid = "sea",
     gravity: _Gravity = options.DOWN,
@@ -207,6 +216,8 @@ def generate(
     without gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers follow
     the jaw rod by mimic. C holds masses and water as numbers, or takes them in a
     struct.
+    --ros2-control adds hardware interfaces: of mock hardware, of a public driver
+    (--ros2-control-hardware), or laid out by a file of yours.
     --check ends with status 1 if a committed file is stale.
 
     At joint position 0, where many tools start, it is out of its limits and in
@@ -248,6 +259,9 @@ def _record(made: _Format, params: Mapping[str, Any]) -> Any:
         "fluid_density": values.fluid_density(params["fluid"]),
         "corrections": values.correction_names(params["corrections"]),
         "arm": values.arm_record(params["arm_file"]),
+        "ros2_control_parameters": values.pairs(
+            "ros2_control_param", params["ros2_control_param"] or [], "="
+        ),
     }
     return made.options(**{name: given[name] for name in made.option_names()})
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,11 @@ import numpy as np
 
 from alpha5_model._support.checks import choice, flag, float_array
 from alpha5_model._support.paths import XACRO_PATH
+from alpha5_model.description.ros2_control import (
+    MOCK,
+    hardware_argument,
+    parameter_argument,
+)
 from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.description.xml import text_of
@@ -22,7 +27,6 @@ from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 COLLISIONS = ("primitives", "none")
-_PLUGIN = "mock_components/GenericSystem"
 #: xacro would evaluate ``${...}`` and ``$(...)``; the others would need escapes in XML.
 _FORBIDDEN = set("${}<>&\"'")
 
@@ -42,7 +46,11 @@ class Variant:
         collision: ``primitives`` or ``none``.
         dh_frames: Adds the massless DH frames ``dh_1`` to ``dh_5``.
         ros2_control: Adds hardware interfaces and device ids.
-        ros2_control_plugin: Name of the hardware plugin.
+        ros2_control_hardware: Layout of these, with its plugin: ``mock``,
+            ``alpha_hardware``, ``blue_reach_5``, or a YAML file.
+        ros2_control_parameters: Parameters of the hardware, such as ``serial_port``.
+            They replace the layout's, or are added to them.
+        ros2_control_plugin: Another plugin than the layout's; empty for that one.
         corrections: Recorded corrections to apply.
         arm: Record of an arm of your own, which has its corrections already; None for
             the catalogue's. Its mount is used if ``parent`` is empty, its name is the
@@ -58,7 +66,9 @@ class Variant:
     collision: str = "primitives"
     dh_frames: bool = False
     ros2_control: bool = False
-    ros2_control_plugin: str = _PLUGIN
+    ros2_control_hardware: str = MOCK
+    ros2_control_parameters: Mapping[str, str] = field(default_factory=dict)
+    ros2_control_plugin: str = ""
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     arm: Alpha5Parameters | None = None
 
@@ -72,15 +82,26 @@ class Variant:
         _check_name("prefix", self.prefix)
         _check_name("parent", self.parent)
         _check_text("mesh_prefix", self.mesh_prefix)
-        _check_text("ros2_control_plugin", self.ros2_control_plugin)
-        if self.ros2_control_plugin != _PLUGIN and not self.ros2_control:
-            raise InputError(
-                "ros2_control_plugin",
-                self.ros2_control_plugin,
-                "ros2_control with it",
-            )
+        self._check_ros2_control()
         if self.arm is not None:
             chosen_arm(self.arm, self.corrections)
+
+    def _check_ros2_control(self) -> None:
+        _check_text("ros2_control_plugin", self.ros2_control_plugin)
+        _check_text("ros2_control_hardware", self.ros2_control_hardware)
+        pairs = parameter_argument(self.ros2_control_parameters)
+        _check_text("ros2_control_parameters", pairs)
+        if self.ros2_control:
+            hardware_argument(self.ros2_control_hardware, self.gripper)
+            return
+        given = {
+            "ros2_control_hardware": self.ros2_control_hardware != MOCK,
+            "ros2_control_parameters": pairs,
+            "ros2_control_plugin": self.ros2_control_plugin,
+        }
+        for name, is_given in given.items():
+            if is_given:
+                raise InputError(name, getattr(self, name), "ros2_control with it")
 
     def _check_mount(self, name: str, value: tuple[float, float, float]) -> None:
         mount = float_array(name, value, (3,))
@@ -132,9 +153,15 @@ def urdf(variant: Variant | None = None) -> str:
 
 def _xacro_arguments(variant: Variant, parameter_file: Path) -> dict[str, str]:
     """Arguments of ``xacro/alpha5.urdf.xacro``, which have the names of the fields."""
-    arguments = {"parameters": str(parameter_file)}
+    arguments = {
+        "parameters": str(parameter_file),
+        "ros2_control_hardware": hardware_argument(
+            variant.ros2_control_hardware, variant.gripper
+        ),
+        "ros2_control_parameters": parameter_argument(variant.ros2_control_parameters),
+    }
     for name, value in vars(variant).items():
-        if name in ("corrections", "arm"):
+        if name in arguments or name in ("corrections", "arm"):
             continue
         is_flag = isinstance(value, bool | np.bool_)
         arguments[name] = str(value).lower() if is_flag else text_of(value)

@@ -41,12 +41,17 @@ def expand_xacro(
         try:
             document = process(os.fspath(path), mappings=mappings)
         except Exception as error:
-            problem = " ".join(str(error).split())
-            raise FileFormatError(path, f"xacro: {problem}") from None
+            raise FileFormatError(path, f"xacro: {_problem(error)}") from None
 
     text: str = document.documentElement.toprettyxml(indent="  ")
     lines = [line for line in text.splitlines() if line.strip()]
     return "\n".join(['<?xml version="1.0" ?>', *lines, ""])
+
+
+def _problem(error: Exception) -> str:
+    """What xacro says in one line, without the expression that says it."""
+    problem = " ".join(str(error).split())
+    return problem.partition(" when evaluating expression 'xacro.fatal(")[0]
 
 
 def _process_file() -> Callable[..., Any]:

@@ -132,6 +132,7 @@ def _variant(rng: Rng, folder: Path) -> Case:
         "collision": "none",
         "dh_frames": True,
         "ros2_control": True,
+        "ros2_control_hardware": "blue_reach_5",
         "ros2_control_plugin": "x/Y",
         "corrections": (),
     }
