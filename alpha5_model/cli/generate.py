@@ -21,6 +21,7 @@ from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.lighthill import LighthillOptions, lighthill_files
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.description.usd import UsdOptions, usd_files
 from alpha5_model.description.water_table import WaterOptions, water_files
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.errors import InputError, OutputError
@@ -101,6 +102,12 @@ _FORMATS = {
     ),
     "sdf": _Format(options=sdf.SdfOptions, files=sdf.sdf_files, main_file="model.sdf"),
     "c": _Format(options=COptions, files=c_files, main_file="alpha5.c"),
+    "usd": _Format(
+        options=UsdOptions,
+        files=usd_files,
+        main_file="alpha5.usda",
+        suffixes=(".usda",),
+    ),
     "water": _Format(
         options=WaterOptions,
         files=water_files,
@@ -140,7 +147,9 @@ MESH_URIS = {
 _Output = Annotated[Path | None, Option(help="File; for mjcf, sdf and c a folder.")]
 _DescriptionFormat = Annotated[
     str,
-    Option("--format", help="urdf, srdf, xacro, mjcf, sdf, c, water or lighthill."),
+    Option(
+        "--format", help="urdf, srdf, xacro, mjcf, sdf, usd, c, water or lighthill."
+    ),
 ]
 _Prefix = Annotated[str, Option(help="Before every link and joint name.")]
 _Parent = Annotated[str, Option(help="Link to mount on; made if given.")]
@@ -208,10 +217,11 @@ def generate(
     """Write the description of any variant of the arm.
 
     urdf, srdf, xacro (numbers for plain xacro, parameters:=FILE), mjcf (a folder
-    for MuJoCo), sdf (a folder for Gazebo), c (a C99 library), water (a table of
-    volume, centre of buoyancy, added mass and drag of each link, in JSON) or
-    lighthill (the same for Isaac Lab, in YAML); without --output the main file
-    goes to standard output. --arm describes the arm of a file.
+    for MuJoCo), sdf (a folder for Gazebo), usd (one file for Isaac Sim and Newton),
+    c (a C99 library), water (a table of volume, centre of buoyancy, added mass and
+    drag of each link, in JSON) or lighthill (the same for Isaac Lab, in YAML);
+    without --output the main file goes to standard output.
+    --arm describes the arm of a file.
     Meshes are copied beside a URDF unless --mesh-uri says where they are. mjcf
     without gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers follow
     the jaw rod by mimic. C holds masses and water as numbers, or takes them in a
@@ -227,6 +237,7 @@ def generate(
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
     alpha5 generate --format mjcf --fluid fresh --output out/mujoco
     alpha5 generate --format sdf --hydrodynamics --output out/gazebo
+    alpha5 generate --format usd --gripper jaws --output out/alpha5.usda
     alpha5 generate --format c --real float --output out/controller
     alpha5 generate --format water --fluid fresh --output out/water.json
     """

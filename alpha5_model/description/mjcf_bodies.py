@@ -17,10 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import Placement, quaternion_from_rpy
 from alpha5_model.description.bodies import Body
 from alpha5_model.description.mjcf_drag import ellipsoids
+from alpha5_model.description.principal_axes import principal_axes
 from alpha5_model.description.xml import Value, add
 from alpha5_model.geometry.materials import material_of
 from alpha5_model.geometry.primitives import Primitive
@@ -95,7 +95,8 @@ class BodyWriter:
         return self.buoyancy and body.volume > 0
 
     def _add_inertial(self, element: ET.Element, body: Body) -> None:
-        moments, axes = _principal(body.inertia)
+        # MuJoCo 3.5 finds them from a full tensor to about 4e-10 kg m^2 only.
+        moments, axes = principal_axes(body.inertia)
         inertial: dict[str, Value] = {
             "pos": body.com,
             "quat": axes,
@@ -184,20 +185,6 @@ def _add_collisions(element: ET.Element, body: Body) -> None:
         size = [length * half for length, half in zip(shape.size, halves, strict=True)]
         pose = _pose(shape)
         add(element, "geom", "collision", type=shape.kind, size=size, **pose)
-
-
-def _principal(inertia: FloatArray) -> tuple[FloatArray, list[float]]:
-    """Principal moments [kg m^2], and the quaternion (w, x, y, z) of their axes.
-
-    MuJoCo 3.5 finds them from a full tensor to about 4e-10 kg m^2 only.
-    """
-    from scipy.spatial.transform import Rotation
-
-    moments, axes = np.linalg.eigh(inertia)
-    right_handed = axes * np.sign(np.linalg.det(axes))
-    rotation = Rotation.from_matrix(right_handed)
-    x, y, z, w = rotation.as_quat(canonical=True).tolist()
-    return moments, _without_negative_zeros(w, x, y, z)
 
 
 def _pose(placement: Placement | Primitive) -> dict[str, Value]:

@@ -7,13 +7,16 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export PIP_CONSTRAINT="$repository/constraints.txt" PIP_DISABLE_PIP_VERSION_CHECK=1
 
+"${PYTHON:-python3}" -m venv "$work/build"
+"$work/build/bin/python" -m pip install --quiet hatchling
 "${PYTHON:-python3}" -m venv "$work/venv"
-"$work/venv/bin/python" -m pip install --quiet hatchling setuptools editables
-(cd "$repository" && "$work/venv/bin/python" -m hatchling build -t sdist -d "$work/dist" >"$work/sdist.txt")
+(cd "$repository" && "$work/build/bin/python" -m hatchling build -t sdist -d "$work/dist" >"$work/sdist.txt")
 export ALPHA5_REQUIRE_KERNELS=1
 "$work/venv/bin/python" -m pip wheel --quiet --no-deps --wheel-dir "$work/dist" "$work"/dist/*.tar.gz
 ls "$work"/dist/alpha5_model-*-cp311-abi3-*.whl # one for every Python from 3.11
 "$work/venv/bin/python" -m pip install --quiet "$work"/dist/*.whl
+# What README says of the size.
+"$work/venv/bin/python" "$repository/scripts/checks/install_size.py" "$work/venv/bin/python" --page "$repository/README.md"
 mkdir "$work/elsewhere" && cd "$work/elsewhere"
 
 "$work/venv/bin/python" - <<'PYTHON'
@@ -62,6 +65,12 @@ if "$work/venv/bin/alpha5" generate --gripper none 2>error.txt; then exit 1; fi
 test "$(wc -l <error.txt)" = 1
 "$work/venv/bin/alpha5" generate --check
 
+# Kinematics, kernels and files with NumPy alone.
+"${PYTHON:-python3}" -m venv "$work/numpy"
+"$work/numpy/bin/python" -m pip install --quiet numpy
+"$work/numpy/bin/python" -m pip install --quiet --no-deps "$work"/dist/*.whl
+"$work/numpy/bin/python" "$repository/scripts/checks/numpy_alone.py"
+
 # A command for a version such as 3.12, if there is one here: on the path, of uv or of pyenv.
 python_of() {
   local found
@@ -94,6 +103,7 @@ for version in 3.11 3.12 3.13; do
 done
 
 # Without a compiler: an error where the kernels are required, else one line, and NumPy computes.
+"$work/venv/bin/python" -m pip install --quiet hatchling setuptools editables
 without_compiler() { env -u CC PATH="$work/venv/bin" "$work/venv/bin/python" "$@"; }
 mkdir "$work/source" && tar -xzf "$work"/dist/*.tar.gz -C "$work/source" --strip-components 1
 install=(-m pip install -v --no-deps --no-build-isolation --editable "$work/source")

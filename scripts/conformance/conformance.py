@@ -31,6 +31,7 @@ from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import sdf_files
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.description.usd import usd_files
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.numbers.fluids import SEA_WATER
 from alpha5_model.numbers.parameters import parameters
@@ -99,6 +100,8 @@ TOOLS = (
         _SINGLE,
     ),
     Tool("Newton", "MJCF", "newton", "newton", simulators.newton_mjcf, _SINGLE),
+    Tool("Newton", "USD", "newton", "newton", simulators.newton_usd, _SINGLE),
+    Tool("UsdPhysics", "USD", "pxr", "usd-core", tools.usd_physics, _SINGLE),
     Tool("brax", "MJCF, no buoyancy", "brax", "brax", simulators.brax, _SINGLE),
     Tool("mink", "MJCF", "mink", "mink", libraries.mink),
     Tool("Pinocchio", "MJCF", "pinocchio", "pin", tools.pinocchio_mjcf),
@@ -154,6 +157,9 @@ class Row:
 def write_files(folder: Path) -> None:
     """The generated files that the tools read; MJX and brax want theirs simpler."""
     atomic_write(folder / "alpha5.urdf", urdf(Variant(mesh_prefix="meshes/")))
+    if installed("pxr"):
+        for name, content in usd_files().items():
+            atomic_write(folder / name, content)
     mjx = MjcfOptions(collision="none")
     plain = MjcfOptions(collision="none", buoyancy="none", actuators="motor")
     for name, files in (

@@ -8,12 +8,12 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
 from conformance.conformance import installed
+from conformance.own_python import bare, own_python
 from conformance.ros_tools import NotThereError, Result, Workspace
 
 import alpha5_model as a5
@@ -195,29 +195,18 @@ def _refused(text: str) -> str:
 
 def placo(work: Workspace) -> Result:
     """In an environment of its own."""
-    python = work.folder / "placo" / "bin" / "python"
-    bare = {
-        k: x for k, x in os.environ.items() if k not in ("PIP_CONSTRAINT", "PYTHONPATH")
-    }
-    subprocess.run(
-        [sys.executable, "-m", "venv", str(python.parents[1])], check=True, env=bare
-    )
-    pip = [str(python), "-m", "pip", "install", "--quiet", _PLACO]
-    try:
-        subprocess.run(pip, capture_output=True, env=bare, check=True, timeout=240)
-    except (subprocess.CalledProcessError, subprocess.TimeoutExpired):
-        raise NotThereError(f"pip does not install {_PLACO}") from None
+    python = own_python(work.folder / "placo", _PLACO)
     joints = parameters().joints[:4]
     q = np.random.default_rng(2022).uniform(
         [j.lower for j in joints], [j.upper for j in joints], (100, 4)
     )
     done = subprocess.run(
-        [str(python), "-c", _ASK_PLACO, URDF_PATH],
+        [python, "-c", _ASK_PLACO, URDF_PATH],
         input=json.dumps({"q": q.tolist(), "joints": [j.name for j in joints]}),
         capture_output=True,
         text=True,
         check=True,
-        env=bare,
+        env=bare(),
     )
     (answer,) = (line for line in done.stdout.splitlines() if line.startswith("answer"))
     arm, worst = a5.load(fluid_density=0.0), np.zeros(3)

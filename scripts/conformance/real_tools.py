@@ -21,7 +21,7 @@ from pathlib import Path
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from conformance import gazebo_tools, ros_tools
+from conformance import gazebo_tools, ros_tools, usd_tools
 from conformance.conformance import insert
 from conformance.ros_tools import Result, Workspace
 
@@ -113,6 +113,23 @@ CHECKS = (
         "FK of the tcp [m, 1], M [kg m²] and gravity torque [N m], 100 states",
         gazebo_tools.placo,
         1e-12,
+    ),
+    Check(
+        "urdf-usd-converter",
+        "",
+        (),
+        "the URDF in USD: FK of the tcp [m, 1], M [kg m²], gravity torque [N m], "
+        "100 states; mass; water",
+        usd_tools.urdf_converter,
+        1e-6,
+    ),
+    Check(
+        "mujoco-usd-converter",
+        "",
+        (),
+        "the MuJoCo model in USD: the same",
+        usd_tools.mujoco_converter,
+        1e-6,
     ),
 )
 

@@ -54,12 +54,52 @@ def newton_mjcf(files: Path, states: States) -> Arrays:
     cpu_only()
     import mujoco
     import newton
-    import warp as wp
 
     solver = newton.solvers.SolverMuJoCo
-    arm, count = newton.ModelBuilder(), len(states.q)
+    arm = newton.ModelBuilder()
     solver.register_custom_attributes(arm)
     arm.add_mjcf(str(files / "mjcf" / "alpha5.xml"))
+    model, state, out = _newton(arm, states)
+    shapes = [i for i, label in enumerate(model.shape_label) if label.endswith("/tcp")]
+    bodies = state.body_q.numpy()[model.shape_body.numpy()[shapes]]
+    tips = model.shape_transform.numpy()[shapes]
+    fk = [_transform(b) @ _transform(t) for b, t in zip(bodies, tips, strict=True)]
+    run = solver(model, disable_contacts=True)
+    for name in ("ACTUATION", "LIMIT"):
+        run.mjw_model.opt.disableflags |= getattr(
+            mujoco.mjtDisableBit, f"mjDSBL_{name}"
+        )
+    run.step(state, model.state(), model.control(), None, 1e-3)
+    acceleration = run.mjw_data.qacc.numpy().astype(float)
+    wet = np.einsum("nij,nj->ni", out["mass"], acceleration)
+    return {**out, "fk": np.array(fk), "buoyancy": wet + out["bias"]}
+
+
+def newton_usd(files: Path, states: States) -> Arrays:
+    """The same from USD, which has no water; the tcp is a prim in link_4."""
+    cpu_only()
+    import newton
+    from pxr import Usd, UsdGeom
+
+    file = str(files / "alpha5.usda")
+    arm = newton.ModelBuilder()
+    arm.add_usd(file)
+    model, state, out = _newton(arm, states)
+    links = [i for i, label in enumerate(model.body_label) if label.endswith("/link_4")]
+    stage = Usd.Stage.Open(file)
+    prim = stage.GetPrimAtPath("/alpha5/link_4/tcp")
+    # USD's vectors are rows.
+    tip = np.array(UsdGeom.Xformable(prim).GetLocalTransformation()).T
+    fk = [_transform(body) @ tip for body in state.body_q.numpy()[links]]
+    return {**out, "fk": np.array(fk)}
+
+
+def _newton(arm, states: States):
+    """One world for each state: model, state, mass matrix and bias."""
+    import newton
+    import warp as wp
+
+    count = len(states.q)
     worlds = newton.ModelBuilder()
     worlds.replicate(arm, count)
     worlds.gravity = GRAVITY
@@ -74,19 +114,7 @@ def newton_mjcf(files: Path, states: States) -> Arrays:
         model, state, gravity_force=weight, coriolis_force=coriolis
     )
     bias = (weight.numpy() + coriolis.numpy()).astype(float).reshape(count, 4)
-    shapes = [i for i, label in enumerate(model.shape_label) if label.endswith("/tcp")]
-    bodies = state.body_q.numpy()[model.shape_body.numpy()[shapes]]
-    tips = model.shape_transform.numpy()[shapes]
-    fk = [_transform(b) @ _transform(t) for b, t in zip(bodies, tips, strict=True)]
-    run = solver(model, disable_contacts=True)
-    for name in ("ACTUATION", "LIMIT"):
-        run.mjw_model.opt.disableflags |= getattr(
-            mujoco.mjtDisableBit, f"mjDSBL_{name}"
-        )
-    run.step(state, model.state(), model.control(), None, 1e-3)
-    acceleration = run.mjw_data.qacc.numpy().astype(float)
-    wet = np.einsum("nij,nj->ni", mass, acceleration)
-    return {"fk": np.array(fk), "mass": mass, "bias": bias, "buoyancy": wet + bias}
+    return model, state, {"mass": mass, "bias": bias}
 
 
 def _transform(values) -> np.ndarray:

@@ -178,6 +178,13 @@ def _pinocchio(model, states: States) -> Arrays:
     return {"fk": np.array(fk), "mass": np.array(mass), "bias": np.array(bias)}
 
 
+def usd_physics(files: Path, states: States) -> Arrays:
+    """What UsdPhysics parses of the file, computed by Pinocchio."""
+    from conformance.usd_reading import usd_model
+
+    return _pinocchio(usd_model(str(files / "alpha5.usda")), states)
+
+
 def drake_mjcf(files: Path, states: States) -> Arrays:
     """Without buoyancy, and without sites: the tcp is put on link_4 as in the file."""
     from pydrake.common.eigen_geometry import Quaternion

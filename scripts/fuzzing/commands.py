@@ -240,6 +240,7 @@ COMMANDS: dict[str, tuple[tuple[Option, ...], dict[str, tuple[str, ...]]]] = {
                 "xacro",
                 "mjcf",
                 "sdf",
+                "usd",
                 "c",
                 "water",
                 "lighthill",

@@ -44,7 +44,7 @@ LONG = {
 #: Commands of other programs, which are not here.
 ELSEWHERE = {"git", "cd", "source", "colcon", "conda", "ros2", "gz"}
 #: Packages of the conformance run: blocks that import them run where they are.
-TOOLS = {"pydrake", "pybullet"}
+TOOLS = {"pydrake", "pybullet", "isaaclab"}
 
 
 class Block(NamedTuple):

@@ -45,6 +45,22 @@ UNCERTAINTY = "docs/concepts/uncertainty.md"
 JOINTS = a5.parameters().joints[:4]
 
 
+# --- simulators ----------------------------------------------------------------------
+
+
+@statement(
+    "docs/guides/isaac-lab.md",
+    "Without the buoyancy of {} N, `axis_d` carries up to {} N·m too much",
+)
+def left_out_water() -> Sequence[Figure]:
+    arm = a5.load()
+    volume = sum(link.volume for link in a5.parameters().links)
+    turns = [np.linspace(joint.lower, joint.upper, 60) for joint in JOINTS[1:3]]
+    poses = np.stack(np.meshgrid(*turns), axis=-1).reshape(-1, 2)
+    torques = [arm.buoyancy_torque(np.array([0.0, *pose, 0.0]))[1] for pose in poses]
+    return Near(volume * a5.SEA_WATER * 9.81), Near(np.abs(torques).max(), 0.002)
+
+
 # --- how it is proven ----------------------------------------------------------------
 
 

@@ -24,6 +24,7 @@ DISTRIBUTION = {
     "pink": "pin-pink",
     "pinocchio": "pin",
     "pydrake": "drake",
+    "pxr": "usd-core",
     "roboticstoolbox": "roboticstoolbox-python",
     "spatialmath": "spatialmath-python",
     "warp": "warp-lang",
@@ -50,6 +51,7 @@ FOLDERS = {
     "alpha5_model": (
         "plot",
         "mesh",
+        "usd",
         "check",
         "line",
         "symbolic",

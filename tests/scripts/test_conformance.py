@@ -150,6 +150,15 @@ def zero_moments(text: str) -> str:
     return text.replace('diaginertia="2e-10 2e-10 2e-10"', 'diaginertia="0 0 0"')
 
 
+def lose_the_axes(text: str) -> str:
+    """Principal moments about the axes of the link."""
+    return re.sub(r"(principalAxes = ).*", r"\1(1, 0, 0, 0)", text)
+
+
+def turn_a_joint(text: str) -> str:
+    return re.sub(r"(localRot0 = ).*", r"\1(1, 0, 0, 0)", text)
+
+
 def without_zero_inertials(text: str) -> str:
     return re.sub(
         r'<inertial>\s*<origin[^>]*/>\s*<mass value="0"/>.*?</inertial>',
@@ -178,6 +187,9 @@ DAMAGES = [
     ("frax", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
     ("SAPIEN", "URDF, no visuals", "alpha5.urdf", flip_products, {"mass"}),
     ("mink", "MJCF", "mjcf/alpha5.xml", six_digits, {"fk"}),
+    ("UsdPhysics", "USD", "alpha5.usda", lose_the_axes, {"mass"}),
+    ("UsdPhysics", "USD", "alpha5.usda", turn_a_joint, {"fk", "mass", "bias"}),
+    ("Newton", "USD", "alpha5.usda", lose_the_axes, {"mass"}),
 ]
 
 

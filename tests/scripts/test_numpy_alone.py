@@ -1,0 +1,46 @@
+"""Kinematics, kernels and files need NumPy alone, of all that is installed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPT = ROOT / "scripts" / "checks" / "numpy_alone.py"
+#: Lets nothing be imported but the standard library, NumPy and this package.
+BLOCKING = """
+import runpy, sys
+
+class Blocked:
+    def find_spec(self, name, path=None, target=None):
+        top = name.partition(".")[0]
+        if top in {"numpy", "alpha5_model"} or top in sys.stdlib_module_names:
+            return None
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Blocked())
+"""
+
+
+def run(code: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", BLOCKING + code],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+    )
+
+
+def test_the_promised_part_needs_numpy_alone() -> None:
+    done = run(f"runpy.run_path({str(SCRIPT)!r}, run_name='__main__')")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count("yes ") == 6
+    assert "other packages: none" in done.stdout
+
+
+def test_the_block_blocks() -> None:
+    done = run("import alpha5_model as a5; a5.load()")
+    assert done.returncode == 1
+    assert "No module named" in done.stderr
