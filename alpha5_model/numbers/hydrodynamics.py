@@ -24,6 +24,7 @@ from alpha5_model._support.checks import (
     listed,
     real,
 )
+from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.jaws import GRIPPERS
@@ -225,5 +226,45 @@ def _body(row: HydrodynamicRow, column: int) -> BodyHydrodynamics:
             )
         )
     matrix = np.array(in_si(row.added_mass))
+    shape = (row.shape_low, None, row.shape_high)[column]
+    if shape is not None:
+        matrix = scaled_at_centre(matrix, np.array(in_si(shape)))
     factor = row.added_mass_factor[column].si
     return BodyHydrodynamics(added_mass=matrix * factor, strips=strips)
+
+
+def scaled_at_centre(matrix: FloatArray, shares: FloatArray) -> FloatArray:
+    """An added mass that is larger or smaller for some motions, (6, 6).
+
+    About its centre, where moving and turning are least coupled, each entry is
+    multiplied by the geometric mean of the shares of its two motions.
+
+    Args:
+        matrix: (6, 6).
+        shares: Of the motions along and about the axes, (6,).
+    """
+    if (shares == 1.0).all():
+        return matrix
+    to_origin = np.eye(6)
+    to_origin[:3, 3:] = cross_matrix(centre_of_added_mass(matrix))
+    to_centre = np.linalg.inv(to_origin)
+    at_centre = to_origin.T @ matrix @ to_origin
+    scaled = at_centre * np.sqrt(np.outer(shares, shares))
+    moved = to_centre.T @ scaled @ to_centre
+    return np.asarray((moved + moved.T) / 2)
+
+
+def centre_of_added_mass(matrix: FloatArray) -> FloatArray:
+    """The point about which moving and turning are least coupled, (3,) [m].
+
+    If all added mass were at a point r, the coupling would be ``-A_11 [r]x``. This is
+    the r that comes closest (least squares).
+
+    Args:
+        matrix: Added mass about the origin, (6, 6).
+    """
+    moving = matrix[:3, :3]
+    unit_couplings = [(-moving @ cross_matrix(axis)).ravel() for axis in np.eye(3)]
+    coupling = matrix[:3, 3:].ravel()
+    centre, *_ = np.linalg.lstsq(np.transpose(unit_couplings), coupling, rcond=None)
+    return np.asarray(centre)

@@ -212,6 +212,13 @@ def _interval(node: _Node, unit: None) -> t.Interval:
     return low, nominal, high
 
 
+def _motions(node: _Node, unit: None) -> t.Motions:
+    shares: t.Motions = node.numbers("", (6, "six numbers"))
+    if min(share.value for share in shares) <= 0:
+        raise node.fail("expected numbers above 0")
+    return shares
+
+
 def _bounds(node: _Node) -> Any:
     pairs = node.numbers("mm", (3, "three [min, max] pairs"), (2, "a [min, max] pair"))
     for i, (low, high) in enumerate(pairs):
@@ -260,6 +267,7 @@ _READ: dict[str, Callable[[_Node, Any], Any]] = {
     "Tensor": lambda node, unit: _symmetric(node, unit, 3, "three"),
     "Interval": _interval,
     "Matrix": _added_mass,
+    "Motions": _motions,
     "tuple[StripRow, ...]": lambda node, unit: _strips(node),
     "SourcedQuantity": _sourced,
     "Status": _status,

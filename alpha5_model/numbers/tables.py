@@ -11,6 +11,7 @@ Triple = tuple[Quantity, Quantity, Quantity]
 Tensor = tuple[Triple, Triple, Triple]
 Interval = tuple[Quantity, Quantity, Quantity]
 Matrix = tuple[tuple[Quantity, ...], ...]
+Motions = tuple[Quantity, ...]
 # One of `STATUSES`.
 Status = str
 RowT = TypeVar("RowT")
@@ -328,6 +329,8 @@ class HydrodynamicRow:
         added_mass: 6x6, linear before angular, about and in the link's frame, for 1000
             kg/m^3.
         added_mass_factor: Of all its entries: low, nominal, high.
+        shape_low, shape_high: What the shape, which no document prints, can make of the
+            added mass of each motion along and about the axes at its centre.
         strips: Along which the water drags.
         status: One of ``STATUSES``.
         source: Its source, in words.
@@ -337,6 +340,8 @@ class HydrodynamicRow:
     name: str
     added_mass: Matrix = printed("kg, kg.m, kg.m^2")
     added_mass_factor: Interval = printed()
+    shape_low: Motions = printed()
+    shape_high: Motions = printed()
     strips: tuple[StripRow, ...] = ()
     status: Status = ""
     source: str = ""

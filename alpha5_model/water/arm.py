@@ -284,6 +284,34 @@ class HydrodynamicArm:
         (tree_torque,) = self._water_torques(position, at_rest, at_rest, velocity)
         return self._tree.g.T @ tree_torque, -tree_torque[:6]
 
+    def current_acceleration_load(
+        self, q: ArrayLike, acceleration: ArrayLike
+    ) -> tuple[FloatArray, FloatArray]:
+        """What a current that changes with time adds, at any velocity.
+
+        Other methods take the current of an instant as steady. If it accelerates, add
+        the torque to that of `inverse_dynamics`, or take it from the torque given to
+        `forward_dynamics`, and add the wrench to `base_wrench`.
+
+        The water pushes each body by ``(A + m_w) du/dt`` [Morison1950]_: by its added
+        mass, and by the pressure that accelerates the water of mass m_w which the body
+        displaces. It remains uniform: all water accelerates alike.
+
+        Args:
+            q: (nq,).
+            acceleration: du/dt in the world, (3,) [m/s^2].
+
+        Returns:
+            Torque, (nv,) [N m], and the wrench on the mount, in base_link, (6,).
+
+        .. [Morison1950] Morison et al.: The force exerted by surface waves on piles,
+           J. Petroleum Technology 2(5), 1950.
+        """
+        (position,) = self._tree.expand(self.still._clean_q(q))
+        rate = array("acceleration", acceleration, 3)
+        tree_torque = self._tree.torque_of_accelerating_water(position, rate)
+        return self._tree.g.T @ tree_torque, -tree_torque[:6]
+
     def kinetic_energy(
         self, q: ArrayLike, v: ArrayLike, current: Current = None
     ) -> float:

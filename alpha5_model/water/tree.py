@@ -68,13 +68,17 @@ class HydrodynamicTree:
 
     def jacobians(self, q: FloatArray) -> FloatArray:
         """Jacobians of the tree's joints for the arm's velocities, (joints, 6, nv)."""
+        return np.asarray(self._tree_jacobians(q) @ self.g)
+
+    def _tree_jacobians(self, q: FloatArray) -> FloatArray:
+        """Jacobians of the tree's joints for its own velocities, (joints, 6, nv)."""
         data = self._scratch.data
         pin.computeJointJacobians(self._tree, data, q)
         of_tree = [
             pin.getJointJacobian(self._tree, data, joint, pin.LOCAL)
             for joint in self._joints
         ]
-        return np.asarray(np.array(of_tree) @ self.g)
+        return np.array(of_tree)
 
     def motion(
         self, state: State, current: FloatArray
@@ -152,6 +156,31 @@ class HydrodynamicTree:
         scratch.set_forces(force)
         tau: FloatArray = pin.rnea(self._tree, scratch.data, *state, scratch.forces)
         tau -= pin.computeGeneralizedGravity(self._fluid, scratch.fluid_data, state[0])
+        return tau
+
+    def torque_of_accelerating_water(
+        self, q: FloatArray, acceleration: FloatArray
+    ) -> FloatArray:
+        """What an acceleration of all water adds to `torque`, (tree nv,).
+
+        Relative to the water, the bodies accelerate the other way. Their added mass and
+        the water that they displace resist that.
+
+        Args:
+            q: Of the tree.
+            acceleration: Of the water in the world, (3,).
+        """
+        at_rest = np.zeros(self._tree.nv)
+        relative = np.zeros(self._tree.nv)
+        relative[:3] = -acceleration @ pin.XYZQUATToSE3(q[:7]).rotation
+
+        fluid_data = self._scratch.fluid_data
+        tau: FloatArray = pin.rnea(self._fluid, fluid_data, q, at_rest, relative).copy()
+        tau -= pin.computeGeneralizedGravity(self._fluid, fluid_data, q)
+
+        jacobians = self._tree_jacobians(q)
+        forces = self.water.added_mass @ (jacobians @ relative)[..., None]
+        tau += np.einsum("jai,jak->i", jacobians, forces)
         return tau
 
     def water_torques(self, states: State, currents: FloatArray) -> FloatArray:

@@ -59,6 +59,7 @@ WET_METHODS = (
     "base_wrench_current_derivative",
     "base_wrench_derivatives",
     "coriolis_matrix",
+    "current_acceleration_load",
     "current_load",
     "dissipated_power",
     "forward_dynamics",
@@ -191,6 +192,7 @@ def _method(make: Callable[[int], Any], kinds: int, method: str) -> Draw:
         own: dict[str, Draws] = {**states(chosen, batch), "link": one_of(*LINKS)}
         if not method.startswith("with_"):
             own["current"] = normal(0.5, 3)
+            own["acceleration"] = normal(0.5, 3)
         call = of_method(always(chosen), method, **own)
         if batch:
             call = with_the_same_rows(call)

@@ -10,6 +10,8 @@ They go into ``numbers/estimated_hydrodynamics.toml``.
     python scripts/hydrodynamics/added_mass.py --only validation link_2 whole_arm
     # Compute one body again and compare it with the file.
     python scripts/hydrodynamics/added_mass.py --check link_1
+    # Write strips and intervals anew; added mass stays.
+    python scripts/hydrodynamics/added_mass.py --intervals
 
 First, the method is validated: a sphere and an ellipsoid against Lamb, and cylinders
 against rings of sources, an integral equation along the outline of a body of
@@ -17,6 +19,11 @@ revolution, with DNV-RP-H103's figures beside it. Then come the drawn bodies of
 `alpha5_model.geometry`, each alone, with three sizes of panels, extrapolated to none.
 Last, the whole arm in three poses is compared with its bodies alone. This shows how far
 a sum of bodies goes; it is written to ``hydrodynamics/whole_arm.toml``.
+
+The tables do not print shapes. Another set of bodies that they allow,
+``hydrodynamics/other_bodies.toml``, widens the interval of each motion.
+
+.. [Hoerner1965] Hoerner: Fluid-dynamic drag, 1965.
 """
 
 from __future__ import annotations
@@ -24,7 +31,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -36,6 +43,7 @@ from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.geometry.dimensions import drawn_dimensions
 from alpha5_model.geometry.drawing import bodies, frames_in_links
 from alpha5_model.geometry.solid import cylinder, kernel, union
+from alpha5_model.numbers.hydrodynamics import centre_of_added_mass
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import parameters
 
@@ -73,6 +81,8 @@ FINGERS = 0.4
 WHOLE_ARM = {"link_0": 10.0, "link_1": 6.0, "link_2": 8.0, "link_3": 6.0, "link_4": 9.5}
 #: Where the comparison of the whole arm is kept.
 COMPARISON = Path(__file__).with_name("whole_arm.toml")
+#: Added mass of bodies of other shapes, which the tables allow, too.
+OTHER_BODIES = Path(__file__).with_name("other_bodies.toml")
 #: Number of random motions in the comparison.
 MOTIONS = 100_000
 #: Distance from the base [m] at which their turning is as fast as their moving.
@@ -105,10 +115,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--only", nargs="+", metavar="PART", help="bodies, validation, whole_arm"
     )
+    parser.add_argument(
+        "--intervals", action="store_true", help="write strips and intervals anew"
+    )
     parser.add_argument("--output", type=Path, default=FILE)
     chosen = parser.parse_args(arguments)
     if chosen.check:
         return check(chosen.check)
+    if chosen.intervals:
+        chosen.output.write_text(toml(_kept()), encoding="utf-8")
+        return 0
 
     parts = solids()
     names = chosen.only or ["validation", *parts, "whole_arm"]
@@ -487,9 +503,35 @@ ACROSS = ("0.5", "0.8", "1.2")
 ALONG = ("0.05", "0.15", "0.3")
 
 
-def strip(solid: Any, axis: int) -> tuple[Array, Array, float]:
-    """Ends and diameter [mm]: along an axis through the centroid, of the outline's area
-    seen across it.
+#: Drag coefficient of an endless flat plate broadside on [Hoerner1965]_, chapter 3.
+PLATE = 2.0
+
+
+class Strip(NamedTuple):
+    """A drag strip.
+
+    Attributes:
+        start, end: [mm].
+        diameter: Mean width of the outline, seen from two sides [mm].
+        across: Drag coefficients: low, nominal, high.
+    """
+
+    start: Array
+    end: Array
+    diameter: float
+    across: Sequence[str]
+
+
+def strip(solid: Any, axis: int, flat: bool = False) -> Strip:
+    """The strip of a body along an axis, through the centroid.
+
+    The coefficients of a flat body are for its mean width, as those of others. They go
+    from the narrow side in the stream to the wide one as an endless plate.
+
+    Args:
+        solid: The body.
+        axis: 0, 1 or 2.
+        flat: Whether its section is flat.
     """
     low, high = np.array(solid.bounding_box()).reshape(2, 3)
     centroid = _centroid(solid)
@@ -502,8 +544,14 @@ def strip(solid: Any, axis: int) -> tuple[Array, Array, float]:
     for across in {0, 1, 2} - {axis}:
         seen = solid.rotate(_TO_Z[across])
         areas.append(seen.project().area())
-    diameter = np.mean(areas) / (high[axis] - low[axis])
-    return start, end, float(diameter)
+    widths = np.array(areas) / (high[axis] - low[axis])
+    diameter = float(widths.mean())
+    across = ACROSS
+    if flat:
+        least = float(ACROSS[0]) * widths.min() / diameter
+        most = PLATE * widths.max() / diameter
+        across = (f"{least:.2f}", ACROSS[1], f"{most:.1f}")
+    return Strip(start=start, end=end, diameter=diameter, across=across)
 
 
 #: Axis -> roll, pitch, yaw [deg] that turn it to z.
@@ -518,16 +566,17 @@ def _centroid(solid: Any) -> Array:
     return moment / (4 * volumes.sum())
 
 
-def strips(name: str) -> list[tuple[Array, Array, float]]:
+def strips(name: str) -> list[Strip]:
     """The drag strips of a body of `solids`."""
     parts = solids()
     if name.startswith("link_4"):
         wrist = parts["wrist"]
         end = wrist.bounding_box()[2]
         beyond = parts[name].split_by_plane([0.0, 0.0, -1.0], -end)[0]
-        return [strip(wrist, 2), strip(beyond, 2)]
-    kind = "finger" if "finger" in name else name
-    return [strip(parts[name], STRIP_AXES[kind])]
+        return [strip(wrist, 2), strip(beyond, 2, flat=True)]
+    is_finger = "finger" in name
+    kind = "finger" if is_finger else name
+    return [strip(parts[name], STRIP_AXES[kind], flat=is_finger)]
 
 
 def toml(numbers: dict[str, Array]) -> str:
@@ -538,8 +587,15 @@ def toml(numbers: dict[str, Array]) -> str:
         for i, row in enumerate(matrix):
             entries = [_digits(x, i, j) for j, x in enumerate(row)]
             lines.append(f"  [{', '.join(entries)}],")
-        lines += ["]", 'added_mass_factor = ["0.75", "1", "1.25"]', "strips = ["]
-        lines += [_line_of_strip(*strip) for strip in strips(name)]
+        low, high = shape_interval(name, matrix)
+        lines += [
+            "]",
+            'added_mass_factor = ["0.75", "1", "1.25"]',
+            f"shape_low = {_list(_quoted(x, 2) for x in low)}",
+            f"shape_high = {_list(_quoted(x, 2) for x in high)}",
+            "strips = [",
+        ]
+        lines += [_line_of_strip(strip) for strip in strips(name)]
         lines += [
             "]",
             'status = "estimated"',
@@ -549,12 +605,39 @@ def toml(numbers: dict[str, Array]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _line_of_strip(start: Array, end: Array, diameter: float) -> str:
+def shape_interval(name: str, matrix: Array) -> tuple[Array, Array]:
+    """What the shape can make of the added mass of each motion, rounded outwards.
+
+    Args:
+        name: Of the body.
+        matrix: Its added mass.
+
+    Returns:
+        Least and greatest share for the motions along and about the axes at its centre,
+        (6,) each.
+    """
+    to_origin = np.eye(6)
+    to_origin[:3, 3:] = cross_matrix(centre_of_added_mass(matrix))
+    ours = to_origin.T @ matrix @ to_origin
+    others = to_origin.T @ other_added_mass(name) @ to_origin
+    share = np.diag(others) / np.diag(ours)
+    low = np.floor(100 * np.minimum(share, 1.0)) / 100
+    high = np.ceil(100 * np.maximum(share, 1.0)) / 100
+    return low, high
+
+
+def other_added_mass(name: str) -> Array:
+    """Added mass of the body of the other set, (6, 6)."""
+    bodies_of_file = tomllib.loads(OTHER_BODIES.read_text("utf-8"))
+    return np.array(bodies_of_file[name]["added_mass"], dtype=float)
+
+
+def _line_of_strip(strip_of_body: Strip) -> str:
     values = {
-        "start": _list(_quoted(x, 1) for x in start),
-        "end": _list(_quoted(x, 1) for x in end),
-        "diameter": _quoted(diameter, 1),
-        "across": _list(_in_quotes(text) for text in ACROSS),
+        "start": _list(_quoted(x, 1) for x in strip_of_body.start),
+        "end": _list(_quoted(x, 1) for x in strip_of_body.end),
+        "diameter": _quoted(strip_of_body.diameter, 1),
+        "across": _list(_in_quotes(text) for text in strip_of_body.across),
         "along": _list(_in_quotes(text) for text in ALONG),
     }
     entries = [f"{name} = {value}" for name, value in values.items()]
@@ -616,10 +699,13 @@ HEAD = '''# ESTIMATED, not published: what the moving water does to each body, o
 #   working pose has 0.80 to 1.08; folded it has 0.71 to 1.41, which the interval does not cover.
 #   Extrapolations from the last two sizes of panels and from the two before are 0.5 to 1.3 % apart at most (an entry over
 #   the geometric mean of its diagonal entries); link_4's and link_4_open's by their fingers, which need the finest panels.
+# shape_low, shape_high: the tables print no shape. Two sets of bodies that both match them differ by these shares, along x,
+#   y, z and about them, at the point where moving and turning are least coupled; low and high have them besides the factor.
 # strips: the cross-flow principle. A length ds of a strip, from start to end, resists the water's velocity across
 #   it with rho / 2 * across * diameter * ds * speed * velocity, and so along it [mm; low, nominal, high].
 #   across: 1.0 to 1.2 of an endless cylinder, times 0.58 to 0.7 for its ends. along: 0.05 is the friction of a smooth
-#   cylinder at Re 8000, 0.25 to 0.3 a blunt face in the stream.
+#   cylinder at Re 8000, 0.25 to 0.3 a blunt face in the stream. Fingers are flat: from the narrow side (0.5 of its width) to
+#   the wide one as an endless plate (2.0 of its width); both over the mean width, the diameter.
 
 [units]
 added_mass = "kg, kg.m, kg.m^2"

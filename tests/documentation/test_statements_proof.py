@@ -37,6 +37,7 @@ from test_uncertainty import of_link, states
 
 import alpha5_model as a5
 from alpha5_model.numbers.hydrodynamics import LEVELS, hydrodynamics
+from alpha5_model.water.arm import HydrodynamicArm
 
 PROOF = "docs/proof.md"
 WATER = "docs/guides/moving-water.md"
@@ -415,6 +416,70 @@ def added_inertia() -> Sequence[Figure]:
 )
 def added_inertia_for_mujoco() -> Sequence[Figure]:
     return [Near(x, 0.6) for x in added_diagonals()[1, :3]]
+
+
+@cache
+def other_bodies() -> dict[str, np.ndarray]:
+    """Added mass of bodies of another shape, which match the tables as well."""
+    file = REPOSITORY / "scripts" / "hydrodynamics" / "other_bodies.toml"
+    bodies = tomllib.loads(file.read_text("utf-8"))
+    return {
+        name: np.array(body["added_mass"], dtype=float) for name, body in bodies.items()
+    }
+
+
+@statement(
+    WATER,
+    "differ by a factor of {} in the added mass of link 0 along itself, and of {} in "
+    "that of link 4",
+)
+def two_sets_of_bodies() -> Sequence[Figure]:
+    arm = a5.load(a5.FRESH_WATER).with_hydrodynamics()
+    link_0 = other_bodies()["link_0"] / arm.added_mass("link_0")
+    link_4 = other_bodies()["link_4"] / arm.added_mass("link_4")
+    return [Near(link_0[0, 0], 0.01), Near(link_4[5, 5], 0.01)]
+
+
+@statement(
+    WATER,
+    "give {} of the nominal moment, at most {} instead of {} N m at 1 m/s",
+)
+def moment_of_a_current_on_axis_b() -> Sequence[Figure]:
+    arm = a5.load()
+    wet = arm.with_hydrodynamics()
+    bodies = []
+    for body in wet.bodies:
+        data = replace(body.data, added_mass=other_bodies()[body.body])
+        bodies.append(replace(body, data=data))
+    other = HydrodynamicArm(arm, bodies)
+
+    q = sample(3000, 6)
+    still = np.zeros_like(q)
+    current = np.random.default_rng(0).normal(size=(len(q), 3))
+    current /= np.linalg.norm(current, axis=1)[:, None]
+    dry = arm.inverse_dynamics_batch(q, still, still)[:, 3]
+    ours, others = (
+        water.inverse_dynamics_batch(q, still, still, current=current)[:, 3] - dry
+        for water in (wet, other)
+    )
+    share = ours @ others / (ours @ ours)
+    return [Near(share, 0.01), Near(abs(others).max()), Near(abs(ours).max())]
+
+
+@statement(
+    WATER, "across goes from {} (narrow side) to {} (wide side), over their mean width"
+)
+def drag_of_the_fingers() -> Sequence[Figure]:
+    found = []
+    for level in ("low", "high"):
+        jaws = a5.load(gripper="jaws").with_hydrodynamics(level=level)
+        across = []
+        for body in jaws.bodies:
+            if "finger" in body.body:
+                across += [strip.across for strip in body.data.strips]
+        found.append(across)
+    low, high = found
+    return [Near(min(low), 0.05), Near(max(high))]
 
 
 @statement(

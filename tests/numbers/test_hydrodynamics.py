@@ -219,6 +219,8 @@ def test_the_points_on_the_strips_are_enough(speed):
             'added_mass_factor = ["0.75", "1", "1.25"]',
             'added_mass_factor = ["-1", "1", "1.25"]',
         ),
+        ('shape_low = ["1.00", ', "shape_low = ["),
+        ('shape_low = ["1.00", ', 'shape_low = ["-0.5", '),
         ('status = "estimated"', 'status = "published"'),
         ("[bodies.link_0]", "[bodies.link_7]"),
         ('diameter = "mm"', 'diameter = "m"'),

@@ -29,13 +29,13 @@ def test_the_committed_strips_are_those_of_the_bodies(script: ModuleType) -> Non
     kept = tomllib.loads(script.FILE.read_text("utf-8"))["bodies"]
     assert list(kept) == list(script.solids())
     for name, body in kept.items():
-        for strip, (start, end, diameter) in zip(
-            body["strips"], script.strips(name), strict=True
-        ):
+        for strip, drawn in zip(body["strips"], script.strips(name), strict=True):
             numbers = np.array(
                 [*strip["start"], *strip["end"], strip["diameter"]], dtype=float
             )
-            assert numbers == pytest.approx([*start, *end, diameter], abs=0.051), name
+            expected = [*drawn.start, *drawn.end, drawn.diameter]
+            assert numbers == pytest.approx(expected, abs=0.051), name
+            assert strip["across"] == list(drawn.across)
 
 
 def test_the_file_is_what_the_script_writes(script: ModuleType) -> None:
@@ -122,3 +122,68 @@ def test_added_mass_by_sources(script: ModuleType, name: str, size: float) -> No
     ratio = other / np.diag(ours)
     counted = np.diag(ours) > [0, 0, 0, *[0.05 * np.diag(ours)[3:].max()] * 3]
     assert ratio[counted] == pytest.approx(1.0, abs=0.08)
+
+
+#: Body of the file -> link and gripper that have it.
+BODIES = {
+    **{f"link_{i}": (f"link_{i}", "locked") for i in range(5)},
+    "wrist": ("link_4", "jaws"),
+    "finger_1": ("finger_1", "jaws"),
+    "finger_2": ("finger_2", "jaws"),
+}
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_interval_covers_another_shape(script: ModuleType, name: str) -> None:
+    """Energy of each motion along and about the axes at the centre.
+
+    Bodies of another shape match the tables as well. Their energy is between low and
+    high, without the margin that is there for what the bodies do to one another.
+    """
+    link, gripper = BODIES[name]
+    low, ours, high = (
+        hydrodynamics(gripper, level)[link].added_mass
+        for level in ("low", "nominal", "high")
+    )
+    other = script.other_added_mass(name)
+    centre = script.centre_of_added_mass(ours)
+    for k in range(6):
+        axis = np.eye(3)[k % 3]
+        spin = axis if k > 2 else np.zeros(3)
+        velocity = np.cross(centre, spin) if k > 2 else axis
+        motion = np.concatenate([velocity, spin])
+        energy = motion @ other @ motion
+        assert motion @ low @ motion / 0.75 <= energy + 1e-15
+        assert energy <= motion @ high @ motion / 1.25 + 1e-15
+
+
+def test_the_two_shapes_differ_by_what_is_documented(script: ModuleType) -> None:
+    links = hydrodynamics()
+    along = script.other_added_mass("link_0")[0, 0] / links["link_0"].added_mass[0, 0]
+    assert along == pytest.approx(1.6, abs=0.05)
+    axial = script.other_added_mass("link_4")[5, 5] / links["link_4"].added_mass[5, 5]
+    assert axial == pytest.approx(0.6, abs=0.03)
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_low_is_below_nominal_below_high_in_every_motion(gripper: str) -> None:
+    low, ours, high = (
+        hydrodynamics(gripper, level) for level in ("low", "nominal", "high")
+    )
+    for name in ours:
+        for less, more in ((low, ours), (ours, high)):
+            difference = more[name].added_mass - less[name].added_mass
+            scale = np.sqrt(np.diag(more[name].added_mass))
+            relative = difference / np.outer(scale, scale)
+            assert np.linalg.eigvalsh(relative).min() > 0
+
+
+def test_a_flat_section_resists_by_its_sides(script: ModuleType) -> None:
+    """From the narrow side to the wide one as a plate, of a box of 20 by 4 mm."""
+    box = script.kernel().Manifold.cube([20.0, 80.0, 4.0], True)
+    found = script.strip(box, 1, flat=True)
+    assert found.diameter == pytest.approx(12.0)
+    low, _, high = (float(text) for text in found.across)
+    assert low * 12.0 == pytest.approx(0.5 * 4.0, abs=0.06)
+    assert high * 12.0 == pytest.approx(2.0 * 20.0, abs=0.6)
+    assert script.strip(box, 1).across == script.ACROSS

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import reference
+from scipy.optimize import least_squares
 
 FILES = Path(__file__).parents[2] / "alpha5_model" / "numbers"
 
@@ -46,6 +47,38 @@ def strip_drag(strip: dict, level: int, velocity, density: float, pieces: int = 
     return points, area * force
 
 
+def added_mass(row: dict, level: int) -> np.ndarray:
+    """Added mass of a row of the file at a level, (6, 6), by energies.
+
+    The kinetic energy of a motion is that of its parts at the centre, each in
+    proportion to the root of its share. The centre is found by a search.
+    """
+    matrix = np.array(row["added_mass"], dtype=float)
+    factor = float(row["added_mass_factor"][level])
+    if level == 1:
+        return factor * matrix
+
+    def coupling(r):
+        return (matrix[:3, 3:] + matrix[:3, :3] @ skew(r)).ravel()
+
+    centre = least_squares(coupling, np.zeros(3), xtol=1e-15, gtol=1e-15).x
+    key = "shape_low" if level == 0 else "shape_high"
+    roots = np.sqrt(np.array(row[key], dtype=float))
+    columns = []
+    for motion in np.eye(6):
+        velocity, spin = motion[:3], motion[3:]
+        at_centre = np.concatenate([velocity + np.cross(spin, centre), spin]) * roots
+        back = at_centre[:3] - np.cross(at_centre[3:], centre)
+        columns.append(np.concatenate([back, at_centre[3:]]))
+    motions = np.transpose(columns)
+    return factor * motions.T @ matrix @ motions
+
+
+def skew(r) -> np.ndarray:
+    """The matrix of ``r x``."""
+    return np.cross(np.eye(3), r).T @ -np.eye(3)
+
+
 def load(q, current, level: int, density: float = 1025.0, numbers: str = "estimated"):
     """Joint torques (4,) that hold the arm against the current.
 
@@ -63,9 +96,7 @@ def load(q, current, level: int, density: float = 1025.0, numbers: str = "estima
             )
             force += drag.sum(axis=0)
             moment += np.cross(points, drag).sum(axis=0)
-        added = np.array(row["added_mass"], dtype=float) * float(
-            row["added_mass_factor"][level]
-        )
+        added = added_mass(row, level)
         # The water pushes a body that stands still by -nu x* A nu, nu = -u.
         moment -= np.cross(u, density / 1000 * added[:3, :3] @ u)
         force, moment = turn @ force, turn @ moment

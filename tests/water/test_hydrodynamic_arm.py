@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -648,3 +649,33 @@ SKEWED = np.eye(6) + np.eye(6, k=1) * 1e-3
 def test_wrong_input_is_told(mistake):
     with pytest.raises(a5.Alpha5Error):
         mistake(a5.load())
+
+
+def test_the_arms_mass_with_bodies_of_another_shape_is_in_the_interval():
+    """At random poses, the diagonal of M and a push along each axis of the base."""
+    import tomllib
+    from pathlib import Path
+
+    scripts = Path(__file__).parents[2] / "scripts"
+    text = (scripts / "hydrodynamics" / "other_bodies.toml").read_text("utf-8")
+    others = tomllib.loads(text)
+    still = a5.load(floating_base=True)
+    levels = [still.with_hydrodynamics(level=x) for x in ("low", "nominal", "high")]
+    bodies = [
+        replace(
+            body,
+            data=BodyHydrodynamics(np.array(others[body.body]["added_mass"], float)),
+        )
+        for body in levels[1].bodies
+    ]
+    other = HydrodynamicArm(still, bodies)
+    rng = np.random.default_rng(5)
+    for joints in rng.uniform([0, 0, 0, -3], [6, 3.4, 3.4, 3], (40, 4)):
+        q = np.concatenate([[0, 0, 0, 0, 0, 0, 1], joints])
+        rigid = still.mass_matrix(q)
+        low, nominal, high = (np.diag(arm.mass_matrix(q) - rigid) for arm in levels)
+        found = np.diag(other.mass_matrix(q) - rigid)
+        assert (low < nominal).all()
+        assert (nominal < high).all()
+        assert (low < found).all()
+        assert (found < high).all()
