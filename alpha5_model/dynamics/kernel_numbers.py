@@ -76,16 +76,30 @@ def kernel_parameters(arm: Any) -> FloatArray | None:
     if not _has_the_joints_of(record, model):
         return None
 
+    base_parameters = regrouped(moments_of_links(arm), model.gravity.linear, record)
+    dimensions = Dimensions.from_parameters(record)
+    return np.concatenate([base_parameters, dimensions.numbers])
+
+
+def moments_of_links(arm: Any) -> FloatArray:
+    """Moments of what each link carries, with its displaced water, (5, 2, 4, 4).
+
+    See `alpha5_model.codegen.regrouping.moments`.
+
+    Args:
+        arm: On a fixed base with locked jaws.
+    """
+    model = arm._model
     nowhere = np.zeros(3)
     weightless = np.zeros((3, 3))
     bodies = [
         moments(body.mass, body.lever, body.inertia, 0.0, nowhere, 0.0)
         for body in model.inertias
     ]
-    moments_of_links = np.array(bodies)
+    found = np.array(bodies)
     for displaced in arm.displacements:
         link = model.getJointId(displaced.joint)
-        moments_of_links[link] += moments(
+        found[link] += moments(
             0.0,
             nowhere,
             weightless,
@@ -93,9 +107,7 @@ def kernel_parameters(arm: Any) -> FloatArray | None:
             displaced.cob,
             arm.fluid_density,
         )
-    base_parameters = regrouped(moments_of_links, model.gravity.linear, record)
-    dimensions = Dimensions.from_parameters(record)
-    return np.concatenate([base_parameters, dimensions.numbers])
+    return found
 
 
 def kernel_name(kernel: str, parameters: FloatArray) -> str:

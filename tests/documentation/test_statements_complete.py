@@ -47,7 +47,7 @@ ELSEWHERE: dict[str, dict[str, str]] = {
         "did the 95 % intervals hold": (
             "tests/studies/test_uncertainty.py::test_identification_finds_the_truth"
         ),
-        "they held 89 % of static torques": (
+        "they held 95 % of static torques": (
             "tests/studies/test_model_fit.py::test_coverage_of_predicted_torques"
         ),
     },

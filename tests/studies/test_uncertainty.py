@@ -623,12 +623,8 @@ def test_bounds_of_one_state_are_those_of_many() -> None:
     assert (still.lower < a5.load().hydrostatic_torque(q[0])).all()
 
 
-def test_an_arm_of_other_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A sample's arm, lengths included, agrees with the tests' own Newton-Euler."""
-    q, v, a = states(3, 5)
-    drawn = u.sample(2, 9)
-    p = drawn.parameters(1)
-    values = dict(zip(drawn.names, drawn.values[1], strict=True))
+def take_lengths(values: dict[str, float], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the tests' own Newton-Euler have the lengths among printed numbers."""
     x = values["elbow.opposite"]
     y = values["elbow.adjacent"]
     bend = np.arctan2(x, y)
@@ -643,6 +639,15 @@ def test_an_arm_of_other_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(second, "A", np.array(lengths))
     turn = np.array([np.pi, bend - np.pi / 2, bend - np.pi / 2, np.pi / 2])
     monkeypatch.setattr(second, "OFFSET", turn)
+
+
+def test_an_arm_of_other_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sample's arm, lengths included, agrees with the tests' own Newton-Euler."""
+    q, v, a = states(3, 5)
+    drawn = u.sample(2, 9)
+    p = drawn.parameters(1)
+    values = dict(zip(drawn.names, drawn.values[1], strict=True))
+    take_lengths(values, monkeypatch)
     theirs = sum(of_link(i, values, q, v, a, 1000.0) for i in range(5))
     arm = u.arm(p, 1000.0, TILTED)
     torque = arm.inverse_dynamics_batch(q, v, a)
@@ -745,17 +750,18 @@ def check_that_links_are_as_printed(links: Sequence[RigidBody]) -> None:
 
 
 @pytest.mark.parametrize("kind", ["effort", "wrench"])
-def test_identification_finds_the_truth(kind: str) -> None:
-    """Intervals hold the numbers that the tests' Newton-Euler made the recording of.
-
-    There are six trials here and 500 in the documentation.
-    """
+def test_identification_finds_the_truth(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Intervals hold the numbers that the tests' Newton-Euler made the recording of."""
     moved, (q, v, a) = swing(300)
     truth = u.sample(6, 21)
     rng = np.random.default_rng(3)
     hits = []
+    near = []
     for k in range(6):
         values = dict(zip(truth.names, truth.values[k], strict=True))
+        take_lengths(values, monkeypatch)
         exact = sum(of_link(i, values, q, v, a, 1025.0) for i in range(5))
         arm = a5.load(gravity=TILTED)
         if kind == "effort":
@@ -767,14 +773,19 @@ def test_identification_finds_the_truth(kind: str) -> None:
             y = exact[:, 4:] + rng.normal(scale=0.005, size=(300, 6))
             found = u.identify(moved, arm, wrench=y, method="interpolate")
             assert found.noise == pytest.approx(0.005, rel=0.2)
-        real = truth.base_parameters(gravity=TILTED)[k, :38]
+        record = truth.parameters(k)
+        real = base_parameters(record.links, parameters=record)[:38]
         hit = (found.lower <= real) & (real <= found.upper)
         hits.append(hit[found.supported])
+        deviation = np.sqrt(np.diag(found.covariance))
+        off = np.abs(found.estimate - real) / deviation
+        near.append(off[found.supported] < 1.0)
         assert found.supported.sum() > 5
         check_that_links_are_as_printed(found.parameters.links)
     share = np.concatenate(hits).mean()
-    # The hits are correlated. Intervals half as wide would hold 67 %.
-    assert 0.8 < share < 0.999
+    assert share > 0.8
+    # The hits are correlated: 68 % are expected within a standard deviation.
+    assert 0.4 < np.concatenate(near).mean() < 0.9
     assert found.gains[0] > 5
     assert (np.diff(found.gains) <= 0).all()
     assert found.combinations.shape == (found.gains.size, 38)
@@ -803,8 +814,10 @@ def test_identification_of_an_arm_with_a_correction() -> None:
     for found in fits:
         assert found.parameters.corrections == corrections
         np.testing.assert_allclose(found.parameters.links[3].cob, real, atol=1.1e-3)
-        np.testing.assert_allclose(found.estimate, fits[0].estimate, rtol=1e-9)
-        np.testing.assert_allclose(found.lower, fits[0].lower, rtol=1e-9)
+        # Without noise, rounding decides what lengths and bodies explain alike.
+        near = {"rtol": 1e-3, "atol": 1e-7}
+        np.testing.assert_allclose(found.estimate, fits[0].estimate, **near)
+        np.testing.assert_allclose(found.lower, fits[0].lower, **near)
 
 
 def test_identification_does_not_see_what_no_data_show() -> None:
@@ -812,21 +825,21 @@ def test_identification_does_not_see_what_no_data_show() -> None:
     still = a5.trajectory.motion(np.arange(40) * 0.1, states(40, 3)[0])
     at_rest = replace(still, position=np.repeat(states(1, 3)[0], 40, axis=0))
     values = u.sample(1, 5)
-    truth = values.base_parameters()[0, :38]
-    arm = u.arm(replace(values.parameters(0), dh=a5.parameters().dh))
+    arm = u.arm(values.parameters(0))
     y = np.repeat([arm.hydrostatic_torque(at_rest.position[0])], 40, axis=0)
     found = u.identify(replace(at_rest, effort=y), method="interpolate")
     known = dict(zip(found.names, found.supported, strict=True))
     assert len(found.gains) <= 4, "no more than four torques are seen"
-    assert known["link_2.nx"]
     assert not any(known[f"link_4.{name}"] for name in ("xx", "yy", "xy", "xz", "yz"))
-    rows = a5.load().regressor(at_rest.position[0], Z, Z).matrix
-    np.testing.assert_allclose(rows @ found.estimate, rows @ truth, atol=1e-9)
+    predicted = found.fitted.torque(at_rest.position[0], Z, Z)
+    np.testing.assert_allclose(predicted.torque, y[:1], atol=1e-9)
+    assert predicted.deviation.max() < 1e-9
     heavy = a5.load().with_payload(**PAYLOAD)
     position = at_rest.position[0]
     more = heavy.hydrostatic_torque(position) - a5.load().hydrostatic_torque(position)
     same = u.identify(replace(at_rest, effort=y + more), heavy, method="interpolate")
-    np.testing.assert_allclose(same.estimate, found.estimate, atol=1e-9)
+    held = same.fitted.torque(position, Z, Z).torque
+    np.testing.assert_allclose(held, y[:1] + more, atol=1e-9)
 
 
 def test_table_of_the_documentation() -> None:

@@ -29,6 +29,7 @@ from alpha5_model.studies.uncertainty.effects import (
     sensitivity,
     spread,
 )
+from alpha5_model.studies.uncertainty.fitted_numbers import FittedNumbers, Prediction
 from alpha5_model.studies.uncertainty.identification import Identification, identify
 from alpha5_model.studies.uncertainty.misfit import Problem
 from alpha5_model.studies.uncertainty.printed import (
@@ -41,7 +42,9 @@ from alpha5_model.studies.uncertainty.sampling import Sample, sample
 __all__ = [
     "ALTERNATIVES",
     "Bounds",
+    "FittedNumbers",
     "Identification",
+    "Prediction",
     "PrintedNumber",
     "Problem",
     "Sample",

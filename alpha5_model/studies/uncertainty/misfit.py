@@ -9,8 +9,8 @@ References:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -158,6 +158,9 @@ class Equations(NamedTuple):
         restricted: By the unknowns, with the equations of the digits below, (m, count).
         of_suspects: By all columns of the suspects, (m, s).
         rest: What is to be explained, (m,).
+        squared: Least squared distance of base parameters within the digits from the
+            best unrestricted ones, in standard deviations of the noise.
+        rank: Independent combinations of base parameters that the recording tells.
         samples: Measured values.
         independent: Of them, those that the noise leaves independent.
     """
@@ -165,52 +168,98 @@ class Equations(NamedTuple):
     restricted: FloatArray
     of_suspects: FloatArray
     rest: FloatArray
+    squared: float
+    rank: int
     samples: int
     independent: float
 
 
+class _Score(NamedTuple):
+    """How much a cause explains.
+
+    Attributes:
+        kept: Columns of the cause that the unknowns do not explain, (k,).
+        size: By least squares, (k,).
+        deviation: Of the sizes, (k,).
+        squared: Misfit that it takes away, in standard deviations of the noise.
+    """
+
+    kept: Any
+    size: FloatArray
+    deviation: FloatArray
+    squared: float
+
+
 def named_causes(
-    equations: Equations, causes: tuple[Suspect, ...]
+    likely: Sequence[Equations], causes: tuple[Suspect, ...]
 ) -> Iterator[Problem]:
     """Score tests of each cause alone [Rao1948], without rank.
 
-    The size of slow noise is known from the independent samples only, so that F's
-    distribution replaces that of chi-squared.
+    Args:
+        likely: The equations by the best estimate of the noise, then by other noise
+            that the recording does not rule out. The chance of a misfit without a
+            cause is the mean over all of them.
+        causes: To be tested.
     """
-    from scipy.stats import f
+    scores = [_scores(equations, causes) for equations in likely]
+    for cause, of_cause in zip(causes, zip(*scores, strict=True), strict=True):
+        best = of_cause[0]
+        if not best.kept.size:
+            continue
+        chances = [
+            _chance(score.squared, score.kept.size, equations.independent)
+            for score, equations in zip(of_cause, likely, strict=True)
+        ]
+        if np.mean(chances) > SIGNIFICANCE:
+            continue
+        size = cause.without + best.size
+        yield Problem(
+            name=_name(cause, size + _CERTAIN * best.deviation),
+            of=tuple(cause.of[k] for k in best.kept),
+            size=size,
+            deviation=best.deviation,
+            unit=cause.unit,
+            gain=best.squared - best.kept.size * np.log(likely[0].samples),
+            rank=0,
+        )
 
+
+def _scores(equations: Equations, causes: tuple[Suspect, ...]) -> list[_Score]:
+    """What each cause alone explains of the rest."""
     basis, _ = np.linalg.qr(equations.restricted)
     columns = equations.of_suspects
     unexplained = columns - basis @ (basis.T @ columns)
     rest = equations.rest - basis @ (basis.T @ equations.rest)
     length = np.linalg.norm(unexplained, axis=0)
     seen = length > _UNSEEN * np.linalg.norm(columns, axis=0)
+    scores = []
     first = 0
     for cause in causes:
-        last = first + len(cause.of)
-        kept = first + np.flatnonzero(seen[first:last])
-        of = tuple(cause.of[k - first] for k in kept)
-        first = last
-        if not kept.size:
-            continue
-
-        left, singular, right = np.linalg.svd(unexplained[:, kept], full_matrices=False)
+        kept = np.flatnonzero(seen[first : first + len(cause.of)])
+        of_cause = unexplained[:, first + kept]
+        left, singular, right = np.linalg.svd(of_cause, full_matrices=False)
         explained = left.T @ rest
-        squared = float(explained @ explained)
-        if f.sf(squared / kept.size, kept.size, equations.independent) > SIGNIFICANCE:
-            continue
         inverse = right.T / singular
-        size = cause.without + inverse @ explained
-        deviation = np.linalg.norm(inverse, axis=1)
-        yield Problem(
-            name=_name(cause, size + _CERTAIN * deviation),
-            of=of,
-            size=size,
-            deviation=deviation,
-            unit=cause.unit,
-            gain=squared - kept.size * np.log(equations.samples),
-            rank=0,
+        score = _Score(
+            kept=kept,
+            size=inverse @ explained,
+            deviation=np.linalg.norm(inverse, axis=1),
+            squared=float(explained @ explained),
         )
+        scores.append(score)
+        first += len(cause.of)
+    return scores
+
+
+def _chance(squared: float, count: int, independent: float) -> float:
+    """Chance of a squared misfit this large by noise alone.
+
+    The size of slow noise is known from the independent samples only, so that F's
+    distribution replaces that of chi-squared.
+    """
+    from scipy.stats import f
+
+    return float(f.sf(squared / count, count, independent)) if count else 1.0
 
 
 def _name(cause: Suspect, highest: FloatArray) -> str:
@@ -218,23 +267,20 @@ def _name(cause: Suspect, highest: FloatArray) -> str:
     return "sign" if cause.name == "scale" and (highest < 0).any() else cause.name
 
 
-def contradiction(squared: float, rank: int, independent: float) -> Iterator[Problem]:
+def contradiction(likely: Sequence[Equations]) -> Iterator[Problem]:
     """Whether numbers within the digits leave more than noise explains, without rank.
 
     Args:
-        squared: Least squared distance of base parameters within the digits from the
-            best unrestricted ones, in standard deviations of the noise.
-        rank: Independent combinations of base parameters that the recording tells.
-        independent: Samples that the noise leaves independent.
+        likely: As of `named_causes`.
     """
-    from scipy.stats import f
-
-    if f.sf(squared / rank, rank, independent) > SIGNIFICANCE:
+    chances = [_chance(one.squared, one.rank, one.independent) for one in likely]
+    if np.mean(chances) > SIGNIFICANCE:
         return
+    best = likely[0]
     yield Problem(
         name="tables",
         of=("tables",),
-        size=np.array([squared / rank]),
+        size=np.array([best.squared / best.rank]),
         deviation=np.array([np.nan]),
         unit="",
         gain=-np.inf,

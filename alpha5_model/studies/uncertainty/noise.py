@@ -5,10 +5,13 @@ References:
     International de Statistique 28(3).
     [Patterson1971] Patterson, Thompson: Recovery of inter-block information when block
     sizes are unequal, Biometrika 58(3).
+    [Rubin1987] Rubin: Comment on Tanner and Wong: sampling by importance resampling,
+    Journal of the American Statistical Association 82(398).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +27,7 @@ _LEAST_INDEPENDENT = 2.0
 #: Directions with smaller singular values are rounding errors, relative to the largest.
 _RANK = 1e-10
 #: Residuals this small, relative to what is measured, are rounding errors.
-_EXACT = 1e-9
+EXACT = 1e-9
 #: What is added to the squares of columns, relative to their sum, to factorize them.
 _FLOOR = 1e-14
 #: Combinations of likely columns with less effect than this share of one deviation of
@@ -32,6 +35,16 @@ _FLOOR = 1e-14
 _LOST = 0.3
 #: Limits of the arctanh of partial autocorrelations: 0.9996 for the first, then 0.95.
 _LIMITS = ((-4.3, 4.3), (-1.8, 1.8), (-1.8, 1.8))
+#: How many noises represent those that the data do not rule out, and of how many points
+#: they are chosen.
+_LIKELY = 16
+_CANDIDATES = 64
+#: The points are spread wider than the likelihood by this.
+_WIDER = 1.3
+#: Least curvature of the likelihood: an arctanh is known within 1.
+_LEAST_CURVATURE = 1.0
+#: Step of the derivatives of the likelihood.
+_STEP = 0.05
 #: Where the search may start; far off, the likelihood is flat.
 _STARTS = ((-0.5, 0.0, 0.0), (0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.5, 0.0, 0.0))
 
@@ -44,15 +57,21 @@ class Noise(NamedTuple):
         deviation: Standard deviation of w, in the unit of the channel; NaN if there are
             too few samples to tell it.
         independent: Independent samples whose mean would be as uncertain.
+        likely: Noise that the data do not rule out, drawn by its probability, (S,
+            ORDER + 1): coefficients, then deviation.
     """
 
     coefficients: FloatArray
     deviation: float
     independent: float
+    likely: FloatArray
 
 
 def noise_of_channel(
-    columns: FloatArray, likely: FloatArray, measured: FloatArray
+    columns: FloatArray,
+    likely: FloatArray,
+    measured: FloatArray,
+    size: float | None = None,
 ) -> Noise:
     """Noise of a channel about the best fit of some columns.
 
@@ -65,42 +84,143 @@ def noise_of_channel(
         likely: (N, j), with factors of about 1: combinations of them that are lost in
             the noise are left out.
         measured: (N,); NaN for what is missing.
+        size: Of what was recorded: residuals below 1e-9 of it are rounding errors.
+            None for the size of ``measured``.
     """
     from scipy.optimize import minimize
 
     basis = _with_likely(_basis(columns, measured), likely, measured)
     lagged = _lagged(np.column_stack([basis, measured]))
-    samples, _, width = lagged.shape
-    freedom = samples + ORDER - width + 1
-    if freedom < _LEAST_FREEDOM:
-        return Noise(coefficients=np.zeros(ORDER), deviation=np.nan, independent=0.0)
+    if _freedom(lagged) < _LEAST_FREEDOM:
+        return _white(deviation=np.nan, independent=0.0)
 
-    flat = lagged.reshape(samples, -1)
-    shape = (ORDER + 1, width, ORDER + 1, width)
-    products = (flat.T @ flat).reshape(shape).swapaxes(1, 2)
-    white = np.zeros(ORDER)
-    start = lagged[0, :0:-1]
-    least = _likelihood_parts(products, start, white).rest
-    size = np.sqrt(np.nanmean(measured**2))
-    deviation = float(np.sqrt(least / freedom))
-    if deviation <= _EXACT * size:
-        return Noise(coefficients=white, deviation=deviation, independent=freedom)
+    channel = _Channel(lagged)
+    least = channel.parts(np.zeros(ORDER)).rest
+    if size is None:
+        size = float(np.sqrt(np.nanmean(measured**2)))
+    deviation = float(np.sqrt(least / channel.freedom))
+    if deviation <= EXACT * size:
+        return _white(deviation=deviation, independent=channel.freedom)
 
-    def minus_log_likelihood(unbounded: FloatArray) -> float:
-        parts = _likelihood_parts(products, start, np.tanh(unbounded))
-        return float(freedom * np.log(parts.rest) + parts.log_determinant) / 2
+    def likelihood(unbounded: FloatArray) -> float:
+        return channel.minus_log_likelihood(np.tanh(unbounded))
 
-    first = min(_STARTS, key=lambda one: minus_log_likelihood(np.array(one)))
-    best = minimize(minus_log_likelihood, first, method="L-BFGS-B", bounds=_LIMITS)
+    first = min(_STARTS, key=lambda one: likelihood(np.array(one)))
+    best = minimize(likelihood, first, method="L-BFGS-B", bounds=_LIMITS)
     partial = np.tanh(best.x)
-    coefficients = stationary(partial)
-    rest = _likelihood_parts(products, start, partial).rest
-    share = (1.0 - coefficients.sum()) ** 2 / np.prod(1.0 - partial**2)
+    share = (1.0 - stationary(partial).sum()) ** 2 / np.prod(1.0 - partial**2)
+    independent = channel.freedom * min(float(share), 1.0)
+    drawn = np.tanh(_drawn(likelihood, np.asarray(best.x)))
     return Noise(
-        coefficients=coefficients,
-        deviation=float(np.sqrt(rest / freedom)),
-        independent=max(freedom * min(float(share), 1.0), _LEAST_INDEPENDENT),
+        coefficients=stationary(partial),
+        deviation=channel.deviation(partial),
+        independent=max(independent, _LEAST_INDEPENDENT),
+        likely=np.array([[*stationary(x), channel.deviation(x)] for x in drawn]),
     )
+
+
+class _Channel:
+    """The restricted likelihood of a channel's noise.
+
+    Attributes:
+        freedom: Samples beyond the columns.
+    """
+
+    def __init__(self, lagged: FloatArray) -> None:
+        samples, _, width = lagged.shape
+        flat = lagged.reshape(samples, -1)
+        shape = (ORDER + 1, width, ORDER + 1, width)
+        self.freedom = _freedom(lagged)
+        self._products = (flat.T @ flat).reshape(shape).swapaxes(1, 2)
+        self._start = lagged[0, :0:-1]
+
+    def parts(self, partial: FloatArray) -> _Likelihood:
+        """Parts of the likelihood of noise with these partial autocorrelations."""
+        return _likelihood_parts(self._products, self._start, partial)
+
+    def minus_log_likelihood(self, partial: FloatArray) -> float:
+        """Minus its logarithm, at the likeliest deviation."""
+        parts = self.parts(partial)
+        return float(self.freedom * np.log(parts.rest) + parts.log_determinant) / 2
+
+    def deviation(self, partial: FloatArray) -> float:
+        """The likeliest deviation of what drives such noise."""
+        return float(np.sqrt(self.parts(partial).rest / self.freedom))
+
+
+def _freedom(lagged: FloatArray) -> int:
+    """Samples beyond the columns."""
+    samples, _, width = lagged.shape
+    return int(samples + ORDER - width + 1)
+
+
+def _white(deviation: float, independent: float) -> Noise:
+    """White noise, of which nothing else is likely."""
+    alone = [*np.zeros(ORDER), deviation]
+    return Noise(
+        coefficients=np.zeros(ORDER),
+        deviation=deviation,
+        independent=independent,
+        likely=np.tile(alone, (_LIKELY, 1)),
+    )
+
+
+def _drawn(
+    minus_log_likelihood: Callable[[FloatArray], float], best: FloatArray
+) -> FloatArray:
+    """Points drawn by their likelihood, if all partial autocorrelations are possible.
+
+    The points are fixed multiples of the deviations of a normal distribution with the
+    curvature of the likelihood at its maximum; each is then taken as often as its
+    likelihood asks for [Rubin1987].
+
+    The arctanh of the first one is as likely everywhere, which leaves room for slow
+    noise that a short recording hardly shows.
+
+    Args:
+        minus_log_likelihood: Of the arctanh of partial autocorrelations, (ORDER,).
+        best: Its minimum.
+
+    Returns:
+        (_LIKELY, ORDER).
+    """
+    lower, upper = np.transpose(_LIMITS)
+    values, vectors = np.linalg.eigh(_curvature(minus_log_likelihood, best))
+    deviations = vectors / np.sqrt(np.maximum(values, _LEAST_CURVATURE))
+    rng = np.random.default_rng(0)
+    steps = _WIDER * rng.normal(size=(_CANDIDATES, ORDER))
+    points = best + steps @ deviations.T
+    inside = ((points >= lower) & (points <= upper)).all(axis=1)
+    points = points[inside]
+    steps = steps[inside]
+    if not len(points):
+        return np.tile(best, (_LIKELY, 1))
+
+    log_prior = np.log(1.0 - np.tanh(points[:, 1:]) ** 2).sum(axis=1)
+    log_proposal = -((steps / _WIDER) ** 2).sum(axis=1) / 2
+    log_likelihood = -np.array([minus_log_likelihood(point) for point in points])
+    log_weights = log_likelihood + log_prior - log_proposal
+    weights = np.exp(log_weights - log_weights.max())
+    # The midpoints of equal parts of the cumulated weights.
+    at = np.cumsum(weights) / weights.sum()
+    middles = (np.arange(_LIKELY) + 0.5) / _LIKELY
+    chosen = points[np.searchsorted(at, middles)]
+    return np.asarray(rng.permutation(chosen))
+
+
+def _curvature(function: Callable[[FloatArray], float], at: FloatArray) -> FloatArray:
+    """Second derivatives of a function of ORDER numbers."""
+    step = _STEP * np.eye(ORDER)
+    out = np.empty((ORDER, ORDER))
+    for i, j in np.ndindex(ORDER, ORDER):
+        corners = [
+            function(at + step[i] + step[j]),
+            -function(at + step[i] - step[j]),
+            -function(at - step[i] + step[j]),
+            function(at - step[i] - step[j]),
+        ]
+        out[i, j] = sum(corners) / (4 * _STEP**2)
+    return out
 
 
 def whitened(rows: FloatArray, coefficients: FloatArray) -> FloatArray:
