@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import (
     AbstractContextManager,
     contextmanager,
@@ -115,9 +115,9 @@ def progress_bars() -> Iterator[Callable[[str, float], None]]:
         yield progress
 
 
-def progress_over(items: Sequence[Item], words: str) -> Iterable[Item]:
-    """The items one by one, with a bar on stderr."""
+def progress_over(items: Iterable[Item], words: str, count: int) -> Iterable[Item]:
+    """The items one by one, with a bar on stderr; ``count`` is how many there are."""
     from rich.console import Console
     from rich.progress import track
 
-    return track(items, words, console=Console(stderr=True), transient=True)
+    return track(items, words, count, console=Console(stderr=True), transient=True)

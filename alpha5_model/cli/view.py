@@ -19,9 +19,10 @@ from alpha5_model.cli import options, printing, values
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.trajectory import read_motion
 from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.film_frames import pictures
 from alpha5_model.viewer.framing import check_size, framed
 from alpha5_model.viewer.page import static_page
-from alpha5_model.viewer.picture import picture, picture_png
+from alpha5_model.viewer.picture import picture_png
 from alpha5_model.viewer.poses import pose_of, posed, with_base
 from alpha5_model.viewer.scene import Scene, Size
 from alpha5_model.viewer.tracks import resampled
@@ -31,7 +32,10 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
 #: Frames per second of a video.
-_FRAME_RATE = 25.0
+_FRAME_RATE = 20.0
+#: Pixels of a picture and of a video, unless the user chooses.
+_PICTURE_SIZE = (1600, 1000)
+_VIDEO_SIZE = (1280, 720)
 #: A picture shows all of this many poses of a motion.
 _FRAMED_POSES = 24
 
@@ -43,8 +47,12 @@ _Show = Annotated[str | None, Option(help=options.HELP["groups"])]
 _Current = Annotated[str | None, Option(help=options.HELP["arrow"])]
 _Html = Annotated[Path | None, Option(help="Write a page that works from disk.")]
 _Image = Annotated[Path | None, Option(help="Draw a PNG without a screen.")]
-_Video = Annotated[Path | None, Option(help="Write the motion as .mp4 or .gif.")]
-_Size = Annotated[str, Option(help="Pixels of PNG and video.")]
+_Video = Annotated[
+    Path | None, Option(help="Write the motion as .mp4 or .gif, 20 frames/s.")
+]
+_Size = Annotated[
+    str | None, Option(help="Pixels; by default 1600x1000, of a video 1280x720.")
+]
 _Port = Annotated[int, Option(help="Of the live viewer; 0 for a free one.")]
 _Serve = Annotated[bool, Option("--serve", help="Do not open a browser.")]
 
@@ -60,7 +68,7 @@ def view(
     html: _Html = None,
     image: _Image = None,
     video: _Video = None,
-    size: _Size = "1600x1000",
+    size: _Size = None,
     port: _Port = 0,
     serve: _Serve = False,
     arm_file: options.Arm = None,
@@ -72,7 +80,7 @@ def view(
 
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """  # noqa: E501 (a line of the help)
-    pixels = _size(size)
+    pixels = None if size is None else _size(size)
     check_outputs(
         [motion],
         html=(html, (".html", ".htm")),
@@ -136,23 +144,25 @@ def _check_display() -> None:
 def _write(
     arm: Arm,
     shown: Scene,
-    pixels: Size,
+    pixels: Size | None,
     html: Path | None,
     image: Path | None,
     video: Path | None,
 ) -> None:
     track = _track(arm, shown)
-    seen = _framed(arm, shown, pixels, track)
 
     files: dict[Path, str | bytes] = {}
     if html is not None:
         files[html] = static_page(shown)
     if image is not None:
-        files[image] = picture_png(seen, pixels)
+        size = pixels or _PICTURE_SIZE
+        files[image] = picture_png(_framed(arm, shown, size, track), size)
     atomic_write_all(files)
 
     if video is not None and shown.motion is not None:
-        _film(arm, seen, pixels, shown.motion.time, track, video)
+        size = pixels or _VIDEO_SIZE
+        seen = _framed(arm, shown, size, track)
+        _film(arm, seen, size, shown.motion.time, track, video)
 
 
 def _track(arm: Arm, shown: Scene) -> FloatArray:
@@ -179,8 +189,10 @@ def _film(
 ) -> None:
     with film(path, _FRAME_RATE) as (rate, add):
         frames = list(resampled(arm, time, track, rate))
-        for q in printing.progress_over(frames, "drawing"):
-            add(picture(posed(seen, arm, q), pixels))
+        scenes = (posed(seen, arm, q) for q in frames)
+        drawn = pictures(scenes, pixels)
+        for frame in printing.progress_over(drawn, "drawing", len(frames)):
+            add(frame)
 
 
 def _serve(arm: Arm, shown: Scene, port: int, open_browser: bool) -> None:

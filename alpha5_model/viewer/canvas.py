@@ -17,8 +17,9 @@ from alpha5_model.viewer.scene import Camera
 
 IntArray = NDArray[np.int64]
 FaceArray = NDArray[np.uint32]
-#: Pixels processed at once.
-_BLOCK = 1 << 21
+#: Rows of triangles, and pixels in them, computed at once: they fit in a cache.
+_LINES = 1 << 13
+_PIXELS = 1 << 15
 #: Colour behind everything, at the top and at the bottom, each 0 to 1.
 _SKY = (1.0, 1.0, 1.0)
 _GROUND = (0.80, 0.86, 0.90)
@@ -32,38 +33,74 @@ _STRENGTHS = np.array([0.80, 0.45])
 _AMBIENT = 0.68
 
 
-class _Fragments(NamedTuple):
-    """Pixels inside triangles; a pixel comes once for each triangle that covers it.
+class _Triangles(NamedTuple):
+    """Triangles that the camera sees; k is one of the corners, F one of the triangles.
 
     Attributes:
-        pixels: Their numbers, row by row, (N,).
-        distances: Of the triangle there, ahead of the camera, (N,) [m].
-        corners: Vertices of the triangle, (N, 3).
-        weights: Weights of the three corners at the pixel, (3, N).
+        corners: Numbers of the corners, (3, F).
+        y: Pixel rows of the corners, (3, F).
+        by_x, by_y, constant: A corner's weight at column x and row y is
+            ``by_x x + by_y y + constant``, (3, F) each.
     """
 
-    pixels: IntArray
-    distances: NDArray[np.float32]
-    corners: FaceArray
-    weights: FloatArray
+    corners: IntArray
+    y: FloatArray
+    by_x: FloatArray
+    by_y: FloatArray
+    constant: FloatArray
 
 
 class _Lines(NamedTuple):
     """Triangles cut into rows of pixels, one entry for each row of a triangle.
 
     Attributes:
-        triangle: Number of the triangle, (L,).
-        row: Row of pixels, (L,).
-        first, last: First column inside, and the one after the last, (L,).
-        rest, slope: Weights of the corners are ``rest + slope x`` at x, (L, 3).
+        pixel: Number of the first pixel inside, row by row, (L,).
+        size: How many pixels are inside, (L,).
+        nearness: 1 / distance of the triangle there, at the first pixel, and what it
+            grows by with each further pixel, (2, L).
+        color: The same of red, green and blue, (2, 3, L).
     """
 
-    triangle: IntArray
-    row: IntArray
-    first: IntArray
-    last: IntArray
-    rest: FloatArray
-    slope: FloatArray
+    pixel: IntArray
+    size: IntArray
+    nearness: NDArray[np.float32]
+    color: NDArray[np.float32]
+
+
+class _Fragments(NamedTuple):
+    """Pixels inside triangles; a pixel comes once for each triangle that covers it.
+
+    Attributes:
+        pixels: Their numbers, row by row, (N,).
+        nearness: 1 / distance of the triangle there, ahead of the camera, (N,) [1/m].
+        lines: The line of each, (N,).
+        steps: Pixels from the start of the line, (N,).
+        color: Of the lines, see `_Lines`.
+    """
+
+    pixels: IntArray
+    nearness: NDArray[np.float32]
+    lines: IntArray
+    steps: NDArray[np.float32]
+    color: NDArray[np.float32]
+
+    def shown_in(self, layer: NDArray[np.float32], which: NDArray[np.bool_]) -> None:
+        """Give the pixels of some fragments their colours, in a layer (P, 3)."""
+        pixels = self.pixels[which]
+        lines = self.lines[which]
+        steps = self.steps[which]
+        for channel in range(3):
+            start, slope = self.color[:, channel]
+            layer[pixels, channel] = start[lines] + slope[lines] * steps
+
+
+class Window(NamedTuple):
+    """A part of a canvas: its first columns and rows, and those after the last."""
+
+    left: int
+    top: int
+    right: int
+    bottom: int
 
 
 class Canvas:
@@ -72,23 +109,30 @@ class Canvas:
     Args:
         camera: Where it is seen from.
         width, height: In pixels.
+        window: The part that can be drawn into; all if None.
 
     Attributes:
         width, height: In pixels.
         axes: The camera's axes in rows, (3, 3).
         focal: Distance of the eye from the picture, in pixels.
-        color: Red, green and blue of each pixel, 0 to 1, (height * width, 3).
+        window: The part that can be drawn into.
+        color: Red, green and blue of each pixel of the window, 0 to 1, (P, 3).
     """
 
-    def __init__(self, camera: Camera, width: int, height: int) -> None:
+    def __init__(
+        self, camera: Camera, width: int, height: int, window: Window | None = None
+    ) -> None:
         self.width = width
         self.height = height
         self.axes = camera.axes()
         self.focal = height / 2 / np.tan(np.deg2rad(camera.field_of_view) / 2)
-        backdrop = np.linspace(_SKY, _GROUND, height, dtype=np.float32)
-        self.color = np.repeat(backdrop, width, axis=0)
+        self.window = window or Window(left=0, top=0, right=width, bottom=height)
         self._eye = camera.eye
-        self._depth = np.full(width * height, np.inf, dtype=np.float32)
+        self._columns = self.window.right - self.window.left
+        rows = backdrop(height)[self.window.top : self.window.bottom]
+        self.color = np.repeat(rows, self._columns, axis=0)
+        # Nothing is infinitely far.
+        self._nearness = np.zeros(len(self.color), dtype=np.float32)
 
     def project(self, points: FloatArray) -> FloatArray:
         """Column, row and distance ahead [m] of points in the world, (N, 3)."""
@@ -103,7 +147,7 @@ class Canvas:
 
     def clear_depth(self) -> None:
         """Let what follows be drawn over everything so far."""
-        self._depth[:] = np.inf
+        self._nearness[:] = 0.0
 
     def draw(
         self,
@@ -125,18 +169,15 @@ class Canvas:
         """
         screen = self.project(points)
         touched = self._rows_of(screen)
-        depth = self._depth[touched]
+        nearness = self._nearness[touched]
         layer = self.color[touched]
         if opacity < 1.0:
-            depth = depth.copy()
+            nearness = nearness.copy()
             layer = layer.copy()
-        for found in self._fragments(screen, faces, two_sided):
-            pixels = found.pixels - touched.start
-            np.minimum.at(depth, pixels, found.distances)
-            nearest = depth[pixels] == found.distances
-            layer[pixels[nearest]] = np.einsum(
-                "kn,nkc->nc", found.weights[:, nearest], colors[found.corners[nearest]]
-            )
+        for found in self._fragments(screen, colors, faces, two_sided):
+            local = found._replace(pixels=found.pixels - touched.start)
+            np.maximum.at(nearness, local.pixels, local.nearness)
+            local.shown_in(layer, nearness[local.pixels] == local.nearness)
         if opacity < 1.0:
             background = self.color[touched]
             background += (layer - background) * np.float32(opacity)
@@ -144,100 +185,169 @@ class Canvas:
     def _rows_of(self, screen: FloatArray) -> slice:
         """The pixels in rows that some points cover."""
         rows = screen[:, 1]
-        top, bottom = _spans(rows.min(), rows.max(), self.height)
-        start = int(top)
-        end = max(start, int(bottom))
-        return slice(start * self.width, end * self.width)
+        top, bottom = _spans(
+            rows.min(), rows.max(), self.window.top, self.window.bottom
+        )
+        start = int(top) - self.window.top
+        end = max(start, int(bottom) - self.window.top)
+        return slice(start * self._columns, end * self._columns)
 
     def _fragments(
-        self, screen: FloatArray, faces: FaceArray, two_sided: bool
+        self,
+        screen: FloatArray,
+        colors: FloatArray,
+        faces: FaceArray,
+        two_sided: bool,
     ) -> Iterator[_Fragments]:
         """Pixels inside the triangles, so many at once that they fit in memory.
 
         Args:
             screen: Corners of the triangles by `project`, (V, 3).
+            colors: Of the corners, (V, 3).
             faces: (F, 3).
             two_sided: Whether triangles are seen from behind too.
         """
-        faces, corners, affine = _visible(screen, faces, two_sided)
-        nearness = 1.0 / corners[..., 2]
-        lines = self._lines(corners, affine)
-        blocks = np.cumsum(np.maximum(lines.last - lines.first, 0)) // _BLOCK
-        for block in np.unique(blocks):
-            chosen = np.flatnonzero(blocks == block)
-            within, column = _counted(lines.first[chosen], lines.last[chosen])
-            line = chosen[within]
-            triangle = lines.triangle[line]
-            x = column + 0.5
-            weights = np.stack(
-                [lines.rest[line, k] + lines.slope[line, k] * x for k in range(3)]
-            )
-            # The inverse of the distance is linear on the screen, the distance is not.
-            inverse = sum(weights[k] * nearness[triangle, k] for k in range(3))
-            yield _Fragments(
-                pixels=lines.row[line] * self.width + column,
-                distances=(1.0 / inverse).astype(np.float32),
-                corners=faces[triangle],
-                weights=weights,
-            )
+        triangles = _visible(screen, faces, two_sided)
+        # The distance is not linear on the screen, its inverse is.
+        at_corners = np.vstack([1.0 / screen[:, 2], colors.T])
+        tops, bottoms = _spans(
+            _least(triangles.y),
+            -_least(-triangles.y),
+            self.window.top,
+            self.window.bottom,
+        )
+        for some in _blocks(bottoms - tops, _LINES):
+            triangle, row = _counted(tops[some], bottoms[some])
+            lines = self._lines(triangles, some[triangle], row, at_corners)
+            for part in _blocks(lines.size, _PIXELS):
+                yield _fragments_of(lines, part)
 
-    def _lines(self, corners: FloatArray, affine: FloatArray) -> _Lines:
-        """Cut triangles into rows of pixels.
+    def _lines(
+        self,
+        triangles: _Triangles,
+        triangle: IntArray,
+        row: IntArray,
+        at_corners: FloatArray,
+    ) -> _Lines:
+        """The parts of rows of pixels that are inside triangles.
 
         Args:
-            corners: Pixel column, pixel row and distance of the corners, (F, 3, 3).
-            affine: Columns and rows of the corners, and ones, (F, 3, 3).
+            triangles: Those that are seen.
+            triangle: One of them for each line, (L,).
+            row: A row of pixels for each line, (L,).
+            at_corners: Nearness, red, green and blue of all corners, (4, V).
         """
-        # A corner's weight is 1 there and 0 at the others, and linear in x and y.
-        by_x, by_y, constant = np.linalg.inv(affine).swapaxes(0, 1)
-        rows = corners[..., 1]
-        top, bottom = _spans(rows.min(axis=1), rows.max(axis=1), self.height)
-        triangle, row = _counted(top, bottom)
-        rest = constant[triangle] + by_y[triangle] * (row + 0.5)[:, None]
-        slope = by_x[triangle]
+        window = self.window
+        slope = triangles.by_x[:, triangle]
+        rest = triangles.constant[:, triangle]
+        rest += triangles.by_y[:, triangle] * (row + 0.5)
 
         # A pixel is inside if no weight is negative.
         with np.errstate(divide="ignore", invalid="ignore"):
             zero = -rest / slope
-        left = np.where(slope > 0.0, zero, -np.inf).max(axis=1)
-        right = np.where(slope < 0.0, zero, np.inf).min(axis=1)
-        outside = ((slope == 0.0) & (rest < -1e-9)).any(axis=1)
-        first, last = _spans(left, np.where(outside, -np.inf, right), self.width)
+        left = -_least(-np.where(slope > 0.0, zero, -np.inf))
+        right = _least(np.where(slope < 0.0, zero, np.inf))
+        outside = ((slope == 0.0) & (rest < -1e-9)).any(axis=0)
+        right[outside] = -np.inf
+        first, last = _spans(left, right, window.left, window.right)
+
+        some = np.flatnonzero(last > first)
+        first = first[some]
+        slope = slope[:, some]
+        values = at_corners[:, triangles.corners[:, triangle[some]]]
+        at_first = rest[:, some] + slope * (first + 0.5)
+        both = np.stack([_sum(at_first * values), _sum(slope * values)])
+        growth: NDArray[np.float32] = both.astype(np.float32)
         return _Lines(
-            triangle=triangle, row=row, first=first, last=last, rest=rest, slope=slope
+            pixel=(row[some] - window.top) * self._columns + first - window.left,
+            size=last[some] - first,
+            nearness=growth[:, 0],
+            color=growth[:, 1:],
         )
 
 
-def _visible(
-    screen: FloatArray, faces: FaceArray, two_sided: bool
-) -> tuple[FaceArray, FloatArray, FloatArray]:
+def _fragments_of(lines: _Lines, which: IntArray) -> _Fragments:
+    """The pixels of some lines."""
+    size = lines.size[which]
+    starts = np.cumsum(size) - size
+    counter = np.arange(size.sum())
+    nearness, slope = lines.nearness[:, which]
+    steps = (counter - np.repeat(starts, size)).astype(np.float32)
+    return _Fragments(
+        pixels=counter + np.repeat(lines.pixel[which] - starts, size),
+        nearness=np.repeat(nearness, size) + np.repeat(slope, size) * steps,
+        lines=np.repeat(which, size),
+        steps=steps,
+        color=lines.color,
+    )
+
+
+def backdrop(height: int) -> NDArray[np.float32]:
+    """Colours behind everything, of rows from the top down, (height, 3)."""
+    return np.linspace(_SKY, _GROUND, height, dtype=np.float32)
+
+
+def _visible(screen: FloatArray, faces: FaceArray, two_sided: bool) -> _Triangles:
     """The triangles that the camera sees.
 
-    Returns:
-        Their faces (F, 3); columns, rows and distances of their corners (F, 3, 3);
-        columns, rows and ones (F, 3, 3).
+    Args:
+        screen: Corners by `Canvas.project`, (V, 3).
+        faces: (F, 3).
+        two_sided: Whether triangles are seen from behind too.
     """
-    corners = screen[faces]
-    ones = np.ones_like(corners[..., :1])
-    affine = np.concatenate([corners[..., :2], ones], axis=2)
-    area = np.linalg.det(affine)
+    corners = faces.T.astype(np.int64)
+    x, y, ahead = screen.T[:, corners]
+    area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
     # Rows grow downwards: a triangle seen from outside has a negative area.
     seen_area = np.abs(area) if two_sided else -area
-    ahead = corners[..., 2].min(axis=1) > 0.0
-    visible = (seen_area > _SLIVER) & ahead
-    return faces[visible], corners[visible], affine[visible]
+    visible = np.flatnonzero((seen_area > _SLIVER) & (_least(ahead) > 0.0))
+
+    x = x[:, visible]
+    y = y[:, visible]
+    # A corner's weight is 1 there and 0 at the others, and linear in x and y.
+    x_next, x_last = np.roll(x, -1, axis=0), np.roll(x, -2, axis=0)
+    y_next, y_last = np.roll(y, -1, axis=0), np.roll(y, -2, axis=0)
+    return _Triangles(
+        corners=corners[:, visible],
+        y=y,
+        by_x=(y_next - y_last) / area[visible],
+        by_y=(x_last - x_next) / area[visible],
+        constant=(x_next * y_last - x_last * y_next) / area[visible],
+    )
 
 
-def _spans(low: ArrayLike, high: ArrayLike, limit: int) -> tuple[IntArray, IntArray]:
-    """First pixel with its centre from ``low`` on, first after ``high``, 0 to limit."""
+def _least(values: FloatArray) -> FloatArray:
+    """Least of three rows, (3, N) to (N,)."""
+    # Faster than a minimum along a short axis.
+    return np.asarray(np.minimum(np.minimum(values[0], values[1]), values[2]))
+
+
+def _sum(values: FloatArray) -> FloatArray:
+    """Sums over the corners, (C, 3, N) to (C, N)."""
+    return np.asarray(values[:, 0] + values[:, 1] + values[:, 2])
+
+
+def _spans(
+    low: ArrayLike, high: ArrayLike, least: int, most: int
+) -> tuple[IntArray, IntArray]:
+    """First pixel with its centre from ``low`` on, and the first after ``high``.
+
+    Both are ``least`` to ``most``.
+    """
     # A centre on a shared edge belongs to both sides, however it is rounded.
     first = np.ceil(np.subtract(low, 0.5 + _EDGE))
     last = np.floor(np.add(high, 0.5 + _EDGE))
-    return _pixel_indices(first, limit), _pixel_indices(last, limit)
+    return _pixel_indices(first, least, most), _pixel_indices(last, least, most)
 
 
-def _pixel_indices(values: FloatArray, limit: int) -> IntArray:
-    return np.clip(values, 0, limit).astype(np.int64)
+def _pixel_indices(values: FloatArray, least: int, most: int) -> IntArray:
+    return np.clip(values, least, most).astype(np.int64)
+
+
+def _blocks(sizes: IntArray, most: int) -> list[IntArray]:
+    """Places of successive sizes (N,), apart where their sum passes multiples."""
+    block = np.cumsum(sizes) // most
+    return np.split(np.arange(len(block)), np.flatnonzero(np.diff(block)) + 1)
 
 
 def _counted(first: IntArray, last: IntArray) -> tuple[IntArray, IntArray]:

@@ -13,7 +13,7 @@ import queue
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -35,6 +35,7 @@ from alpha5_model.viewer.commands import (
     scene_commands,
     set_visible,
 )
+from alpha5_model.viewer.film_frames import pictures
 from alpha5_model.viewer.framing import framed
 from alpha5_model.viewer.picture import Pixels, picture
 from alpha5_model.viewer.poses import posed
@@ -184,9 +185,15 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
     def _add_to_video(self, track: FloatArray, step: float, video: _Video) -> None:
         ticks = step * np.arange(float(len(track)))
-        for position in resampled(self.arm, ticks, track, video.rate):
+        positions = resampled(self.arm, ticks, track, video.rate)
+        for frame in pictures(self._scenes_at(positions), video.size):
+            video.add(frame)
+
+    def _scenes_at(self, positions: Iterable[FloatArray]) -> Iterator[Scene]:
+        """The scene at some joint positions, at which the pages show it, too."""
+        for position in positions:
             self.display(position)
-            video.add(self.captureImage(*video.size))
+            yield self.scene
 
     def show(self, *groups: str, visible: bool = True) -> None:
         """Show or hide groups of `alpha5_model.viewer.scene.DRAWN`."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import io
 import math
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,12 +19,16 @@ from alpha5_model.cli import main
 from alpha5_model.errors import InputError
 from alpha5_model.viewer import annotations
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.canvas import Canvas, shade
+from alpha5_model.viewer.canvas import Canvas, Window, shade
+from alpha5_model.viewer.film_frames import pictures
+from alpha5_model.viewer.framing import framed
 from alpha5_model.viewer.picture import picture, picture_png
+from alpha5_model.viewer.poses import posed
 from alpha5_model.viewer.scene import Camera
 from alpha5_model.viewer.shapes import ball
 
 FIELD = 40.0
+HOME = a5.named_pose("home")
 #: Looks along +y from 2 m away: x to the right, z up.
 FRONT = Camera(np.array([0.0, -2.0, 0.0]), np.zeros(3), FIELD)
 FOCAL = 100 / math.tan(math.radians(FIELD / 2))
@@ -81,15 +86,43 @@ def test_each_pixel_of_a_triangle_is_drawn_in_one_block(
 
     def pixels() -> list[np.ndarray]:
         screen = canvas.project(right_angle(0.0))
-        fragments = canvas._fragments(screen, TRIANGLE, two_sided=False)
+        fragments = canvas._fragments(screen, RED, TRIANGLE, two_sided=False)
         return [found.pixels for found in fragments]
 
     canvas = Canvas(FRONT, 300, 200)
     (whole,) = pixels()
-    monkeypatch.setattr("alpha5_model.viewer.canvas._BLOCK", 100)
+    monkeypatch.setattr("alpha5_model.viewer.canvas._PIXELS", 100)
+    monkeypatch.setattr("alpha5_model.viewer.canvas._LINES", 10)
     blocks = pixels()
     assert len(blocks) > 5
     assert sorted(np.concatenate(blocks)) == sorted(whole)
+
+
+def test_a_window_has_the_pixels_of_the_whole_canvas() -> None:
+    whole = Canvas(FRONT, 300, 200)
+    window = Window(left=140, top=20, right=210, bottom=90)
+    part = Canvas(FRONT, 300, 200, window)
+    for canvas in (whole, part):
+        canvas.draw(right_angle(0.0), RED, TRIANGLE)
+        canvas.draw(right_angle(-0.3), BLUE, TRIANGLE, opacity=0.5)
+    seen = whole.color.reshape(200, 300, 3)[20:90, 140:210]
+    np.testing.assert_array_equal(part.color.reshape(70, 70, 3), seen)
+    assert len(np.unique(seen, axis=0)) > 2
+
+
+def test_a_film_has_the_pictures_of_its_scenes_in_their_order() -> None:
+    """Drawn several at once, into the part of the picture where the arm is."""
+    arm = a5.load()
+    size = (160, 100)
+    seen = framed(build_scene(arm), size)
+    scenes = [posed(seen, arm, HOME + 0.1 * k) for k in range(6)]
+    film = list(pictures(iter(scenes), size))
+    for scene, frame in zip(scenes, film, strict=True):
+        np.testing.assert_array_equal(frame, picture(scene, size))
+    assert np.abs(np.diff(np.array(film, dtype=int), axis=0)).max(axis=(1, 2, 3)).min()
+
+    close = replace(seen, camera=Camera(np.array([0.02, 0, 0.05]), np.zeros(3), FIELD))
+    assert picture(close, size).shape == (100, 160, 3), "the eye is within the arm"
 
 
 @pytest.mark.parametrize("near_first", [True, False])
@@ -289,7 +322,7 @@ def test_a_motion_stays_in_its_video(
     assert main([*made, "--video", str(tmp_path / "arm.gif")]) == 0
     assert "arm.gif" in capsys.readouterr().out
     with Image.open(tmp_path / "arm.gif") as video:
-        assert video.n_frames == 31, "1.2 s, 25 a second, both ends"
+        assert video.n_frames == 25, "1.2 s, 20 a second, both ends"
         frames = []
         for k in range(video.n_frames):
             video.seek(k)
