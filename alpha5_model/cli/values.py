@@ -247,8 +247,14 @@ def arm_in(
 
 
 def _with_payload(arm: Arm, text: str) -> Arm:
+    mass, com, volume = payload_numbers(text)
+    return arm.with_payload(mass, com, volume=volume, cob=com)
+
+
+def payload_numbers(text: str) -> tuple[float, tuple[float, float, float], float]:
+    """Mass [kg], centre of mass in tcp (3,) [m] and volume [m^3] of a payload."""
     expected = "MASS, MASS X Y Z or MASS X Y Z VOLUME (kg, m, m^3)"
     mass, *more = numbers("payload", text, (1, 4, 5), "kg, m", expected)
-    com = more[:3] or [0.0, 0.0, 0.0]
+    x, y, z = more[:3] or [0.0, 0.0, 0.0]
     volume = more[3] if len(more) > 3 else 0.0
-    return arm.with_payload(mass, com, volume=volume, cob=com)
+    return mass, (x, y, z), volume

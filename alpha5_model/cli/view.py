@@ -24,7 +24,7 @@ from alpha5_model.viewer.framing import check_size, framed
 from alpha5_model.viewer.page import static_page
 from alpha5_model.viewer.picture import picture_png
 from alpha5_model.viewer.poses import pose_of, posed, with_base
-from alpha5_model.viewer.scene import Scene, Size
+from alpha5_model.viewer.scene import NO_PAYLOAD, Payload, Scene, Size
 from alpha5_model.viewer.tracks import resampled
 from alpha5_model.viewer.video_file import VIDEO_FORMATS, film
 
@@ -64,6 +64,8 @@ def view(
     show: _Show = None,
     gripper: options.Gripper = "jaws",
     fluid: options.Fluid = "sea",
+    payload: options.Payload = None,
+    mount: options.Mount = None,
     current: _Current = None,
     html: _Html = None,
     image: _Image = None,
@@ -91,7 +93,7 @@ def view(
         raise InputError("video", str(video), "a --motion to show in it")
 
     record = values.arm_record(arm_file)
-    arm = values.arm_in(fluid, options.DOWN, gripper, None, None, record)
+    arm = values.arm_in(fluid, options.DOWN, gripper, mount, None, record)
     shown = build_scene(
         arm,
         None if pose is None else _position(arm, pose),
@@ -99,6 +101,9 @@ def view(
         motion=None if motion is None else read_motion(motion),
         show=None if show is None else values.names(show),
         current=values.current_vector(current),
+        payload=NO_PAYLOAD
+        if payload is None
+        else Payload(*values.payload_numbers(payload)),
     )
 
     written = [path for path in (html, image, video) if path is not None]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +14,14 @@ from alpha5_model.collision.self_collision import self_collision
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.dynamics.load import arm_urdf
-from alpha5_model.errors import SelfCollisionError
+from alpha5_model.errors import InputError, SelfCollisionError
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
+from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.kinematics.solutions import SolutionArrays
 from alpha5_model.numbers.chosen_arm import is_catalogue
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.hydrodynamics import LEVELS
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.planning.planner import ACCELERATION
 from alpha5_model.planning.retracted import retracted_poses
 from alpha5_model.planning.s_curve import RAMP
@@ -27,16 +29,27 @@ from alpha5_model.trajectory import Motion
 from alpha5_model.viewer import drawing
 from alpha5_model.viewer.framing import framed
 from alpha5_model.viewer.own_arm import own_arm, own_notes
-from alpha5_model.viewer.poses import link_poses, named_poses, tree_of, with_base
+from alpha5_model.viewer.poses import (
+    gravity_in_world,
+    link_poses,
+    named_poses,
+    tree_of,
+    with_base,
+)
 from alpha5_model.viewer.reach_shapes import workspace_shapes
 from alpha5_model.viewer.scene import (
     DEFAULT_SHOW,
     GROUPS,
+    NO_PAYLOAD,
+    WORLD,
     Label,
     Load,
+    MotionTrack,
+    Payload,
     Scene,
     Shape,
     Travel,
+    Water,
 )
 from alpha5_model.viewer.statics import loads_of, statics_of, streams_of
 from alpha5_model.viewer.tracks import motion_track
@@ -59,6 +72,8 @@ def build_scene(
     motion: Motion | None = None,
     show: Iterable[str] | None = None,
     current: ArrayLike | None = None,
+    payload: Payload = NO_PAYLOAD,
+    curves: Mapping[str, ArrayLike] | None = None,
 ) -> Scene:
     """Build the scene of an arm.
 
@@ -72,9 +87,11 @@ def build_scene(
         show: Groups to show, of `alpha5_model.viewer.scene.GROUPS`; the others can be
             switched on. If None: bodies, labels, centres, the ghosts if there is a
             target, the current if it is given.
-        current: Velocity of the water in the world, (3,) [m/s]; 1 m/s along x if None.
-            If the current is shown, the page's torques include its nominal load, which
-            is estimated.
+        current: Velocity of the water, (3,) [m/s], in base_link if the base is fixed,
+            else in the world; 1 m/s along x if None. If the current is shown, the
+            page's torques include its nominal load, which is estimated.
+        payload: What the arm holds, beside payloads that it has.
+        curves: Name -> signals beside the motion, one number for each of its samples.
 
     Raises:
         InputError: Joint positions or a target that do not fit (`ShapeError`,
@@ -87,57 +104,107 @@ def build_scene(
     own = own_arm(record)
     urdf = _urdf(arm)
     tree = tree_of(arm, urdf)
-    sliders = arm.joint_names
+    root = tree[0].parent
     kinematics = catalogue() if own is None else kinematics_of(record)
     plane = kinematics.plane if kinematics.shape.has_tool_on_axis else None
 
     goal = None if target is None else shaped("target", target, (3,))
     given = with_base(arm, _start(arm, kinematics, goal)) if q is None else q
     position = shaped("q", given, (arm.model.nq,))
-    # The scene always has a current, which the page can switch on. The motion has one
-    # only if it is given.
-    shown_current = array("current", _CURRENT if current is None else current, 3)
+    water = _water(arm, current)
     loads = tuple(loads_of(arm, tree))
     if show is None:
         show = _default_show(target=target is not None, current=current is not None)
 
-    beyond = dict(zip(sliders, _beyond_limits(arm, position), strict=True))
     bodies = list(drawing.bodies(urdf, _FOLDER))
     things: list[Shape | Label] = [
         *bodies,
-        *drawing.frames(tree, beyond),
-        *drawing.attached(record.attached),
-        *drawing.centers(np.array(arm.model.gravity.linear), loads),
-        *drawing.collision_bodies(urdf, _FOLDER),
-        *([] if plane is None else workspace_shapes(plane)),
-        *drawing.current_arrow(shown_current),
+        *drawing.frames(tree, _beyond_limits(arm, position)),
+        *_extras(record, urdf, plane),
+        *_forces(arm, root, loads, water, payload),
     ]
     if goal is not None:
         things += drawing.ghosts(arm, kinematics, tree, bodies, position, goal)
-    track = None if motion is None else motion_track(motion, arm, position, current)
 
     scene = Scene(
-        notes=_notes(arm, loads, own is not None),
+        notes=_notes(arm, own is not None),
         tree=tree,
-        sliders=sliders,
-        q=position[-len(sliders) :],
+        sliders=arm.joint_names,
+        q=position[-len(arm.joint_names) :],
         poses=link_poses(arm, tree, position),
         plane=plane,
         shapes=tuple(thing for thing in things if isinstance(thing, Shape)),
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
-        statics=statics_of(arm, loads, tree[0].parent),
+        statics=statics_of(arm, loads, root),
         show=tuple(choice("group", group, tuple(GROUPS)) for group in show),
         named_poses=named_poses(arm),
-        motion=track,
-        current=shown_current,
-        streams=tuple(streams_of(arm)),
+        motion=_track(motion, _loaded(arm, payload), position, current, curves),
+        water=water,
         collision=self_collision(record, _gripper_of(arm)).bodies,
         travel=_travel(arm),
         target=goal,
         own=own,
+        payload=payload,
+        is_fixed=not arm.floating_base,
     )
     return framed(scene)
+
+
+def _extras(
+    record: Alpha5Parameters, urdf: str, plane: ArmPlane | None
+) -> Iterator[Shape | Label]:
+    """What is attached, the collision bodies, and the reach in a plane."""
+    yield from drawing.attached(record.attached)
+    yield from drawing.collision_bodies(urdf, _FOLDER)
+    if plane is not None:
+        yield from workspace_shapes(plane)
+
+
+def _forces(
+    arm: Arm, root: str, loads: Sequence[Load], water: Water, payload: Payload
+) -> Iterator[Shape | Label]:
+    """Centres with weight and buoyancy, the current, and what the arm holds."""
+    yield from drawing.centers(water.gravity, loads)
+    frame = WORLD if arm.floating_base else root
+    yield from drawing.current_arrow(water.current, frame)
+    yield from drawing.payload(payload, water)
+
+
+def _water(arm: Arm, current: ArrayLike | None) -> Water:
+    """What the arm is in.
+
+    The scene always has a current, which the page can switch on. A motion has one only
+    if it is given.
+    """
+    return Water(
+        density=arm.fluid_density,
+        gravity=gravity_in_world(arm),
+        current=array("current", _CURRENT if current is None else current, 3),
+        streams={level: tuple(streams_of(arm, level)) for level in LEVELS},
+    )
+
+
+def _loaded(arm: Arm, payload: Payload) -> Arm:
+    """The arm with a payload, if there is one."""
+    if not payload.mass and not payload.volume:
+        return arm
+    return arm.with_payload(payload.mass, payload.com, volume=payload.volume)
+
+
+def _track(
+    motion: Motion | None,
+    arm: Arm,
+    q: FloatArray,
+    current: ArrayLike | None,
+    curves: Mapping[str, ArrayLike] | None,
+) -> MotionTrack | None:
+    """A motion with its curves, if there is one."""
+    if motion is not None:
+        return motion_track(motion, arm, q, current, curves)
+    if curves:
+        raise InputError("curves", [*curves], "a motion, with whose samples they go")
+    return None
 
 
 def _travel(arm: Arm) -> Travel:
@@ -226,25 +293,18 @@ def _default_show(target: bool, current: bool) -> list[str]:
     return shown
 
 
-def _beyond_limits(arm: Arm, q: FloatArray) -> list[bool]:
-    """Whether each joint of the arm is beyond a limit, (n,)."""
+def _beyond_limits(arm: Arm, q: FloatArray) -> dict[str, bool]:
+    """Name of each joint of the arm -> whether it is beyond a limit."""
     inside = np.clip(q, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
     beyond = np.abs(q - inside) > _ROUNDING
     joints: list[bool] = beyond[-len(arm.joint_names) :].tolist()
-    return joints
+    return dict(zip(arm.joint_names, joints, strict=True))
 
 
-def _notes(arm: Arm, loads: Sequence[Load], is_own: bool) -> tuple[str, ...]:
-    """Lines about the water, the arrows, and an arm of one's own."""
-    weight = sum(load.weight for load in loads)
-    lift = sum(load.buoyancy for load in loads)
-    if arm.fluid_density:
-        water = f"In water of {arm.fluid_density:g} kg/m\u00b3"
-        forces = f"{water}: weight {weight:.2f} N, buoyancy {lift:.2f} N."
-    else:
-        forces = f"In air: weight {weight:.2f} N."
+def _notes(arm: Arm, is_own: bool) -> tuple[str, ...]:
+    """Lines about the arrows, and an arm of one's own."""
     arrows = f"Arrows: {1e3 * drawing.ARROW_SCALE:g} mm per newton."
-    said = (forces, f"{arrows} Torque: what each joint holds at rest.")
+    said = (f"{arrows} Torque: what each joint holds at rest.",)
     if not is_own:
         return said
     return *own_notes(arm.parameters, arm.floating_base), *said

@@ -8,7 +8,15 @@ from typing import Any
 import umsgpack  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from alpha5_model.viewer.scene import DRAWN, Color, Mean, Rigid, Scene, Shape
+from alpha5_model.viewer.scene import (
+    DRAWN,
+    MADE_BY_PAGE,
+    Color,
+    Mean,
+    Rigid,
+    Scene,
+    Shape,
+)
 
 #: Root of the arm in meshcat's scene tree.
 ROOT = "/meshcat/alpha5"
@@ -39,12 +47,11 @@ def scene_commands(scene: Scene) -> Iterator[Command]:
     """The commands that build a scene from nothing.
 
     A mesh that several shapes share is sent with the first of them, and the page
-    remembers it. Ghosts are not sent: the page makes them of the bodies, because they
-    follow the hand.
+    remembers it. Groups of `MADE_BY_PAGE` are not sent.
     """
     sent: dict[int, str] = {}
     for shape in scene.shapes:
-        if shape.group != "ghosts":
+        if shape.group not in MADE_BY_PAGE:
             yield _set_object(shape, sent)
     yield from pose_commands(scene)
     for group in DRAWN:
@@ -92,7 +99,7 @@ def anchors(scene: Scene) -> dict[str, Rigid | Mean]:
     return {
         shape_path(shape): shape.anchor
         for shape in scene.shapes
-        if shape.group not in ("bodies", "ghosts")
+        if shape.group not in ("bodies", *MADE_BY_PAGE)
     }
 
 

@@ -25,7 +25,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import Alpha5Error
 from alpha5_model.viewer.commands import Command, pose_message
 from alpha5_model.viewer.live_scene import LiveScene, Page
-from alpha5_model.viewer.messages import read_positions
+from alpha5_model.viewer.messages import SliderMove, read_move
 from alpha5_model.viewer.page import live_page
 from alpha5_model.viewer.protocol import Requests
 
@@ -57,6 +57,8 @@ class PageConnection(tornado.websocket.WebSocketHandler):
         #: The positions that the page sent last, until they are shown.
         self._wanted: FloatArray | None = None
         self._refusal: Alpha5Error | None = None
+        #: Where the page has moved sliders of the program, until it is told.
+        self._moved: dict[str, float] = {}
         self.asked: deque[int] = deque()
 
     def prepare(self) -> None:
@@ -106,13 +108,18 @@ class PageConnection(tornado.websocket.WebSocketHandler):
 
     def on_message(self, message: str | bytes) -> None:
         """Store what a page sends; only the last of several messages is shown."""
-        if self._wanted is None and self._refusal is None:
+        if self._wanted is None and self._refusal is None and not self._moved:
             asyncio.get_running_loop().call_soon(self._act)
         try:
             if self.asked and isinstance(message, str) and message.startswith(_PICTURE):
                 self._requests.receive_picture(self.asked.popleft(), message)
             else:
-                self._wanted = read_positions(message, self._live.viewer.arm)
+                sliders = self._live.controls.sliders
+                move = read_move(message, self._live.viewer.arm, sliders)
+                if isinstance(move, SliderMove):
+                    self._moved[move.name] = move.value
+                else:
+                    self._wanted = move
         except Alpha5Error as refusal:
             self._refusal = refusal
 
@@ -121,12 +128,16 @@ class PageConnection(tornado.websocket.WebSocketHandler):
         viewer = self._live.viewer
         wanted = self._wanted
         refusal = self._refusal
+        moved = self._moved
         self._wanted = None
+        self._moved = {}
         self._refusal = None
 
         if wanted is not None:
             base = viewer.q[: -len(wanted)]
             viewer.place(np.concatenate([base, wanted]), self)
+        for name, value in moved.items():
+            viewer.move_slider(name, value, self)
         if refusal is not None:
             self.send(Command(type="refused", reason=str(refusal)).packed())
             self.send(pose_message(viewer.scene).packed())

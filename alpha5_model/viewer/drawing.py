@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.spatial import transform
+from alpha5_model._support.spatial import moved, transform
 from alpha5_model.description.reading import urdf_shapes
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
@@ -27,8 +27,10 @@ from alpha5_model.viewer.scene import (
     Label,
     Load,
     Mean,
+    Payload,
     Rigid,
     Shape,
+    Water,
     WeightedPoint,
 )
 from alpha5_model.viewer.shapes import arrow, ball, drawn, triad
@@ -209,10 +211,10 @@ def _center(
     yield Label(kind.force, text, Mean(points, tip), darker)
 
 
-def current_arrow(current: FloatArray) -> Iterator[Shape | Label]:
-    """An arrow beside the base along the current (3,) [m/s], with a label."""
+def current_arrow(current: FloatArray, frame: str) -> Iterator[Shape | Label]:
+    """An arrow beside the base along the current (3,) [m/s] of a frame."""
     teal = _COLORS["teal"]
-    beside_base = Rigid(WORLD, transform(translation=(0.0, -0.16, 0.05)))
+    beside_base = Rigid(frame, transform(translation=LOOK["current_at"]))
     speed = float(np.linalg.norm(current))
     tip = ARROWS["current"] * current
     mesh = arrow(tip, 0.004) if speed else _ball(0.004, teal, teal)
@@ -226,6 +228,36 @@ def current_arrow(current: FloatArray) -> Iterator[Shape | Label]:
     )
     text = f"current {speed:.3g} m/s, load estimated"
     yield Label("current", text, beside_base, teal)
+
+
+def payload(held: Payload, water: Water) -> Iterator[Shape | Label]:
+    """A ball at the tcp for what the arm holds, with its net force and a label."""
+    if not held.mass:
+        return
+    at = WeightedPoint(link="tcp", weight=1.0, point=np.array(held.com))
+    color = _COLORS["orange"]
+    sphere = _ball(payload_radius(held), color, color)
+    yield Shape(group="payload", name="body", anchor=Mean((at,)), mesh=sphere)
+
+    force = (held.mass - water.density * held.volume) * water.gravity
+    strength = float(np.linalg.norm(force))
+    if strength:
+        yield Shape(
+            group="payload",
+            name="force",
+            anchor=Mean((at,)),
+            mesh=arrow(ARROW_SCALE * force, 0.004),
+            color=color,
+            on_top=1,
+        )
+    text = f"payload {1e3 * held.mass:.0f} g, {strength:.2f} N"
+    yield Label("payload", text, Mean((at,), ARROW_SCALE * force), _COLORS["ochre"])
+
+
+def payload_radius(held: Payload) -> float:
+    """Radius of the ball that is drawn [m]: of its volume, or as small as a centre."""
+    of_volume = (held.volume * 3 / (4 * np.pi)) ** (1 / 3)
+    return max(float(of_volume), float(LOOK["payload_radius"]))
 
 
 class _GhostLook(NamedTuple):
@@ -281,8 +313,9 @@ def ghosts(
         elbow = transform(translation=poses["link_3"][:3, 3])
         text = _ghost_label(BRANCHES[i], allowed, touches)
         yield Label("ghosts", text, Rigid(WORLD, elbow), tuple(LOOK["ghosts"][i]))
-    base = arm.forward_kinematics(q, frame="base_link")
-    yield from _target(base.act(target), _missed(kinematics, solutions, target))
+    base = link_poses(arm, tree, q)[tree[0].parent]
+    point = moved(base, target)
+    yield from _target(point, _missed(kinematics, solutions, target))
 
 
 def _missed(

@@ -11,6 +11,7 @@ from meshcat.servers.tree import SceneTree, find_node, walk
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.viewer.commands import Command
+from alpha5_model.viewer.live_controls import Controls
 from alpha5_model.viewer.messages import path_parts
 from alpha5_model.viewer.scene import Scene
 
@@ -32,6 +33,9 @@ class Shown(Protocol):
             q: Joint positions.
             mover: The page that sent them, or None.
         """
+
+    def move_slider(self, name: str, value: float, mover: Any) -> None:
+        """Take a slider of the program to a checked value, where a page moved it."""
 
 
 class Page(Protocol):
@@ -59,12 +63,14 @@ class LiveScene:
         viewer: What the pages show.
         tree: meshcat's tree of the scene.
         pages: The pages that are open.
+        controls: Curves and sliders of the program.
     """
 
     def __init__(self, viewer: Shown) -> None:
         self.viewer = viewer
         self.tree: Any = SceneTree()
         self.pages: set[Page] = set()
+        self.controls = Controls()
         #: Type -> last command of that type, which a new page gets after the scene.
         self._last_broadcasts: dict[str, bytes] = {}
 
@@ -73,6 +79,14 @@ class LiveScene:
         self.pages.add(page)
         for message in (*self.messages(), *self._last_broadcasts.values()):
             page.send(message)
+        for command in self.controls.commands():
+            page.send(command.packed())
+
+    def show_control(self, command: Command, mover: Any = None) -> None:
+        """Send the command of a curve or slider to the open pages but the mover."""
+        packed = command.packed()
+        for page in self.pages - {mover}:
+            page.send(packed)
 
     def broadcast(self, command: Command, mover: Any = None) -> None:
         """Send a command to all pages, also to those that open later.

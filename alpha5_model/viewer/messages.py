@@ -9,14 +9,16 @@ from __future__ import annotations
 import base64
 import json
 import re
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import umsgpack  # type: ignore[import-untyped]
 
-from alpha5_model._support.checks import FloatArray, shaped
+from alpha5_model._support.checks import FloatArray, choice, real, shaped
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import InputError, JointLimitError
+from alpha5_model.viewer.live_controls import Slider
 
 #: Longest message with joint positions [characters].
 _LONGEST_POSE = 4096
@@ -29,29 +31,60 @@ _ROUNDING = 1e-9
 _DATA_URL = re.compile(r"data:image/\w+;base64,")
 
 
-def read_positions(message: str | bytes, arm: Arm) -> FloatArray:
-    """Read the joint positions that a page sends as ``{"q": [...]}``.
+class SliderMove(NamedTuple):
+    """Where a page has moved a slider of the program."""
+
+    name: str
+    value: float
+
+
+def read_move(
+    message: str | bytes, arm: Arm, sliders: Mapping[str, Slider]
+) -> FloatArray | SliderMove:
+    """Read what a page sends if something was moved.
+
+    It is ``{"q": [...]}`` or ``{"slider": name, "value": number}``.
 
     Args:
         message: The page's message, unchecked.
-        arm: The arm whose joints they are.
+        arm: The arm whose joints may have moved.
+        sliders: The program's sliders.
 
     Returns:
-        Positions within the limits, (n,) [rad, and m for axis_a].
+        Positions within the limits, (n,) [rad, and m for axis_a], or the slider's.
 
     Raises:
-        InputError: Not such a message (`ShapeError`, `NonFiniteError`).
+        InputError: Not such a message (`ShapeError`, `NonFiniteError`,
+            `UnknownNameError`).
         JointLimitError: A joint is beyond a limit.
     """
-    expected = '{"q": [...]} as text'
+    expected = '{"q": [...]} or {"slider": name, "value": number} as text'
     if not isinstance(message, str):
         raise InputError("message", f"{len(message)} bytes", expected)
     if len(message) > _LONGEST_POSE:
         raise InputError("message", f"{len(message)} characters", expected)
     content = _json(message)
-    if not isinstance(content, dict) or set(content) != {"q"}:
-        raise InputError("message", message, expected)
+    if isinstance(content, dict) and set(content) == {"slider", "value"}:
+        return _slider_move(content, sliders)
+    if isinstance(content, dict) and set(content) == {"q"}:
+        return _positions(content, arm)
+    raise InputError("message", message, expected)
 
+
+def _slider_move(
+    content: Mapping[str, Any], sliders: Mapping[str, Slider]
+) -> SliderMove:
+    name = choice("slider", content["slider"], tuple(sliders))
+    moved = sliders[name]
+    value = real("value", content["value"])
+    if not moved.low <= value <= moved.high:
+        expected = f"a number from {moved.low:g} to {moved.high:g}"
+        raise InputError("value", value, expected)
+    return SliderMove(name=name, value=value)
+
+
+def _positions(content: Mapping[str, Any], arm: Arm) -> FloatArray:
+    """Joint positions within the limits, (n,)."""
     names = arm.joint_names
     limits = arm.limits
     joints = shaped("q", content["q"], (len(names),))

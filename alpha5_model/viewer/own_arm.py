@@ -81,8 +81,7 @@ def _mount_note(mount: Mount) -> str:
     roll, pitch, yaw = (_rounded(turn) for turn in turns)
     return (
         f"Mounted on {mount.parent} at ({x}, {y}, {z}) mm, turned by roll {roll}, "
-        f"pitch {pitch}, yaw {yaw}\u00b0; drawn in base_link, with gravity as it is "
-        "there."
+        f"pitch {pitch}, yaw {yaw}\u00b0; drawn there without the yaw."
     )
 
 

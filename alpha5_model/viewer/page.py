@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.spatial import pose
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import pose, rpy_from_rotation
 from alpha5_model.collision.bodies import CollisionBodies
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.geometry.primitives import Primitive
@@ -29,10 +30,13 @@ from alpha5_model.viewer.scene import (
     ARROWS,
     DRAWN,
     GROUPS,
+    LOOK,
+    MADE_BY_PAGE,
     SEE_THROUGH,
     VIEWS,
     MotionTrack,
     Scene,
+    Water,
 )
 
 #: A file of the page -> the files in its place for an arm of one's own, whose numbers
@@ -71,10 +75,15 @@ def page_data(scene: Scene) -> dict[str, Any]:
     data = {
         "notes": scene.notes,
         "sliders": scene.sliders,
-        "labels": scene.labels,
-        "statics": scene.statics,
-        "current": scene.current,
-        "streams": scene.streams,
+        "labels": [each for each in scene.labels if each.group not in MADE_BY_PAGE],
+        "loads": scene.loads,
+        "statics": {**vars(scene.statics), "beyond": _beyond(scene)},
+        "water": _water(scene.water),
+        "payload": scene.payload._asdict(),
+        "payloadRadius": LOOK["payload_radius"],
+        "currentAt": LOOK["current_at"],
+        "fixed": scene.is_fixed,
+        "attitude": _attitude(scene),
         "collision": _collision(scene.collision),
         "travel": scene.travel._asdict(),
         "camera": scene.camera,
@@ -102,6 +111,27 @@ def page_data(scene: Scene) -> dict[str, Any]:
             "dimensions": scene.own.dimensions,
         }
     return data
+
+
+def _beyond(scene: Scene) -> list[dict[str, Any]]:
+    return [body._asdict() for body in scene.statics.beyond]
+
+
+def _water(water: Water) -> dict[str, Any]:
+    """Density, gravity and current, and the streams as objects by level."""
+    return {
+        "density": water.density,
+        "gravity": water.gravity,
+        "current": water.current,
+        "streams": water.streams,
+    }
+
+
+def _attitude(scene: Scene) -> list[float]:
+    """Roll and pitch of the base in the world [rad]."""
+    base = scene.poses[scene.tree[0].parent]
+    roll, pitch, _ = rpy_from_rotation(base[:3, :3])
+    return [roll, pitch]
 
 
 def _collision(compared: CollisionBodies) -> dict[str, Any]:
@@ -144,7 +174,7 @@ def _plane(scene: Scene) -> dict[str, Any] | None:
 
 def _groups(scene: Scene) -> list[dict[str, Any]]:
     """The groups with a switch on the page: ghosts, and groups that are not empty."""
-    drawn = {"ghosts", *(shape.group for shape in scene.shapes)}
+    drawn = {*MADE_BY_PAGE, *(shape.group for shape in scene.shapes)}
     return [
         {"name": name, "title": title, "shown": name in scene.show}
         for name, title in GROUPS.items()
@@ -158,7 +188,21 @@ def _track(motion: MotionTrack) -> dict[str, Any]:
     rows = np.linspace(0, count - 1, min(count, _SAMPLES)).round().astype(int)
     columns = {"time": motion.time, "q": motion.q, **motion.loads}
     thinned = {name: column[rows].round(6) for name, column in columns.items()}
-    return {"name": motion.name, **thinned}
+    compared = {
+        name: {
+            "recorded": _known(each.recorded[rows]),
+            "computed": _known(each.computed[rows]),
+        }
+        for name, each in motion.compared.items()
+    }
+    signals = {name: values[rows] for name, values in motion.signals.items()}
+    return {"name": motion.name, **thinned, "compared": compared, "signals": signals}
+
+
+def _known(values: FloatArray) -> list[list[float | None]]:
+    """Numbers in rows, and None, which JSON knows, for each that is not known."""
+    rounded = values.round(6).tolist()
+    return [[None if math.isnan(x) else x for x in row] for row in rounded]
 
 
 @cache

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice, float_array
+from alpha5_model._support.spatial import rotation_from_rpy, transform
 from alpha5_model.description import srdf
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf_robot import UrdfJoint
@@ -51,15 +52,41 @@ def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
     return np.concatenate([AT_ORIGIN, joints]) if arm.floating_base else joints
 
 
+def mounting(arm: Arm) -> FloatArray:
+    """Pose of a fixed base in the world in which gravity points down, (4, 4).
+
+    It has roll and pitch only: gravity does not tell a yaw. The identity for a floating
+    base, and without gravity.
+    """
+    up = -np.array(arm.model.gravity.linear)
+    if arm.floating_base or not up.any():
+        return np.eye(4)
+    roll = np.arctan2(up[1], up[2])
+    pitch = np.arctan2(-up[0], np.hypot(up[1], up[2]))
+    return transform(rotation_from_rpy([roll, pitch, 0.0]))
+
+
+def gravity_in_world(arm: Arm) -> FloatArray:
+    """Gravity in the world of `mounting`, (3,) [m/s^2]."""
+    gravity = np.array(arm.model.gravity.linear)
+    if arm.floating_base:
+        return gravity
+    return np.array([0.0, 0.0, -np.linalg.norm(gravity)])
+
+
 def link_poses(
     arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray
 ) -> dict[str, FloatArray]:
-    """Pose of the world and of every link in the world, (4, 4), by Pinocchio."""
+    """Pose of the world and of every link in the world, (4, 4), by Pinocchio.
+
+    A fixed base is mounted as `mounting` has it.
+    """
+    base = mounting(arm)
     links = [tree[0].parent, *(joint.child for joint in tree)]
     poses = {WORLD: np.eye(4)}
     for link in links:
         placement = arm.forward_kinematics(q, frame=link)
-        poses[link] = np.array(placement.homogeneous)
+        poses[link] = base @ placement.homogeneous
     return poses
 
 

@@ -28,6 +28,8 @@ LOOK: Any = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")
 GROUPS: dict[str, str] = LOOK["groups"]
 #: Groups with shapes of their own. The other two change how shapes are drawn.
 DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
+#: Groups that the page draws itself, because a hand changes what they show.
+MADE_BY_PAGE = ("ghosts", "weight", "buoyancy", "current", "payload")
 #: Length of an arrow per force [m/N], and of the current's arrow per speed [s].
 ARROWS: dict[str, float] = LOOK["arrows"]
 #: Name of a view -> direction from which the arm is seen, (3,).
@@ -175,7 +177,8 @@ class StripDrag(NamedTuple):
     Attributes:
         middle: Middle of the strip in the link's frame, (3,) [m].
         axis: Its unit axis in the link's frame, (3,).
-        across, along: Force per squared speed, across and along the axis [N s^2/m^2].
+        across, along: Force per squared speed and density of the fluid, across and
+            along the axis [m^2].
     """
 
     middle: FloatArray
@@ -191,7 +194,7 @@ class Stream:
     Attributes:
         link: Its name.
         strips: Drag of its strips.
-        added_mass: Added mass of its translations, (3, 3) [kg].
+        added_mass: Added mass of its translations, per density, (3, 3) [m^3].
     """
 
     link: str
@@ -199,22 +202,73 @@ class Stream:
     added_mass: FloatArray
 
 
+class Beyond(NamedTuple):
+    """A body beyond link_4, by its moments in the frame of its link.
+
+    Attributes:
+        link: Its link.
+        mass: First moment [kg m] and mass [kg], (4,).
+        volume: First moment [m^4] and displaced volume [m^3], (4,).
+    """
+
+    link: str
+    mass: FloatArray
+    volume: FloatArray
+
+
 @dataclass(frozen=True, eq=False)
 class Statics:
     """Numbers from which the page computes the torque that holds the arm still.
 
     Attributes:
-        parameters: Base parameters (`alpha5_model.codegen.regrouping`) of the arm
-            without the bodies beyond link_4, (41,).
-        share: Derivatives of these with respect to net first moment and net mass of a
-            body in link_4, (41, 4).
-        beyond: Of each body beyond link_4: its link, and net first moment [kg m] and
-            net mass [kg] in the link's frame, (4,).
+        mass: Base parameters (`alpha5_model.codegen.regrouping`) of the arm without the
+            bodies beyond link_4, without water and gravity, (41,).
+        volume: What a fluid takes off them, per density, (41,).
+        share: Derivatives of these with respect to first moment and mass of a body in
+            link_4, (41, 4).
+        beyond: The bodies beyond link_4.
     """
 
-    parameters: FloatArray
+    mass: FloatArray
+    volume: FloatArray
     share: FloatArray
-    beyond: tuple[tuple[str, FloatArray], ...]
+    beyond: tuple[Beyond, ...]
+
+
+class Payload(NamedTuple):
+    """A body at the tcp.
+
+    Attributes:
+        mass: [kg].
+        com: Centres of its mass and volume in tcp, (3,) [m].
+        volume: Displaced [m^3].
+    """
+
+    mass: float
+    com: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    volume: float = 0.0
+
+
+#: Nothing at the tcp.
+NO_PAYLOAD = Payload(mass=0.0)
+
+
+class Water(NamedTuple):
+    """What the arm is in.
+
+    Attributes:
+        density: Of the fluid [kg/m^3].
+        gravity: In the world, (3,) [m/s^2]. A fixed base is drawn so that it points
+            down.
+        current: Velocity of the water, (3,) [m/s]: in base_link if the base is fixed,
+            else in the world.
+        streams: Level of the estimates -> added mass and drag of the links.
+    """
+
+    density: float
+    gravity: FloatArray
+    current: FloatArray
+    streams: Mapping[str, tuple[Stream, ...]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,6 +294,19 @@ class Camera:
         return np.stack([right, up, back])
 
 
+class Compared(NamedTuple):
+    """A recorded quantity beside the computed one.
+
+    Attributes:
+        recorded: (N, n) [rad, N m or A; jaw rod m or N]; NaN if unknown.
+        computed: The same quantity of the model, (N, n); a position is the smoothed one
+            from which torques are computed.
+    """
+
+    recorded: FloatArray
+    computed: FloatArray
+
+
 @dataclass(frozen=True, eq=False)
 class MotionTrack:
     """A motion to play.
@@ -250,12 +317,17 @@ class MotionTrack:
         q: Positions of the sliders' joints, (N, n) [rad or m].
         loads: Cause -> torque, (N, n) [N m; jaw rod N]; ``mount`` -> force and moment
             on the mount at base_link, (N, 6) [N, N m]. Empty for an arm on a vehicle.
+        compared: ``position``, ``effort`` and ``current`` -> what was recorded, and
+            what was computed. Empty for an arm on a vehicle.
+        signals: Name -> a curve of the user, (N,).
     """
 
     name: str
     time: FloatArray
     q: FloatArray
     loads: Mapping[str, FloatArray]
+    compared: Mapping[str, Compared] = field(default_factory=dict)
+    signals: Mapping[str, FloatArray] = field(default_factory=dict)
 
 
 class Travel(NamedTuple):
@@ -291,13 +363,14 @@ class Scene:
         show: Groups that are shown.
         named_poses: Name -> positions of the sliders.
         motion: A motion to play, or None.
-        current: Velocity of the water in the world, (3,) [m/s].
-        streams: Added mass and drag of the links.
+        water: What the arm is in.
         collision: Bodies that are compared for self-collision.
         travel: How the page moves the arm.
         target: Target of the tcp in base_link, (3,) [m], or None.
         camera: The camera that sees the scene.
         own: Name and numbers of an arm of one's own, or None.
+        payload: What the arm holds at the tcp; it is in none of the loads.
+        is_fixed: Whether the base is fixed.
     """
 
     notes: tuple[str, ...]
@@ -313,10 +386,11 @@ class Scene:
     show: tuple[str, ...]
     named_poses: dict[str, FloatArray]
     motion: MotionTrack | None
-    current: FloatArray
-    streams: tuple[Stream, ...]
+    water: Water
     collision: CollisionBodies
     travel: Travel
     target: FloatArray | None
     camera: Camera = field(default_factory=lambda: Camera(VIEWS["home"], np.zeros(3)))
     own: OwnArm | None = None
+    payload: Payload = NO_PAYLOAD
+    is_fixed: bool = True

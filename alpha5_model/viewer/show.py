@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
@@ -20,15 +20,17 @@ def view(
     target: ArrayLike | None = None,
     motion: Motion | None = None,
     show: Iterable[str] | None = None,
+    current: ArrayLike | None = None,
+    curves: Mapping[str, ArrayLike] | None = None,
     port: int = 0,
 ) -> ArmVisualizer:
     """Start a live meshcat viewer on an arm.
 
-    The page has a slider for each joint, switches for everything that can be shown, and
-    a player for the motion. ``open()`` shows it in a browser, ``url()`` is its address,
-    ``display(q)`` and ``play(q, dt)`` move the arm in every page,
-    ``on_change(function)`` calls back when a page moves it, ``captureImage()`` is a
-    picture, ``static_html()`` is the same page as one file.
+    The page has a slider for each joint, controls of water, current, payload and mount,
+    switches for everything that can be shown, and a player for the motion. ``open()``
+    shows it in a browser, ``url()`` is its address, ``display(q)`` and ``play(q, dt)``
+    move the arm in every page, ``on_change(function)`` calls back when a page moves it,
+    ``captureImage()`` is a picture, ``static_html()`` is the same page as one file.
 
     Args:
         arm: What to show; one of your own (``a5.load(arm=record)``) is drawn with the
@@ -40,6 +42,11 @@ def view(
         motion: Played in real time by the page.
         show: Groups to show, of `alpha5_model.viewer.scene.GROUPS`; the others can be
             switched on.
+        current: Velocity of the water, (3,) [m/s], in base_link if the base is fixed,
+            else in the world. If it is given, the torques on the page and those of the
+            motion include its estimated load.
+        curves: Name -> a signal beside the motion, with one number for each of its
+            samples; drawn under the arm.
         port: Of the page on this machine; 0 for a free one.
 
     Returns:
@@ -52,6 +59,13 @@ def view(
     from alpha5_model.viewer.build import build_scene
     from alpha5_model.viewer.visualizer import ArmVisualizer
 
-    return ArmVisualizer(
-        arm, build_scene(arm, q, target=target, motion=motion, show=show), port
+    scene = build_scene(
+        arm,
+        q,
+        target=target,
+        motion=motion,
+        show=show,
+        current=current,
+        curves=curves,
     )
+    return ArmVisualizer(arm, scene, port)

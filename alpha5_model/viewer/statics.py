@@ -13,7 +13,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import displaced_fluid_model
 from alpha5_model.numbers.hydrodynamics import WATER_DENSITY, DragStrip, hydrodynamics
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.viewer.scene import Load, Statics, Stream, StripDrag
+from alpha5_model.viewer.scene import Beyond, Load, Statics, Stream, StripDrag
 
 
 def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
@@ -48,17 +48,20 @@ def statics_of(arm: Arm, loads: Sequence[Load], base: str) -> Statics:
         base: Name of its base link.
     """
     links = [base, *(f"link_{i}" for i in range(1, 5))]
-    moments = np.zeros((5, 2, 4, 4))
+    masses = np.zeros((5, 2, 4, 4))
+    volumes = np.zeros((5, 2, 4, 4))
     beyond = []
     for load in loads:
-        displaced = arm.fluid_density * load.volume * np.append(load.cob, 1.0)
-        net = load.mass * np.append(load.com, 1.0) - displaced
+        mass = load.mass * np.append(load.com, 1.0)
+        volume = load.volume * np.append(load.cob, 1.0)
         if load.link in links:
-            moments[links.index(load.link), 1, :, 3] += net
+            masses[links.index(load.link), 1, :, 3] += mass
+            volumes[links.index(load.link), 1, :, 3] += volume
         else:
-            beyond.append((load.link, net))
+            beyond.append(Beyond(link=load.link, mass=mass, volume=volume))
     return Statics(
-        parameters=regrouped(moments, arm.model.gravity.linear, arm.parameters),
+        mass=regrouped(masses, np.zeros(3), arm.parameters),
+        volume=regrouped(volumes, np.zeros(3), arm.parameters),
         share=_share_of_link_4(arm.parameters),
         beyond=tuple(beyond),
     )
@@ -76,20 +79,19 @@ def _share_of_link_4(parameters: Alpha5Parameters) -> FloatArray:
     return np.stack(columns, axis=-1)
 
 
-def streams_of(arm: Arm) -> Iterator[Stream]:
-    """Added mass and drag of each link, at the arm's fluid density."""
+def streams_of(arm: Arm, level: str) -> Iterator[Stream]:
+    """Added mass and drag of each link, per density, at a level of the estimates."""
     gripper = "jaws" if "axis_a" in arm.joint_names else "locked"
-    for link, water in hydrodynamics(gripper).items():
-        strips = [_strip_drag(strip, arm.fluid_density) for strip in water.strips]
-        translations = water.added_mass[:3, :3]
-        added_mass = translations * (arm.fluid_density / WATER_DENSITY)
+    for link, water in hydrodynamics(gripper, level).items():
+        strips = [_strip_drag(strip) for strip in water.strips]
+        added_mass = water.added_mass[:3, :3] / WATER_DENSITY
         yield Stream(link=link, strips=tuple(strips), added_mass=added_mass)
 
 
-def _strip_drag(strip: DragStrip, fluid_density: float) -> StripDrag:
+def _strip_drag(strip: DragStrip) -> StripDrag:
     line = strip.end - strip.start
     length = float(np.linalg.norm(line))
-    drag_area = fluid_density / 2 * strip.diameter * length
+    drag_area = strip.diameter * length / 2
     return StripDrag(
         middle=(strip.start + strip.end) / 2,
         axis=line / length,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -11,13 +11,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, float_array
+from alpha5_model._support.checks import FloatArray, float_array, shaped
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.trajectory import Motion, analyse, motion
+from alpha5_model.trajectory import Analysis, Motion, analyse, motion
 from alpha5_model.trajectory.smoothing import DEFAULT_BANDWIDTH
-from alpha5_model.viewer.scene import MotionTrack
+from alpha5_model.viewer.live_controls import curve_name
+from alpha5_model.viewer.scene import Compared, MotionTrack
 
 #: Samples of a tour per second.
 _RATE = 25.0
@@ -26,9 +27,15 @@ _PAUSE = 0.6
 
 
 def motion_track(
-    played: Motion, arm: Arm, q: FloatArray, current: ArrayLike | None = None
+    played: Motion,
+    arm: Arm,
+    q: FloatArray,
+    current: ArrayLike | None = None,
+    curves: Mapping[str, ArrayLike] | None = None,
 ) -> MotionTrack:
     """A motion of the arm's joints, with its torques and its load on the mount.
+
+    Recorded positions, efforts and currents stand beside the computed ones.
 
     Args:
         played: The motion. Joints that the arm lacks are left out.
@@ -36,32 +43,83 @@ def motion_track(
         q: Where joints stay that the motion lacks, (nq,).
         current: Velocity of the water in the world, (3,) [m/s]; no moving water if
             None.
+        curves: Name -> signals of the user, with one number for each sample, (N,).
     """
+    signals = _signals(curves or {}, len(played.time))
     time = played.time - played.time[0]
     n = len(arm.joint_names)
     common = min(n, len(played.joints))
     positions = np.tile(q[len(q) - n :], (len(time), 1))
     positions[:, :common] = played.position[:, :common]
 
-    loads: dict[str, FloatArray] = {}
-    if not arm.floating_base:
-        velocity = played.velocity
-        if velocity is not None:
-            velocity = np.pad(velocity[:, :common], ((0, 0), (0, n - common)))
-        loads = _loads(arm, motion(time, positions, velocity), current)
-    name = Path(played.source).name
-    return MotionTrack(name=name, time=time, q=positions, loads=loads)
+    track = MotionTrack(
+        name=Path(played.source).name,
+        time=time,
+        q=positions,
+        loads={},
+        signals=signals,
+    )
+    if arm.floating_base:
+        return track
+
+    def widened(rows: FloatArray | None, missing: float) -> FloatArray | None:
+        """Columns for all joints of the arm."""
+        if rows is None:
+            return None
+        beyond = ((0, 0), (0, n - common))
+        return np.pad(rows[:, :common], beyond, constant_values=missing)
+
+    moved = replace(
+        motion(time, positions, widened(played.velocity, 0.0)),
+        effort=widened(played.effort, np.nan),
+        current=widened(played.current, np.nan),
+    )
+    analysis = _analysis(arm, moved, current)
+    return replace(track, loads=_loads(analysis), compared=_compared(analysis))
 
 
-def _loads(arm: Arm, moved: Motion, current: ArrayLike | None) -> dict[str, FloatArray]:
-    """Torque by cause, and as ``mount`` the load on the mount."""
+def _signals(curves: Mapping[str, ArrayLike], samples: int) -> dict[str, FloatArray]:
+    """The user's curves, by name.
+
+    Raises:
+        InputError: A name that is none, or numbers that do not fit (`ShapeError`,
+            `NonFiniteError`).
+    """
+    signals = {}
+    for name, values in curves.items():
+        signals[curve_name(name)] = shaped(f"curves[{name!r}]", values, (samples,))
+    return signals
+
+
+def _analysis(arm: Arm, moved: Motion, current: ArrayLike | None) -> Analysis:
     # A smoothing bandwidth needs more than two samples for each of its periods.
     step = np.median(np.diff(moved.time))
     method = "spline" if step < 0.5 / DEFAULT_BANDWIDTH else "interpolate"
-    analysis = analyse(moved, arm, method=method, current=current)
+    return analyse(moved, arm, method=method, current=current)
+
+
+def _loads(analysis: Analysis) -> dict[str, FloatArray]:
+    """Torque by cause, and as ``mount`` the load on the mount."""
     causes = analysis.causes()
     del causes["friction"]  # It acts in the motor, not at the joint.
     return {**causes, "mount": analysis.base_wrench}
+
+
+def _compared(analysis: Analysis) -> dict[str, Compared]:
+    """What was recorded, by quantity."""
+    position = Compared(
+        recorded=analysis.motion.position, computed=analysis.smooth.position
+    )
+    compared = {"position": position}
+    if analysis.effort is not None:
+        compared["effort"] = Compared(
+            recorded=analysis.effort, computed=analysis.torque
+        )
+    if analysis.recorded_current is not None:
+        compared["current"] = Compared(
+            recorded=analysis.recorded_current, computed=analysis.current
+        )
+    return compared
 
 
 def tour(waypoints: ArrayLike, parameters: Alpha5Parameters) -> Motion:

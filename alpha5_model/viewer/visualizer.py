@@ -12,7 +12,7 @@ import logging
 import queue
 import tempfile
 import threading
-import time
+import time as clock
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -37,6 +37,7 @@ from alpha5_model.viewer.commands import (
 )
 from alpha5_model.viewer.film_frames import pictures
 from alpha5_model.viewer.framing import framed
+from alpha5_model.viewer.live_controls import Slider, curve_name, slider
 from alpha5_model.viewer.picture import Pixels, picture
 from alpha5_model.viewer.poses import posed
 from alpha5_model.viewer.scene import DRAWN, VIEWS, Scene, Size
@@ -74,14 +75,27 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         scene: The scene as it is now; its ``q`` are the positions of the sliders.
     """
 
-    __slots__ = ["_listeners", "_page_moves", "_video", "arm", "scene"]
+    __slots__ = [
+        "_began",
+        "_listeners",
+        "_listening",
+        "_page_moves",
+        "_video",
+        "arm",
+        "scene",
+    ]
 
     def __init__(self, arm: Arm, scene: Scene, port: int = 0) -> None:
         self.arm = arm
         self.scene = scene
         self._listeners: list[Callable[[FloatArray], object]] = []
-        #: Positions to which pages have moved the arm; None ends the thread.
-        self._page_moves: queue.SimpleQueue[FloatArray | None] = queue.SimpleQueue()
+        #: Positions to which pages have moved the arm, and sliders that they have
+        #: moved; None ends the thread.
+        self._page_moves: queue.SimpleQueue[FloatArray | Slider | None] = (
+            queue.SimpleQueue()
+        )
+        self._listening: threading.Thread | None = None
+        self._began = clock.monotonic()
         self._video: _Video | None = None
         super().__init__(window=Window(port, self))
         for command in scene_commands(scene):
@@ -125,31 +139,105 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         function runs in a thread of its own and may call `display`. While it is busy,
         newer positions replace older ones.
         """
-        if not self._listeners:
-            listening = threading.Thread(
-                target=self._listen, name="alpha5-on-change", daemon=True
-            )
-            listening.start()
+        self._start_listening()
         self._listeners.append(callback)
         return callback
 
-    def _listen(self) -> None:
-        while True:
-            q = self._page_moves.get()
-            if q is None:
-                return
-            if self._page_moves.empty():
-                for callback in self._listeners:
-                    self._call_back(callback, q)
+    def _start_listening(self) -> None:
+        """Start the thread that calls back, once."""
+        if self._listening is not None:
+            return
+        self._listening = threading.Thread(
+            target=self._listen, name="alpha5-on-change", daemon=True
+        )
+        self._listening.start()
 
-    def _call_back(
-        self, callback: Callable[[FloatArray], object], q: FloatArray
-    ) -> None:
+    def _listen(self) -> None:
+        """Call back with the latest positions and the latest value of each slider."""
+        while True:
+            moves = [self._page_moves.get()]
+            while not self._page_moves.empty():
+                moves.append(self._page_moves.get())
+            if any(move is None for move in moves):
+                return
+
+            positions = [move for move in moves if isinstance(move, np.ndarray)]
+            for callback in self._listeners if positions else ():
+                self._call_back(callback, positions[-1])
+            sliders = {id(move): move for move in moves if isinstance(move, Slider)}
+            for moved in sliders.values():
+                if moved.on_change is not None:
+                    self._call_back(moved.on_change, moved.value)
+
+    def _call_back(self, callback: Callable[[Any], object], value: Any) -> None:
         try:
-            callback(q)
+            callback(value)
         except Exception:
             if not self.window.server.closed:
                 _LOG.exception("on_change")
+
+    def curve(self, name: str, value: float, time: float | None = None) -> None:
+        """Add a number to a curve of the pages, under the arm.
+
+        Args:
+            name: Of the curve, which the first number makes.
+            value: The number, in any unit.
+            time: When it was true [s]; since this viewer was made if None. Times of a
+                curve do not decrease. The pages show the last 600 numbers.
+
+        Raises:
+            InputError: A name, number or time that cannot be, or more than 20 curves.
+        """
+        known = curve_name(name)
+        number = real("value", value)
+        now = clock.monotonic() - self._began
+        at = now if time is None else real("time", time)
+        live = self.window.server.live
+
+        def add() -> None:
+            live.show_control(live.controls.add_sample(known, at, number))
+
+        self.window.server.call(add)
+
+    def slider(
+        self,
+        name: str,
+        low: float,
+        high: float,
+        value: float | None = None,
+        on_change: Callable[[float], object] | None = None,
+    ) -> Slider:
+        """Add a slider to the pages, or replace the one of its name.
+
+        Args:
+            name: On the page.
+            low, high: Its ends.
+            value: Where it begins; in the middle if None.
+            on_change: Called with the value if a page has moved it, in the thread of
+                `on_change`.
+
+        Returns:
+            The slider; its ``value`` is where the pages have it.
+
+        Raises:
+            InputError: A name, an end or a value that cannot be, or more than 20
+                sliders.
+        """
+        added = slider(name, low, high, value, on_change)
+        live = self.window.server.live
+        self._start_listening()
+        self.window.server.call(
+            lambda: live.show_control(live.controls.add_slider(added))
+        )
+        return added
+
+    def move_slider(self, name: str, value: float, mover: Any) -> None:
+        """Take a slider to a checked value; called in the server's thread."""
+        live = self.window.server.live
+        moved = live.controls.sliders[name]
+        moved.value = value
+        live.show_control(moved.command(), mover)
+        self._page_moves.put(moved)
 
     def play(self, q: ArrayLike, dt: float) -> float:
         """Play joint positions in real time, dropping frames if they are late.
@@ -167,20 +255,20 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         if track.ndim != 2 or len(track) < 1:
             raise ShapeError("q", track.shape, f"shape (N, {self.arm.model.nq})")
         step = real("dt", dt, minimum=0.0, strict=True)
-        start = time.perf_counter()
+        start = clock.perf_counter()
         if self._video is None:
             self._show_in_real_time(track, step, start)
         else:
             self._add_to_video(track, step, self._video)
-        return time.perf_counter() - start
+        return clock.perf_counter() - start
 
     def _show_in_real_time(self, track: FloatArray, step: float, start: float) -> None:
         last = len(track) - 1
         row = -1
         while row < last:
             due = start + (row + 1) * step
-            time.sleep(max(0.0, due - time.perf_counter()))
-            row = min(int((time.perf_counter() - start) / step), last)
+            clock.sleep(max(0.0, due - clock.perf_counter()))
+            row = min(int((clock.perf_counter() - start) / step), last)
             self.display(track[row])
 
     def _add_to_video(self, track: FloatArray, step: float, video: _Video) -> None:
@@ -279,7 +367,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         if filename:
             path = Path(filename)
         else:
-            name = time.strftime("%Y%m%d_%H%M%S.mp4")
+            name = clock.strftime("%Y%m%d_%H%M%S.mp4")
             path = Path(directory or tempfile.gettempdir(), name)
         with film(path, fps) as (rate, add):
             self._video = _Video(rate=rate, size=size, add=add)

@@ -28,7 +28,7 @@ from websockets.sync.client import connect
 import alpha5_model as a5
 from alpha5_model.errors import InputError, ViewerError
 from alpha5_model.viewer import connections, protocol, server
-from alpha5_model.viewer.messages import read_positions
+from alpha5_model.viewer.messages import read_move
 from alpha5_model.viewer.visualizer import ArmVisualizer
 
 POSE = np.array([2.0, 1.0, 2.2, 0.4, 0.005])
@@ -41,6 +41,7 @@ SOON = 10.0
 def opened() -> Iterator[ArmVisualizer]:
     found = a5.view(a5.load(gripper="jaws"), POSE)
     found.display(POSE)
+    found.slider("gain", 0.0, 2.0)
     yield found
     found.close()
 
@@ -162,6 +163,16 @@ MESSAGES: dict[str, tuple[str | bytes, str]] = {
         "expected",
     ),
     "command": ('{"type":"set_object","path":"/meshcat"}', "expected"),
+    "slider_unknown": ('{"slider": "other", "value": 1}', "gain"),
+    "slider_null": ('{"slider": null, "value": 1}', "gain"),
+    "slider_list": ('{"slider": ["gain"], "value": 1}', "gain"),
+    "slider_far": ('{"slider": "gain", "value": 2.1}', "a number from 0 to 2"),
+    "slider_nan": ('{"slider": "gain", "value": NaN}', "finite"),
+    "slider_text": ('{"slider": "gain", "value": "1"}', "number"),
+    "slider_true": ('{"slider": "gain", "value": true}', "number"),
+    "slider_nested": ('{"slider": "gain", "value": [1]}', "number"),
+    "slider_bare": ('{"slider": "gain"}', "expected"),
+    "slider_more": ('{"slider": "gain", "value": 1, "high": 9}', "expected"),
     "binary": (b"\xff", "1 bytes"),
     "binary_pose": (poses().encode(), "bytes"),
     "binary_nothing": (b"", "0 bytes"),
@@ -195,13 +206,13 @@ def test_what_a_page_sends_is_within_the_limits_exactly() -> None:
         ends = seed.integers(0, 3, 5)
         q[ends == 1] = low[ends == 1] - 0.9e-9
         q[ends == 2] = high[ends == 2] + 0.9e-9
-        said = read_positions(json.dumps({"q": q.tolist()}), arm)
+        said = read_move(json.dumps({"q": q.tolist()}), arm, {})
         assert ((low <= said) & (said <= high)).all()
         np.testing.assert_allclose(said, q, rtol=0, atol=1e-9)
         joint = seed.integers(5)
         q[joint] = high[joint] + 1.1e-9
         with pytest.raises(a5.errors.JointLimitError, match=arm.joint_names[joint]):
-            read_positions(json.dumps({"q": q.tolist()}), arm)
+            read_move(json.dumps({"q": q.tolist()}), arm, {})
 
 
 def test_a_page_leaves_a_floating_base_where_it_is() -> None:

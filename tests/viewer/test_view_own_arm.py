@@ -54,6 +54,17 @@ def page(
     tab.page.close()
 
 
+def upright(record: Alpha5Parameters) -> np.ndarray:
+    """Rotation of the base as it is drawn: the mount's, without its yaw."""
+    if record.mount is None:
+        return np.eye(3)
+    mounted = record.mount.rotation
+    yaw = np.arctan2(mounted[1, 0], mounted[0, 0])
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    without_yaw = [[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]]
+    return np.array(without_yaw) @ mounted
+
+
 def set_pose(page: Tab, q: np.ndarray) -> None:
     page.run("(q) => alpha5.setPose(q)", [*q.tolist(), 0.0013])
 
@@ -69,14 +80,19 @@ def test_links_and_tool_are_where_the_record_has_them(
 ) -> None:
     q, _, _ = own.states(record, 10)
     rotations, origins = own.link_frames(record, q)
+    turned = upright(record)
     for i, state in enumerate(q):
         set_pose(page, state)
         for link in range(5):
             found = pose_in_page(page, f"link_{link}")
-            np.testing.assert_allclose(found[:3, :3], rotations[link, i], atol=1e-12)
-            np.testing.assert_allclose(found[:3, 3], origins[link, i], atol=1e-12)
+            rotation = turned @ rotations[link, i]
+            np.testing.assert_allclose(found[:3, :3], rotation, atol=1e-12)
+            origin = turned @ origins[link, i]
+            np.testing.assert_allclose(found[:3, 3], origin, atol=1e-12)
         tool = pose_in_page(page, "tcp")
-        np.testing.assert_allclose(tool, own.tcp(record, state), atol=1e-12)
+        np.testing.assert_allclose(
+            tool[:3], turned @ own.tcp(record, state)[:3], atol=1e-12
+        )
 
 
 @needs_browser
@@ -265,7 +281,8 @@ def test_the_arm_starts_at_a_target(seed: int) -> None:
     q = own.own_arm.within(record, 1, seed)[0]
     target = own.tcp(record, q)[:3, 3]
     scene = scene_of(record, target=target)
-    np.testing.assert_allclose(scene.poses["tcp"][:3, 3], target, atol=1e-9)
+    placed = upright(record) @ target
+    np.testing.assert_allclose(scene.poses["tcp"][:3, 3], placed, atol=1e-9)
     assert any(shape.group == "ghosts" for shape in scene.shapes)
 
 
@@ -323,7 +340,8 @@ def test_the_mount_turns_the_arrows() -> None:
     (whole,) = (s for s in shown.shapes if (s.group, s.name) == ("weight", "arm"))
     farthest = np.linalg.norm(whole.mesh.vertices, axis=1).argmax()
     tip = whole.mesh.vertices[farthest]
-    down = record.mount.rotation.T @ [0.0, 0.0, -1.0]
+    down = upright(record) @ record.mount.rotation.T @ [0.0, 0.0, -1.0]
+    np.testing.assert_allclose(down, [0.0, 0.0, -1.0], atol=1e-12)
     np.testing.assert_allclose(tip / np.linalg.norm(tip), down, atol=1e-6)
     (note,) = (line for line in shown.notes if line.startswith("Mounted on bluerov"))
     x, y, z = (

@@ -21,7 +21,7 @@ from alpha5_model.trajectory import motion
 from alpha5_model.viewer import page
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import live_page, static_page
-from alpha5_model.viewer.scene import Scene
+from alpha5_model.viewer.scene import MADE_BY_PAGE, Scene
 
 
 @pytest.fixture(scope="module")
@@ -67,8 +67,10 @@ def test_commands_are_meshcats_and_rebuild_every_shape(scene: Scene, html: str) 
         umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]
     ]
     objects = {c["path"]: c["object"] for c in commands if c["type"] == "set_object"}
-    # ghosts follow the hand: the page makes them of the bodies
-    assert len(objects) == sum(shape.group != "ghosts" for shape in scene.shapes)
+    # The page draws what a hand changes.
+    assert len(objects) == sum(
+        shape.group not in MADE_BY_PAGE for shape in scene.shapes
+    )
     sent = {g["uuid"] for o in objects.values() for g in o["geometries"] if "data" in g}
     used = {o["object"]["geometry"] for o in objects.values()}
     assert used == sent, "a shared geometry comes once"
@@ -95,7 +97,7 @@ def test_materials_are_those_of_the_shapes(scene: Scene, html: str) -> None:
         umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]
     ]
     objects = {c["path"]: c["object"] for c in commands if c["type"] == "set_object"}
-    shapes = [shape for shape in scene.shapes if shape.group != "ghosts"]
+    shapes = [shape for shape in scene.shapes if shape.group not in MADE_BY_PAGE]
     colored = [shape.mesh.colors is not None for shape in shapes]
     assert any(colored)
     assert not all(colored)
@@ -242,6 +244,6 @@ def test_page_and_picture_from_the_command_line(
     assert capsys.readouterr().out == f"wrote {html}\nwrote {image}\n"
     data = data_of(html.read_text(encoding="utf-8"))
     assert data["q"] == {"axis_e": 1, "axis_d": 2, "axis_c": 3, "axis_b": -0.5}
-    assert "1000 kg" in data["notes"][0]
+    assert data["water"]["density"] == 1000
     assert next(g["shown"] for g in data["groups"] if g["name"] == "ghosts")
     assert image.read_bytes().startswith(b"\x89PNG")

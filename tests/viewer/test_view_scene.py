@@ -27,7 +27,14 @@ from alpha5_model.errors import (
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.drawing import ARROW_SCALE
 from alpha5_model.viewer.poses import pose_of
-from alpha5_model.viewer.scene import GROUPS, Mean, Rigid, Scene, WeightedPoint
+from alpha5_model.viewer.scene import (
+    GROUPS,
+    Mean,
+    Payload,
+    Rigid,
+    Scene,
+    WeightedPoint,
+)
 from alpha5_model.viewer.shapes import arrow, ball, drawn, read_obj, triad, tube
 from alpha5_model.viewer.tracks import tour
 
@@ -157,7 +164,7 @@ def test_air_lifts_nothing() -> None:
     assert [s for s in scene.shapes if s.group == "cob"], (
         "the displaced volume has its centre still"
     )
-    assert "air" in scene.notes[0]
+    assert scene.water.density == 0.0
 
 
 def test_without_gravity_there_are_centres_and_no_forces() -> None:
@@ -170,11 +177,41 @@ def test_without_gravity_there_are_centres_and_no_forces() -> None:
 
 
 def test_forces_follow_a_tilted_mount() -> None:
+    """The arm is tilted in the picture, and gravity points down."""
     gravity = np.array([3.0, -4.0, -8.0])
-    scene = build_scene(a5.load(gravity=gravity))
+    arm = a5.load(gravity=gravity)
+    scene = build_scene(arm)
     (shape,) = [s for s in scene.shapes if (s.group, s.name) == ("weight", "arm")]
-    tip = shape.mesh.vertices[np.argmax(shape.mesh.vertices @ gravity)]
-    np.testing.assert_allclose(tip, ARROW_SCALE * sum(MASS) * gravity, atol=1e-9)
+    tip = shape.mesh.vertices[np.argmin(shape.mesh.vertices[:, 2])]
+    force = ARROW_SCALE * sum(MASS) * np.linalg.norm(gravity)
+    np.testing.assert_allclose(tip, [0.0, 0.0, -force], atol=1e-9)
+    base = scene.poses["base_link"]
+    np.testing.assert_allclose(
+        base[:3, :3] @ gravity, [0, 0, -np.linalg.norm(gravity)], atol=1e-12
+    )
+    assert base[1, 0] == pytest.approx(0.0, abs=1e-15)  # no yaw
+    tcp = arm.forward_kinematics(scene.q).homogeneous
+    np.testing.assert_allclose(scene.poses["tcp"], base @ tcp, atol=1e-12)
+
+
+def test_a_payload_is_drawn_with_its_net_force() -> None:
+    held = Payload(mass=0.3, com=(0.0, 0.01, 0.02), volume=1e-4)
+    scene = build_scene(a5.load(), payload=held)
+    shapes = {s.name: s for s in scene.shapes if s.group == "payload"}
+    at = shapes["body"].anchor.transform(scene.poses)[:3, 3]
+    placed = scene.poses["tcp"] @ [*held.com, 1.0]
+    np.testing.assert_allclose(at, placed[:3], atol=1e-12)
+    radius = np.linalg.norm(shapes["body"].mesh.vertices, axis=1)
+    np.testing.assert_allclose(4 / 3 * np.pi * radius**3, held.volume, rtol=1e-9)
+
+    lift = 1025 * held.volume * 9.81
+    weight = held.mass * 9.81
+    tip = shapes["force"].mesh.vertices[:, 2].min()
+    assert tip == pytest.approx(-ARROW_SCALE * (weight - lift), abs=1e-9)
+    (label,) = (one for one in scene.labels if one.group == "payload")
+    assert label.text == f"payload 300 g, {weight - lift:.2f} N"
+    assert sum(load.mass for load in scene.loads) == pytest.approx(sum(MASS))
+    assert not [s for s in build_scene(a5.load()).shapes if s.group == "payload"]
 
 
 def test_a_current_that_is_given_is_shown_to_scale() -> None:
@@ -195,7 +232,7 @@ def test_streams_are_the_strips_load_of_a_current() -> None:
     """Force on the mount from the numbers that the page gets, against the dynamics."""
     arm, flow = a5.load(), np.array([0.3, -0.4, 0.6])
     scene, total = build_scene(arm, current=flow), np.zeros(3)
-    for stream in scene.streams:
+    for stream in scene.water.streams["nominal"]:
         for _, axis, across, along in stream.strips:
             line = scene.poses[stream.link][:3, :3] @ axis
             parallel = (flow @ line) * line
@@ -203,12 +240,12 @@ def test_streams_are_the_strips_load_of_a_current() -> None:
             total += across * np.linalg.norm(normal) * normal
             total += along * np.linalg.norm(parallel) * parallel
     load = arm.with_hydrodynamics(flow).current_load(scene.q)[1]
-    np.testing.assert_allclose(total, load[:3], atol=1e-12)
+    np.testing.assert_allclose(1025.0 * total, load[:3], atol=1e-12)
 
 
 def test_every_group_has_something_and_names_are_unique() -> None:
     arm = a5.load(gripper="jaws")
-    scene = build_scene(arm, target=[0.06, 0.05, 0.36])
+    scene = build_scene(arm, target=[0.06, 0.05, 0.36], payload=Payload(mass=0.1))
     filled = {s.group for s in scene.shapes}
     assert filled == set(GROUPS) - {"labels", "see-through"}
     names = [(s.group, s.name) for s in scene.shapes]

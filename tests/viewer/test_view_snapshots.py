@@ -85,7 +85,7 @@ def test_the_scene_of_a_target() -> None:
 
 def test_the_data_of_the_page(scene: Scene) -> None:
     data = page_data(scene)
-    for seen_elsewhere in ("labels", "anchors", "tree", "statics", "streams"):
+    for seen_elsewhere in ("labels", "anchors", "tree", "statics", "water"):
         del data[seen_elsewhere]
     check_lines("page", described("page", data))
 

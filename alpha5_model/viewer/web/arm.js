@@ -1,4 +1,4 @@
-// Joint positions, and what follows from them: the poses of the links and the torques that hold the arm still.
+// Joint positions, and what follows from them: the poses of the links.
 //
 // setPose(values, by) moves the arm; onPose(listener) calls listener(by) after every move. `by` is what moved
 // it: "hand", "travel", "motion", "python" or "page".
@@ -42,6 +42,7 @@ function place(by) {
 function forwardKinematics(at = q) {
   const found = {};
   for (const link in data.root) found[link] = matrix(data.root[link]);
+  if (data.fixed) found[root] = mounting();
   const turned = data.sliders.slice(0, 4).map((name) => at[name]);
   const placed = { ...formulas.link_poses(turned), tcp: formulas.forward_kinematics(turned) };
   for (const link in placed) found[link] = found.base_link.clone().multiply(matrix(placed[link]));
@@ -49,6 +50,12 @@ function forwardKinematics(at = q) {
     if (!(joint.child in placed)) found[joint.child] = found[joint.parent].clone().multiply(joint.matrix).multiply(motion(joint, at));
   }
   return found;
+}
+const root = data.tree[0].parent;
+// Pose of a fixed base in the world.
+function mounting() {
+  const [roll, pitch] = state.attitude;
+  return new THREE.Matrix4().makeRotationFromEuler(new THREE.Euler(roll, pitch, 0, "ZYX"));
 }
 function motion(joint, at) {
   const position = joint.multiplier * (at[joint.source] || 0) + joint.offset;
@@ -62,44 +69,4 @@ function anchor(item) {
   const mean = vector(item.offset);
   for (const [link, weight, point] of item.points) mean.addScaledVector(vector(point).applyMatrix4(poses[link]), weight / total);
   return new THREE.Matrix4().makeTranslation(mean.x, mean.y, mean.z);
-}
-
-// ---- statics: bodies beyond link_4 move relative to it, so their moments are added at their present pose
-const carried = {};
-for (const joint of data.tree.slice().reverse()) {
-  carried[joint.child] = [joint.child, ...(carried[joint.child] || [])];
-  carried[joint.parent] = [...(carried[joint.parent] || []), ...carried[joint.child]];
-}
-function holding() {
-  const toLink = poses.link_4.clone().invert();
-  const net = new THREE.Vector4(0, 0, 0, 0);
-  for (const [link, moment] of data.statics.beyond) {
-    net.add(new THREE.Vector4(...moment).applyMatrix4(toLink.clone().multiply(poses[link])));
-  }
-  const share = data.statics.share.map((row) => net.dot(new THREE.Vector4(...row)));
-  const parameters = data.statics.parameters.map((still, i) => still + share[i]);
-  return formulas.hydrostatic_torque(angles(), parameters);
-}
-
-// Torque of a steady current on a joint at rest: drag of the strips, and the Munk moment of the added mass.
-function drag(joint) {
-  const origin = new THREE.Vector3().setFromMatrixPosition(poses[joint.child]);
-  const axis = joint.direction.clone().transformDirection(poses[joint.child]);
-  const flow = vector(data.current);
-  const total = new THREE.Vector3();
-  for (const stream of data.streams) {
-    if (!carried[joint.child].includes(stream.link)) continue;
-    const turn = new THREE.Matrix3().setFromMatrix4(poses[stream.link]);
-    for (const [middle, direction, across, along] of stream.strips) {
-      const line = vector(direction).applyMatrix3(turn);
-      const parallel = line.clone().multiplyScalar(flow.dot(line));
-      const normal = flow.clone().sub(parallel);
-      const force = normal.multiplyScalar(across * normal.length()).addScaledVector(parallel, along * parallel.length());
-      total.add(vector(middle).applyMatrix4(poses[stream.link]).sub(origin).cross(force));
-    }
-    const local = flow.clone().applyMatrix3(turn.clone().transpose());
-    const momentum = vector(stream.added_mass.map((row) => vector(row).dot(local)));
-    total.sub(local.cross(momentum).applyMatrix3(turn));
-  }
-  return total.dot(axis);
 }

@@ -64,7 +64,9 @@ function bodiesAt(found) {
   return Object.keys(data.links).flatMap((link) => meshes(data.links[link]).flatMap(
     (part) => outermost(part.geometry).map((point) => point.clone().applyMatrix4(found[link]))));
 }
+const isSeen = (part) => !part || (part.visible && isSeen(part.parent));
 function pointsToFrame(all) {
+  viewer.scene.updateMatrixWorld();
   const points = bodiesAt(poses);
   const coming = data.motion ? data.motion.q : Object.values(data.poses);
   const step = Math.ceil(coming.length / 40);
@@ -72,7 +74,7 @@ function pointsToFrame(all) {
   if (state.aim) points.push(toWorld(state.aim));
   for (const group of data.groups) {
     if (!shown[group.name] || ["bodies", "labels", "see-through"].includes(group.name)) continue;
-    const parts = meshes(`/meshcat/alpha5/${group.name}`);
+    const parts = meshes(`/meshcat/alpha5/${group.name}`).filter(isSeen);
     points.push(...parts.flatMap((part) => outermost(part.geometry).map((point) => unswap(point.clone().applyMatrix4(part.matrixWorld)))));
   }
   return points;

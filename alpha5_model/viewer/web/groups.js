@@ -1,6 +1,6 @@
 // Switches that show and hide the groups of the scene.
 const { shown } = state;
-const DOTS = { com: "#e0a400", cob: "#1f78c8", weight: "#c8322d", buoyancy: "#2a8fd6", collision: "#ee8b1a", workspace: "#159a80", surface: "#159a80", current: "#00808c" };
+const DOTS = { com: "#e0a400", cob: "#1f78c8", weight: "#c8322d", buoyancy: "#2a8fd6", collision: "#ee8b1a", workspace: "#159a80", surface: "#159a80", current: "#00808c", payload: "#f28c1a" };
 
 for (const group of data.groups) {
   const label = added(byId("groups"), "label");
@@ -16,7 +16,10 @@ function setGroup(name, on) {
   if (name === "see-through") seeThrough(on);
   else if (name !== "labels") viewer.set_property(split(`/meshcat/alpha5/${name}`), "visible", on);
   document.querySelector(`#groups input[name="${name}"]`).checked = on;
-  if (name === "current" && poses[root]) showTorques();
+  if (name === "current" && poses[root]) {
+    showTorques();
+    showWater();
+  }
   if (name === "ghosts" && poses[root]) showSolutions();
   viewer.set_dirty();
 }

@@ -3,7 +3,6 @@
 // In branch i of data.branches the arm faces the point if i is even, and turns its back to it if i is odd; in
 // branches 2 and 3 the elbow is flipped. In the arm's plane, r outwards and z up,
 // tcp = (a_0, d_0) + l_1 e(phi) + l_2 e(phi + pi - gamma) with e(x) = (cos x, sin x), as in the Python package.
-const root = data.tree[0].parent;
 const tcpInBase = () => formulas.forward_kinematics(angles()).slice(0, 3).map((row) => row[3]);
 const toBase = (point) => point.clone().applyMatrix4(poses[root].clone().invert()).toArray();
 const toWorld = (point) => vector(point).applyMatrix4(poses[root]);

@@ -1,4 +1,5 @@
-// Labels over the canvas, each beside its point and with a line to it; no label covers another.
+// Labels over the canvas, each beside its point and with a line to it; no label covers another. One without room is
+// shortened to what is before its comma, or left out.
 const GAP = 10;
 const ROW = 20;
 // Places for a label, the best first: [1 right or -1 left of its point, rows below it]; up is better than down.
@@ -6,7 +7,8 @@ const STEPS = [1, -1].flatMap((side) => Array.from({ length: 31 }, (_, k) => [si
 const cost = ([side, step]) => Math.abs(step) + (side < 0 ? 2.5 : 0) + (step > 0 ? 1.2 : 0);
 STEPS.sort((one, other) => cost(one) - cost(other));
 const labels = [
-  ...data.labels.filter((label) => label.group !== "ghosts").map((label) => ({ ...label, where: () => origin(anchor(label.anchor)) })),
+  ...data.labels.map((label) => ({ ...label, where: () => origin(anchor(label.anchor)) })),
+  ...forceLabels,
   ...ghosts.map((ghost, i) => ghost.label = {
     group: "ghosts",
     text: "",
@@ -33,10 +35,29 @@ function drawLine(line, x1, y1, x2, y2) {
   line.style.transform = `translate(${x1.toFixed(1)}px, ${y1.toFixed(1)}px) rotate(${Math.atan2(y2 - y1, x2 - x1).toFixed(4)}rad)`;
 }
 
+// Write a text into a label, and measure each text once.
+const widths = {};
+function write(label, text) {
+  if (label.element.textContent !== text) label.element.textContent = text;
+  label.width = widths[text] = widths[text] || label.element.offsetWidth;
+}
+// What no label may cover: handles, messages and scale bars.
+function obstacles() {
+  const around = ([x, y], half) => ({ left: x - half, right: x + half - 3, top: y - half, bottom: y + half });
+  const boxes = [...byId("scale").children, ...byId("message").children].map((element) => element.getBoundingClientRect());
+  const handles = [around(onScreen(origin(poses.tcp)), 10), ...(shown.current ? [around(onScreen(currentTo()), 9)] : [])];
+  return [...handles, ...boxes.filter((box) => box.width)];
+}
+// The best free place for a label beside its point, [left, top], or undefined.
+function placeFor({ width }, x, y, placed) {
+  const [left, top, right, bottom] = free();
+  const isFree = ([at, row]) => at > left && at + width < right && row > top && row + ROW < bottom && placed.every(
+    (box) => at >= box.right + 2 || at + width <= box.left - 2 || row >= box.bottom || row + ROW <= box.top);
+  return STEPS.map(([side, step]) => [x + (side > 0 ? GAP : -GAP - width), y - 9 + step * ROW]).find(isFree);
+}
+
 function drawLabels() {
   const [left, top, right, bottom] = free();
-  const [tipX, tipY] = onScreen(origin(poses.tcp));
-  const placed = [{ left: tipX - 10, right: tipX + 7, top: tipY - 10 }]; // no label covers the handle
   const points = [];
   for (const label of labels) {
     const where = shown.labels && shown[label.group] && label.where();
@@ -44,22 +65,37 @@ function drawLabels() {
     const seen = depth < 1 && x > left && x < right && y > top && y < bottom;
     label.element.style.display = seen ? "" : "none";
     label.line.style.display = "none";
-    if (!seen) continue;
-    if (label.element.textContent !== label.text) [label.element.textContent, label.width] = [label.text, 0];
-    label.width = label.width || label.element.offsetWidth;
-    points.push({ label, x, y });
+    if (seen) points.push({ label, x, y });
   }
+  const placed = obstacles();
   points.sort((a, b) => b.y - a.y);
-  for (const { label, x, y } of points) {
-    const fits = ([at, row]) => at > left && at + label.width < right && row > top && row + ROW < bottom && placed.every(
-      (box) => at >= box.right + 2 || at + label.width <= box.left - 2 || row >= box.top + ROW || row + ROW <= box.top);
-    const [at, row] = STEPS.map(([side, step]) => [x + (side > 0 ? GAP : -GAP - label.width), y - 9 + step * ROW]).find(fits) || [x + GAP, y - 9];
-    placed.push({ left: at, right: at + label.width, top: row });
-    moveElement(label.element, at, row);
-    const end = [clamp(x, at, at + label.width), clamp(y, row + 2, row + ROW - 4)];
-    if (Math.hypot(end[0] - x, end[1] - y) > GAP + 3) drawLine(label.line, x, y, ...end);
-  }
+  for (const { label, x, y } of points) drawLabel(label, x, y, placed);
   drawTip();
+  drawFlowHandle();
+}
+function drawLabel(label, x, y, placed) {
+  const text = label.words ? label.words() : label.text;
+  let place;
+  for (const each of [text, text.split(",")[0]]) {
+    write(label, each);
+    place = placeFor(label, x, y, placed);
+    if (place) break;
+  }
+  if (!place) {
+    label.element.style.display = "none";
+    return;
+  }
+  const [at, row] = place;
+  placed.push({ left: at, right: at + label.width, top: row, bottom: row + ROW });
+  moveElement(label.element, at, row);
+  const end = [clamp(x, at, at + label.width), clamp(y, row + 2, row + ROW - 4)];
+  if (Math.hypot(end[0] - x, end[1] - y) > GAP + 3) drawLine(label.line, x, y, ...end);
+}
+
+function drawFlowHandle() {
+  const [x, y, depth] = onScreen(currentTo());
+  flowHandle.style.display = shown.current && depth < 1 ? "" : "none";
+  moveElement(flowHandle, x, y);
 }
 
 // Draw the handle on the tip, the target, and a dashed line between them if the target is out of reach.
@@ -79,7 +115,7 @@ const render = viewer.render.bind(viewer);
 viewer.render = () => {
   render();
   if (!poses[root]) return;
-  drawLabels();
   drawScale();
+  drawLabels();
   rendered();
 };

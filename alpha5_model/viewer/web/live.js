@@ -7,6 +7,10 @@ function onCommand(command) {
     setPose(command.q, "python");
   } else if (command.type === "refused") {
     say("refused", `Python refused this: ${command.reason}.`);
+  } else if (command.type === "curve") {
+    feed(command);
+  } else if (command.type === "slider") {
+    dial(command);
   } else if (command.type === "camera") {
     viewer.camera.position.set(...swap(command.eye));
     viewer.controls.target.set(...swap(command.target));

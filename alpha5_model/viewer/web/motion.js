@@ -14,7 +14,10 @@ function between(columns, time) {
   }
   const span = times[i] - times[i - 1];
   const part = span > 0 ? clamp((time - times[i - 1]) / span, 0, 1) : 1;
-  return columns[i].map((after, j) => columns[i - 1][j] + part * (after - columns[i - 1][j]));
+  return columns[i].map((after, j) => {
+    const before = columns[i - 1][j];
+    return before === null || after === null ? NaN : before + part * (after - before);
+  });
 }
 
 function seek(time) {

@@ -2,7 +2,7 @@
 const formulas = (() => {
   const { dimensions, shape, toolOnAxis } = data.own;
   const shapeNumbers = Object.values(shape).flat();
-  const unused = data.statics.parameters.map(() => 0); // bodies do not change where the links are
+  const unused = data.statics.mass.map(() => 0); // bodies do not change where the links are
   const atRest = [...unused, ...dimensions];
   const solve = toolOnAxis ? own_formulas.inverse_kinematics_on_axis : own_formulas.inverse_kinematics_off_axis;
   return {

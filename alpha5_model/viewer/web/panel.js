@@ -91,11 +91,13 @@ function showJoints() {
 }
 // Show the torque that each joint holds; there is none for the jaws' rod.
 function showTorques() {
-  holding().forEach((still, i) => {
-    const torque = shown.current ? still - drag(rows[i].joint) : still;
-    rows[i].torque.dataset.value = torque;
-    rows[i].torque.textContent = `holds ${fixed(torque, 3)} N\u00b7m`;
+  torques().forEach(({ value, low, high }, i) => {
+    const ends = [low, high].map((end) => fixed(end, 3));
+    const interval = ends[0] === ends[1] ? "" : ` (${ends.join(" to ")})`;
+    rows[i].torque.dataset.value = value;
+    rows[i].torque.textContent = `holds ${fixed(value, 3)}${interval} N\u00b7m`;
   });
+  showCapacity();
 }
 
 // ---- joints beyond their limits, and links that touch: a message, a red row, a red body

@@ -5,6 +5,11 @@
 const state = {
   q: { ...data.q }, // of each joint with a slider
   aim: data.target, // target of the tcp in base_link, or null
+  density: data.water.density, // of the fluid
+  current: data.water.current, // velocity of the water, in base_link if the base is fixed
+  payload: { ...data.payload }, // mass, com and volume of what the arm holds, in tcp
+  attitude: data.attitude, // roll and pitch of a fixed base in the world, in which gravity points down
+  limits: data.sliders.slice(0, 4).map(() => null), // torques that the joints may hold, or null
   shown: {}, // group of the scene -> whether it is shown
   view: "home", // the view that is kept when the window changes; null after the user has turned it
   degrees: true, // whether angles are in degrees

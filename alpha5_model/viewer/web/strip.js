@@ -1,4 +1,5 @@
-// Curves of the motion: torque by cause and load on the mount; drag in them to move through the motion.
+// Curves of the motion: torque by cause, load on the mount, a recording beside the model, and signals of the user. Drag in
+// them to move through the motion.
 const CAUSES = [
   ["weight", "weight", "#d98200"],
   ["buoyancy", "buoyancy", "#3a9fd8"],
@@ -7,8 +8,12 @@ const CAUSES = [
   ["moving_water", "current", "#2f6fd0"],
 ];
 const AXES = [["x", "#d0482a"], ["y", "#0a9a70"], ["z", "#2f6fd0"]];
+const RECORDED = "#d0482a";
 const charts = [];
+const isRod = (k) => joints[k].kind === "prismatic";
+const degree = 180 / Math.PI;
 
+// ---- what can be drawn: a title, a unit and curves, which may depend on the joint k
 // The torques of a joint by cause, and their sum, as curves.
 function torqueCurves(k) {
   const known = CAUSES.filter(([cause]) => data.motion[cause]);
@@ -19,16 +24,76 @@ function torqueCurves(k) {
 function axisCurves(first) {
   return AXES.map(([name, color], k) => ({ name, color, values: data.motion.mount.map((row) => row[first + k]) }));
 }
+// A recorded quantity beside the computed one, and what the recording has more.
+const COMPARED = {
+  position: { title: "Position", computed: "smoothed", unit: (k) => isRod(k) ? "mm" : "\u00b0", each: (k) => isRod(k) ? 1e3 : degree },
+  effort: { title: "Effort", computed: "model", unit: (k) => isRod(k) ? "N" : "N\u00b7m", each: () => 1 },
+  current: { title: "Motor current", computed: "model", unit: () => "A", each: () => 1 },
+};
+function comparison(name, k) {
+  const { each, computed } = COMPARED[name];
+  const column = (kind) => data.motion.compared[name][kind].map((row) => row[k] === null ? null : each(k) * row[k]);
+  return [{ name: "recorded", color: RECORDED, values: column("recorded") }, { name: computed, color: "var(--accent)", values: column("computed") }];
+}
+function residual(name, k) {
+  const [recorded, computed] = comparison(name, k).map(({ values }) => values);
+  const values = recorded.map((value, i) => value === null || computed[i] === null ? null : value - computed[i]);
+  return [{ name: "recorded minus computed", color: RECORDED, values }];
+}
 const extent = (curves) => curves.flatMap((curve) => curve.values).reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [0, 0]);
+// The range of the known values of curves.
+function tight(curves) {
+  const known = curves.flatMap((curve) => curve.values).filter((value) => value !== null);
+  return known.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+}
+function quantities() {
+  const found = [];
+  const add = (quantity) => found.push(quantity);
+  if (data.motion.mount) {
+    const unit = (k) => isRod(k) ? "N" : "N\u00b7m";
+    // Joints with the same unit share a scale, so that a small torque looks small.
+    const range = (k) => extent(joints.flatMap((_, other) => unit(other) === unit(k) ? torqueCurves(other) : []));
+    add({ title: "Torque", ofJoint: true, unit, curves: torqueCurves, range });
+    add({ title: "Force on the mount", unit: () => "N", curves: () => axisCurves(0) });
+    add({ title: "Moment on the mount", unit: () => "N\u00b7m", curves: () => axisCurves(3) });
+  }
+  for (const name in data.motion.compared) {
+    const { title, unit } = COMPARED[name];
+    add({ title, ofJoint: true, unit, curves: (k) => comparison(name, k), range: (k) => tight(comparison(name, k)) });
+    add({ title: `${title}, residual`, ofJoint: true, unit, curves: (k) => residual(name, k) });
+  }
+  for (const [name, values] of Object.entries(data.motion.signals)) {
+    const curves = [{ name: "value", color: "var(--accent)", values }];
+    add({ title: name, unit: () => "", curves: () => curves, range: () => tight(curves) });
+  }
+  return found;
+}
+const drawable = data.motion ? quantities() : [];
+// What is drawn at first: a recording with its residual, or the torques; the user's first signal comes last.
+function atFirst() {
+  const at = (title) => drawable.findIndex((quantity) => quantity.title === title);
+  const measured = ["Effort", "Motor current"].find((title) => at(title) >= 0);
+  const first = measured ? [measured, `${measured}, residual`] : ["Torque", "Force on the mount"];
+  const [signal] = Object.keys(data.motion.signals);
+  return [...first, signal || "Moment on the mount"].map(at).filter((place) => place >= 0);
+}
 
-function addChart(title, unit, curves, range) {
+// ---- charts
+let chartedJoint = 1;
+function addChart(place) {
   const element = added(byId("charts"), "figure", {
-    innerHTML: `<figcaption><b>${title}</b><span></span><span class="legend"></span></figcaption>
+    innerHTML: `<figcaption><select class="what"></select><b></b><span></span><span class="legend"></span></figcaption>
       <div class="plot"><svg viewBox="0 0 1000 100" preserveAspectRatio="none"></svg><small></small><small></small><i></i></div>`,
   });
-  const [name, sign, legend, svg, high, low, cursor] = ["b", "b + span", ".legend", "svg", "small", "small + small", "i"].map((part) => element.querySelector(part));
-  const chart = { name, sign, legend, svg, ends: [low, high], cursor };
-  draw(chart, unit, curves, range);
+  const [what, name, sign, legend, svg, high, low, cursor] = [".what", "b", "b + span", ".legend", "svg", "small", "small + small", "i"].map((part) => element.querySelector(part));
+  const chart = { what, name, sign, legend, svg, ends: [low, high], cursor };
+  what.setAttribute("aria-label", "What is drawn");
+  for (const { title } of drawable) added(what, "option", { textContent: title });
+  what.selectedIndex = place;
+  what.onchange = () => {
+    draw(chart);
+    showStrip();
+  };
   svg.onpointerdown = svg.onpointermove = (event) => {
     if (!event.buttons) return;
     svg.setPointerCapture(event.pointerId);
@@ -39,47 +104,71 @@ function addChart(title, unit, curves, range) {
   charts.push(chart);
   return chart;
 }
-function draw(chart, unit, curves, [low, high]) {
+function draw(chart) {
+  const { ofJoint, unit, curves: of, range } = drawable[chart.what.selectedIndex];
+  const curves = of(chartedJoint);
+  const [low, high] = range ? range(chartedJoint) : extent(curves);
   const height = (value) => (96 - 92 * (value - low) / (high - low || 1)).toFixed(2);
-  const points = (values) => values.map((value, i) => `${(1000 * times[i] / last).toFixed(2)},${height(value)}`).join(" ");
-  chart.sign.textContent = unit;
-  chart.svg.innerHTML = `<line x2="1000" y1="${height(0)}" y2="${height(0)}"/>${curves.map(
-    ({ name, color, values }) => `<polyline class="${name}" style="stroke: ${color}" points="${points(values)}"/>`).join("")}`;
-  chart.legend.innerHTML = curves.map(
-    ({ name, color }) => `<span class="item" data-curve="${name}" style="--own: ${color}">${name}<output></output></span>`).join("");
-  chart.curves = curves.map(({ values }, i) => ({ rows: values.map((value) => [value]), output: chart.legend.children[i].lastChild }));
+  chart.name.hidden = !ofJoint;
+  chart.sign.textContent = unit(chartedJoint);
+  chart.svg.replaceChildren();
+  chart.svg.innerHTML = `<line x2="1000" y1="${height(0)}" y2="${height(0)}"/>`;
+  chart.legend.replaceChildren();
+  chart.curves = curves.map(({ name, color, values }) => {
+    for (const points of pieces(values, height)) {
+      chart.svg.insertAdjacentHTML("beforeend", `<polyline class="${name}" style="stroke: ${color}" points="${points}"/>`);
+    }
+    const item = added(chart.legend, "span", { className: "item", textContent: name });
+    item.dataset.curve = name;
+    item.style.setProperty("--own", color);
+    return { rows: values.map((value) => [value]), output: added(item, "output") };
+  });
   const digits = high - low < 0.2 ? 3 : high - low < 2 ? 2 : 1;
+  chart.digits = Math.max(digits, 2);
   chart.ends.forEach((end, i) => { end.textContent = fixed([low, high][i], digits); });
+}
+// The points of a curve, in pieces between values that are not known.
+function pieces(values, height) {
+  const found = [[]];
+  values.forEach((value, i) => {
+    if (value === null) found.push([]);
+    else found[found.length - 1].push(`${(1000 * times[i] / last).toFixed(2)},${height(value)}`);
+  });
+  return found.filter((points) => points.length).map((points) => points.join(" "));
 }
 // The cursor and the numbers are the motion's: with the arm elsewhere, the cursor is grey and there are no numbers.
 function showStrip() {
   const apart = charts.length && !showsMotion();
   byId("charts").classList.toggle("apart", apart);
   byId("charts").title = apart ? "The arm has left the motion: drag here to return to it." : "";
-  for (const { curves, cursor } of charts) {
+  for (const { curves, cursor, digits } of charts) {
     cursor.style.transform = `translateX(${(100 * now / last).toFixed(3)}%)`;
     for (const { rows, output } of curves) {
-      [output.dataset.value] = between(rows, now);
-      output.textContent = fixed(Number(output.dataset.value), 2);
+      const [value] = between(rows, now);
+      output.dataset.value = value;
+      output.textContent = Number.isFinite(value) ? fixed(value, digits) : "\u2013";
     }
   }
 }
 
-if (data.motion && data.motion.mount) {
-  const unitOf = (k) => joints[k].kind === "prismatic" ? "N" : "N\u00b7m";
-  // Joints with the same unit share a scale, so that a small torque looks small.
-  const rangeOf = (k) => extent(joints.flatMap((_, other) => unitOf(other) === unitOf(k) ? torqueCurves(other) : []));
-  const torque = addChart("Torque of ", unitOf(1), torqueCurves(1), rangeOf(1));
-  const select = added(torque.name, "select", { id: "torque-of", onchange: () => {
-    const k = select.selectedIndex;
-    draw(torque, unitOf(k), torqueCurves(k), rangeOf(k));
-    showStrip();
+if (drawable.length) {
+  for (const place of atFirst()) addChart(place);
+  const select = added(charts[0].name, "select", { id: "torque-of", onchange: () => {
+    chartedJoint = select.selectedIndex;
+    drawAll();
   } });
-  select.setAttribute("aria-label", "Joint whose torque is drawn");
+  select.before("of ");
+  select.setAttribute("aria-label", "Joint whose curves are drawn");
   for (const joint of joints) added(select, "option", { textContent: joint.name });
-  select.selectedIndex = 1;
-  addChart("Force on the mount", "N", axisCurves(0), extent(axisCurves(0)));
-  addChart("Moment on the mount", "N\u00b7m", axisCurves(3), extent(axisCurves(3)));
+  select.selectedIndex = chartedJoint;
+  drawAll();
+}
+function drawAll() {
+  charts.forEach((chart, i) => {
+    if (i) chart.name.textContent = `of ${joints[chartedJoint].name}`;
+    draw(chart);
+  });
+  showStrip();
 }
 function unfold(on) {
   byId("charts").hidden = !on;

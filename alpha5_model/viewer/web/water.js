@@ -1,0 +1,69 @@
+// Controls of the water: the fluid, the current, and how the arm is mounted in it.
+const FLUIDS = new Map([["air", 0], ["fresh", 1000], ["sea", 1025]]);
+const DENSEST = 2000; // kg/m3
+const FASTEST = 5; // m/s
+const TURNED = Math.PI / 180;
+
+const water = foldable("water", "Water");
+const fluidRow = added(water.box, "div", { className: "line" });
+const fluidButtons = [...FLUIDS].map(([name, density]) => added(fluidRow, "button", { textContent: name, onclick: () => change({ density }) }));
+numberField(fluidRow, {
+  name: "Density", unit: "kg/m\u00b3", each: 1, low: 0, high: DENSEST, digits: 3,
+  get: () => state.density, set: (density) => change({ density }),
+});
+added(fluidRow, "span", { textContent: "kg/m\u00b3" });
+
+const currentRow = added(water.box, "div", { className: "line" });
+added(currentRow, "span", { textContent: "current" });
+["x", "y", "z"].forEach((axis, i) => {
+  const label = added(currentRow, "label", { textContent: axis });
+  numberField(label, {
+    name: `Current along ${axis}`, unit: "m/s", each: 1, low: -FASTEST, high: FASTEST, digits: 3,
+    get: () => state.current[i], set: (value) => setCurrent(state.current.with(i, value)),
+  });
+});
+added(currentRow, "span", { textContent: "m/s" });
+const forces = added(water.box, "p");
+
+// A current that is set is shown, too.
+function setCurrent(current) {
+  change({ current });
+  if (!shown.current) setGroup("current", true);
+}
+
+function showWater() {
+  [...FLUIDS.values()].forEach((density, i) => fluidButtons[i].setAttribute("aria-pressed", state.density === density));
+  const known = [...FLUIDS].find(([, density]) => density === state.density);
+  const fluid = state.density === 0 ? "air" : `${known ? `${known[0]}, ` : ""}${Number(state.density.toFixed(3))} kg/m\u00b3`;
+  const speed = Math.hypot(...state.current);
+  water.say(shown.current ? `${fluid}, current ${fixed(speed, 2)} m/s` : fluid);
+  const { weight, buoyancy } = totals();
+  const lift = state.density ? `, buoyancy ${fixed(buoyancy, 2)} N` : "";
+  forces.textContent = `Arm: weight ${fixed(weight, 2)} N${lift}. The load of a current is estimated, with its interval.`;
+}
+
+// ---- the attitude of the base: gravity points down in the picture
+const mount = foldable("mount", "Mount");
+if (data.fixed) {
+  const row = added(mount.box, "div", { className: "line" });
+  ["roll", "pitch"].forEach((name, i) => {
+    const label = added(row, "label", { textContent: name });
+    numberField(label, {
+      name: `Mount's ${name}`, unit: "\u00b0", each: TURNED, low: -180, high: 180, digits: 2,
+      get: () => state.attitude[i], set: (angle) => change({ attitude: state.attitude.with(i, angle) }),
+    });
+    added(row, "span", { textContent: "\u00b0" });
+  });
+  added(mount.box, "p", { textContent: "How base_link is turned on its carrier. Targets, tcp and current stay in base_link." });
+} else {
+  byId("mount").hidden = true;
+}
+function showMount() {
+  const turned = state.attitude.map((angle) => `${Number((angle / TURNED).toFixed(1))}\u00b0`.replace("-", "\u2212"));
+  mount.say(state.attitude.some((angle) => Math.abs(angle) > 1e-9) ? `roll ${turned[0]}, pitch ${turned[1]}` : "level");
+}
+onChange((part) => {
+  if ("density" in part || "current" in part) showWater();
+  if ("attitude" in part) showMount();
+  if (["density", "current", "payload", "attitude"].some((entry) => entry in part) && poses[root]) place("page");
+});

@@ -1,0 +1,203 @@
+"""Curves of a recording, of the user and of a program, and a program's sliders."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import Tab, needs_browser, new_tab
+
+import alpha5_model as a5
+from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.page import static_page
+from alpha5_model.viewer.visualizer import ArmVisualizer
+
+TIME = np.linspace(0.0, 4.0, 81)
+#: Sample at which the page is looked at.
+AT = 37
+
+
+@pytest.fixture(scope="module")
+def arm() -> a5.Arm:
+    return a5.load()
+
+
+@pytest.fixture(scope="module")
+def recording(arm: a5.Arm) -> a5.trajectory.Motion:
+    """A motion with efforts and currents that are off, and partly unknown."""
+    turned = np.sin(TIME)[:, None] * np.array([0.4, 0.2, -0.2, 0.4])
+    moved = a5.trajectory.motion(TIME, a5.named_pose("home") + turned)
+    model = a5.trajectory.analyse(moved, arm)
+    effort = model.torque + 0.03 * np.cos(9 * TIME)[:, None]
+    effort[10:15] = np.nan
+    current = model.current - 0.01
+    return replace(moved, effort=effort, current=current)
+
+
+@pytest.fixture(scope="module")
+def tab(
+    chromium: Any,
+    arm: a5.Arm,
+    recording: a5.trajectory.Motion,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[Tab]:
+    curves = {"battery (V)": 24 - 0.1 * TIME, "<b>depth</b>": np.cos(TIME)}
+    scene = build_scene(arm, motion=recording, curves=curves)
+    path = tmp_path_factory.mktemp("curves") / "page.html"
+    path.write_text(static_page(scene), "utf-8")
+    tab = new_tab(chromium, (1200, 800))
+    tab.open(path.as_uri())
+    tab.run("(time) => alpha5.seek(time)", TIME[AT])
+    yield tab
+    assert tab.complaints == []
+
+
+def shown(tab: Tab, chart: int) -> dict[str, float]:
+    """Name of a curve -> its number at the cursor, in one chart."""
+    return dict(
+        tab.run(
+            """(i) => {
+              const figure = document.querySelectorAll('#charts figure')[i];
+              const items = [...figure.querySelectorAll('.item')];
+              return items.map((item) => [
+                item.dataset.curve,
+                Number(item.querySelector('output').dataset.value),
+              ]);
+            }""",
+            chart,
+        )
+    )
+
+
+def draw(tab: Tab, chart: int, quantity: str) -> None:
+    tab.page.locator("#charts select.what").nth(chart).select_option(quantity)
+
+
+@needs_browser
+def test_a_recording_stands_beside_the_model(
+    tab: Tab, arm: a5.Arm, recording: a5.trajectory.Motion
+) -> None:
+    model = a5.trajectory.analyse(recording, arm)
+    titles = tab.run(
+        "() => [...document.querySelectorAll('.what')].map((each) => each.value)"
+    )
+    assert titles == ["Effort", "Effort, residual", "battery (V)"]
+    for k, joint in enumerate(arm.joint_names):
+        tab.page.select_option("#torque-of", joint)
+        for title, recorded, computed, name in (
+            ("Effort", model.effort, model.torque, "model"),
+            ("Motor current", model.recorded_current, model.current, "model"),
+            (
+                "Position",
+                np.degrees(recording.position),
+                np.degrees(model.smooth.position),
+                "smoothed",
+            ),
+        ):
+            assert recorded is not None
+            draw(tab, 0, title)
+            draw(tab, 1, f"{title}, residual")
+            both = shown(tab, 0)
+            assert both["recorded"] == pytest.approx(recorded[AT, k], abs=6e-5)
+            assert both[name] == pytest.approx(computed[AT, k], abs=6e-5)
+            assert shown(tab, 1)["recorded minus computed"] == pytest.approx(
+                recorded[AT, k] - computed[AT, k], abs=6e-5
+            )
+
+
+@needs_browser
+def test_what_is_not_known_is_a_gap(tab: Tab) -> None:
+    draw(tab, 0, "Effort")
+    first = tab.page.locator("#charts figure").first
+    assert first.locator("polyline.recorded").count() == 2
+    tab.run("(time) => alpha5.seek(time)", TIME[12])
+    said = tab.page.locator("#charts [data-curve=recorded] output").first
+    assert said.text_content() == "\u2013"
+    tab.run("(time) => alpha5.seek(time)", TIME[AT])
+
+
+@needs_browser
+def test_signals_of_the_user_are_drawn_by_name(tab: Tab) -> None:
+    assert shown(tab, 2)["value"] == pytest.approx(24 - 0.1 * TIME[AT])
+    draw(tab, 2, "<b>depth</b>")
+    assert shown(tab, 2)["value"] == pytest.approx(np.cos(TIME[AT]))
+    assert tab.run("() => document.querySelectorAll('.what b').length") == 0
+    draw(tab, 2, "battery (V)")
+
+
+def test_signals_that_do_not_fit_are_refused(
+    arm: a5.Arm, recording: a5.trajectory.Motion
+) -> None:
+    with pytest.raises(ShapeError, match=r"curves\['depth'\]"):
+        build_scene(arm, motion=recording, curves={"depth": TIME[1:]})
+    with pytest.raises(InputError, match="1 to 40 printable characters"):
+        build_scene(arm, motion=recording, curves={"a\nb": TIME})
+    with pytest.raises(InputError, match="a motion, with whose samples they go"):
+        build_scene(arm, curves={"depth": TIME})
+
+
+@pytest.fixture(scope="module")
+def live() -> Iterator[ArmVisualizer]:
+    viewer = a5.view(a5.load())
+    yield viewer
+    viewer.close()
+
+
+@needs_browser
+def test_a_program_adds_curves_and_sliders(chromium: Any, live: ArmVisualizer) -> None:
+    heard: queue.Queue[float] = queue.Queue()
+    live.curve("battery", 24.5, time=1.0)
+    gain = live.slider("gain", 0.0, 2.0, 0.5, on_change=heard.put)
+    tab = new_tab(chromium)
+    tab.open(live.url())
+    other = new_tab(chromium)
+    other.open(live.url())
+    live.curve("battery", 23.5, time=2.0)
+    tab.page.wait_for_function(
+        "() => document.querySelector('#feeds output')?.textContent === '23.5'"
+    )
+    points = tab.page.locator("#feeds polyline").get_attribute("points")
+    assert points == "0.00,4.00 1000.00,96.00"
+
+    slider = tab.page.get_by_label("gain")
+    assert float(slider.input_value()) == 0.5
+    slider.fill("1.25")
+    assert heard.get(timeout=10) == 1.25
+    assert gain.value == 1.25
+    other.page.wait_for_function(
+        "() => document.querySelector('#controls input').value === '1.25'"
+    )
+    assert tab.complaints == []
+    tab.page.close()
+    other.page.close()
+
+
+def test_curves_and_sliders_that_cannot_be_are_refused(live: ArmVisualizer) -> None:
+    live.curve("depth", 1.0, time=5.0)
+    for refused, reason in (
+        (lambda: live.curve("", 1.0), "printable characters"),
+        (lambda: live.curve("depth", float("nan")), "finite"),
+        (lambda: live.curve("depth", 1.0, time=4.0), "in order"),
+        (lambda: live.slider("gain", 2.0, 1.0), "above low"),
+        (lambda: live.slider("gain", 0.0, 1.0, 3.0), "from 0 to 1"),
+        (lambda: live.slider(5, 0.0, 1.0), "printable characters"),
+    ):
+        with pytest.raises(InputError, match=reason):
+            refused()
+    for k in range(18):
+        live.curve(f"curve {k}", 1.0)
+    with pytest.raises(InputError, match="at most 20"):
+        live.curve("one more", 1.0)
+
+
+def test_only_the_last_samples_are_kept(live: ArmVisualizer) -> None:
+    for k in range(620):
+        live.curve("depth", float(k), time=10.0 + k)
+    samples = live.window.server.live.controls.curves["depth"].samples
+    assert len(samples) == 600
+    assert samples[-1] == (629.0, 619.0)
