@@ -29,6 +29,7 @@ COMMANDS = (
     "planar",
     "view",
     "sweep",
+    "calibrate",
 )
 #: Commands whose arguments are numbers. A word such as -0.1 is an argument there, not
 #: an unknown option.

@@ -29,6 +29,8 @@ from alpha5_model.numbers.arm_values import (
 )
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
+from alpha5_model.numbers.covariance import Covariance
+from alpha5_model.numbers.covariance_table import read_covariance
 from alpha5_model.numbers.inertia import inconsistencies
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.motors import CONSTANTS, Motors
@@ -109,7 +111,12 @@ def arm_of_tables(given: dict[str, Any]) -> Alpha5Parameters:
         mount=reader.mount(),
         name=_checked("name", given.get("name", base.name)),
     )
-    own = replace(own, tool=reader.tool(own), measurements=tuple(reader.measurements))
+    own = replace(
+        own,
+        tool=reader.tool(own),
+        measurements=tuple(reader.measurements),
+        covariance=reader.covariance(),
+    )
     _check_wrist(own)
     warn_of_oddities(own, base, set(reader.keys))
     return own
@@ -256,6 +263,13 @@ class _Reader:
             "motors": _motors(given, supply, found),
             "actuators": tuple(actuators),
         }
+
+    def covariance(self) -> Covariance | None:
+        """How well a calibration knows the numbers that were read before."""
+        if "covariance" not in self.given:
+            return None
+        measured = {one.key for one in self.measurements if one.half_width is not None}
+        return read_covariance(self.given["covariance"], measured)
 
     def _of_joints(self, key: str, given: Any, of_one: schema.Key) -> dict[int, float]:
         """Index of a joint -> its value: one for all, or a table by joint."""

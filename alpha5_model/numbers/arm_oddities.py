@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Set as AbstractSet
 
-import numpy as np
-
+from alpha5_model._support.spatial import excess_of_box
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.inertia import inconsistencies
 from alpha5_model.numbers.parameters import (
@@ -40,9 +39,11 @@ def warn_of_oddities(
     _lengths_and_zeros(own, printed)
     for joint, published in zip(own.joints, printed.joints, strict=True):
         _limits(joint, published)
+    half_widths = {one.key: one.half_width for one in own.measurements}
     for link, published_link in zip(own.links, printed.links, strict=True):
         if any(key.startswith(f"links.{link.name}.") for key in given):
-            _link(link, published_link, given)
+            cob = f"links.{link.name}.cob"
+            _link(link, published_link, given, half_widths.get(cob) or 0.0)
     for body in own.attached:
         if body.mass and not body.volume:
             key = f"attached.{body.name}.volume"
@@ -79,7 +80,10 @@ def _limits(joint: JointParameters, published: JointParameters) -> None:
 
 
 def _link(
-    link: LinkParameters, published: LinkParameters, given: AbstractSet[str]
+    link: LinkParameters,
+    published: LinkParameters,
+    given: AbstractSet[str],
+    half_width: float,
 ) -> None:
     """Warn of a body that does not fit its bounds, or its own inertia."""
     key = f"links.{link.name}"
@@ -95,9 +99,8 @@ def _link(
         for problem in inconsistencies(link.mass, link.com, link.inertia, link.bounds):
             warn(f"{key}: {problem}")
     # Link 3's as printed is outside already.
-    own = not np.array_equal(link.cob, published.cob)
-    below = link.cob < link.bounds[:, 0]
-    above = link.cob > link.bounds[:, 1]
-    if own and (below | above).any():
+    outside = excess_of_box(link.cob, link.bounds)
+    printed = excess_of_box(published.cob, published.bounds)
+    if outside > printed + half_width:
         at = ", ".join(f"{x:g}" for x in link.cob)
         warn(f"{key}.cob: ({at}) m is outside the body's bounds")

@@ -129,6 +129,30 @@ DRIVES: Mapping[str, Key] = {
 }
 SUPPLY_VOLTAGE = _positive("voltage", "of all motors")
 
+
+def _components(key: Key) -> tuple[str, ...]:
+    """Ends of the names of a key's numbers: none, or its components."""
+    if not key.shape:
+        return ("",)
+    if len(key.shape) == 1:
+        return (".x", ".y", ".z")
+    return (".xx", ".xy", ".xz", ".yy", ".yz", ".zz")
+
+
+def _numbers() -> tuple[str, ...]:
+    """`NUMBERS`."""
+    found = []
+    for link, keys in LINKS.items():
+        for name in ("mass", "com", "inertia", "volume", "cob"):
+            stem = f"links.{link}.{name}"
+            found += [f"{stem}{end}" for end in _components(keys[name])]
+    found += [f"zeros.{name}" for name in ZEROS]
+    found += [f"lengths.{name}" for name in LENGTHS]
+    return tuple(found)
+
+
+#: The numbers that a covariance may be of, one name for each component.
+NUMBERS = _numbers()
 #: The version of the keys.
 FORMAT = 1
 #: The tables and keys of a file.
@@ -144,7 +168,10 @@ TOP = (
     "attached",
     "tool",
     "motors",
+    "covariance",
 )
+#: The keys of ``[covariance]``, which a calibration writes.
+COVARIANCE = ("names", "deviation", "factor")
 #: What people write -> what to do instead.
 HINTS = {
     "max_acceleration": "the record has no limit of acceleration: leave it out",

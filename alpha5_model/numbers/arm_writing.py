@@ -27,7 +27,8 @@ _HEAD = """\
 # what is left out is as printed. A number without a unit is in SI units (m, rad, kg, m^3, kg m^2, N m, rad/s).
 # A value may have a source and a half width in its own unit:
 #     mass = {value = 341, unit = "g", source = "weighed on 3 May", half_width = 1}
-# `alpha5 arm check FILE` says what a file changes.
+# `alpha5 arm check FILE` says what a file changes. `alpha5 calibrate` makes a file of measurements; it adds a table
+# [covariance]: how well the numbers are known together.
 format = 1
 """  # noqa: E501 (lines of a file)
 _MOUNT = """

@@ -25,6 +25,7 @@ from alpha5_model.errors import InputError, PublishedDataError
 from alpha5_model.numbers import arm_checks, plausibility, tables
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.numbers.covariance import Covariance
 from alpha5_model.numbers.inertia import flip_products
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.motors import Motors
@@ -279,6 +280,7 @@ class Alpha5Parameters:
         motors: What Table 4 does not print of the motors.
         name: Of the arm, for example in its URDF.
         measurements: Sources and half widths of the values of an arm file.
+        covariance: How well a calibration knows the numbers together; None without.
 
     Raises:
         InputError: Not the records of this arm: five rows, links, joints and
@@ -301,6 +303,7 @@ class Alpha5Parameters:
     motors: Motors = field(default_factory=Motors)
     name: str = "alpha5"
     measurements: tuple[Measurement, ...] = ()
+    covariance: Covariance | None = None
 
     def __post_init__(self) -> None:
         self._check_parts()
@@ -345,6 +348,8 @@ class Alpha5Parameters:
             instance("tool", self.tool, ToolPose)
         if self.mount is not None:
             instance("mount", self.mount, Mount)
+        if self.covariance is not None:
+            instance("covariance", self.covariance, Covariance)
         plain_name("name", self.name)
         for name in ("theta_c", "base_yaw"):
             object.__setattr__(self, name, real(name, getattr(self, name)))

@@ -14,6 +14,7 @@ from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.numbers import arm_schema as schema
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.numbers.covariance_table import covariance_lines
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
@@ -33,8 +34,8 @@ def arm_file_text(arm: Alpha5Parameters, notes: Iterable[str] = ()) -> str:
     """The text of a file that describes an arm.
 
     `alpha5_model.arm_file` reads the record from it: lengths, limits, bodies and tool
-    positions to the bit, zeros and rotations to their rounding. Jaws and the bounds of
-    links, which no arm file has, are the catalogue's.
+    positions to the bit, zeros and rotations to their rounding, a covariance to 13
+    digits. Jaws and the bounds of links, which no arm file has, are the catalogue's.
 
     Args:
         arm: The record.
@@ -60,6 +61,7 @@ def arm_file_text(arm: Alpha5Parameters, notes: Iterable[str] = ()) -> str:
         *writer.attached(),
         *writer.tool(),
         *writer.motors(),
+        *covariance_lines(record.covariance),
     ]
     return "\n".join(lines) + "\n"
 

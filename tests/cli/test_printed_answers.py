@@ -43,6 +43,7 @@ POSE = ("--q", "3.1", "1.2", "1.8", "0")
 ANSWERS = {
     "arm-check": ("arm", "check", "my_arm.toml"),
     "arm-show": ("arm", "show", "my_arm.toml"),
+    "calibrate": ("calibrate", "fit", "weighed.toml", "--output", "weighed_arm.toml"),
     "check": ("check",),
     "check-file": ("check", "--urdf", "other.urdf"),
     "compare": ("compare", "other.urdf", "--samples", "5"),
@@ -118,6 +119,7 @@ def folder_of_a_user() -> None:
     Path("my_arm.toml").write_text(MY_ARM, "utf-8")
     post = "[post]\ncylinder = [0.03, 1.0]\nxyz = [0.22, 0.15, 0.0]\n"
     Path("scene.toml").write_text(post, "utf-8")
+    Path("weighed.toml").write_text(weighed_arm(), "utf-8")
     Path("study.toml").write_text(f"[axes]\nmount_roll = 0.3\n{axes}{outputs}", "utf-8")
     time = np.arange(0, 12, 0.02)
     q = [1.5 + swing * np.sin(time) for swing in (0.8, 0.3, 0.2, 0.5)] + [
@@ -139,6 +141,16 @@ def folder_of_a_user() -> None:
         comments="",
         fmt="%.9g",
     )
+
+
+@cache
+def weighed_arm() -> str:
+    """A plan whose readings, whole grams, are filled in."""
+    planned = a5.calibrate.plan_poses(a5.calibrate.scales(), 6)
+    still = np.zeros((6, 4))
+    loads = a5.load(a5.AIR).base_wrench_batch(planned.motion.q, still, still)
+    readings = np.round(loads @ planned.sensor.matrix[:, 4:].T, 3)
+    return a5.calibrate.session_text(a5.calibrate.with_readings(planned, readings))
 
 
 def printed(arguments: tuple[str, ...], terminal: bool) -> str:

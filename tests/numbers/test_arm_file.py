@@ -276,7 +276,7 @@ SENSOR_4 = SENSOR + "volume = 1e-4\n"
 #: Content after "format = 1" -> the message after the file's name.
 WRONG = {
     "speed = 1": ": unknown 'speed'; choose from format, name, corrections, mount, "
-    "lengths, zeros, joint_limits, links, attached, tool, motors",
+    "lengths, zeros, joint_limits, links, attached, tool, motors, covariance",
     "lenghts = {}": ": unknown 'lenghts', did you mean 'lengths'?",
     'name = "my arm"': ", name: 'my arm'; expected a name of at most 64 letters, "
     "digits and _, a letter first",

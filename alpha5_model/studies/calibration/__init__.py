@@ -1,3 +1,41 @@
-"""Calibration from your own measurements: which poses to take, and what they say."""
+"""Calibration from your own measurements: which poses to take, and what they say.
 
-__all__: list[str] = []
+`plan_poses` proposes poses for a sensor: `scales`, `weight`, `force_torque` or
+`efforts`. `session` holds their readings, and `fit` makes an arm file of them, with the
+covariance of its numbers, and names what is wrong with the readings. A plan is written
+by `session_text`, and read with its readings by `read_session`.
+"""
+
+from alpha5_model.studies.calibration.calibration import Calibration, fit
+from alpha5_model.studies.calibration.plan_file import read_session, session_text
+from alpha5_model.studies.calibration.poses import plan_poses
+from alpha5_model.studies.calibration.problems import Problem
+from alpha5_model.studies.calibration.sensors import (
+    Sensor,
+    efforts,
+    force_torque,
+    scales,
+    weight,
+)
+from alpha5_model.studies.calibration.sessions import (
+    Session,
+    session,
+    with_readings,
+)
+
+__all__ = [
+    "Calibration",
+    "Problem",
+    "Sensor",
+    "Session",
+    "efforts",
+    "fit",
+    "force_torque",
+    "plan_poses",
+    "read_session",
+    "scales",
+    "session",
+    "session_text",
+    "weight",
+    "with_readings",
+]

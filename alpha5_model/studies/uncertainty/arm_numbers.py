@@ -26,12 +26,18 @@ from alpha5_model.numbers.parameters import (
 from alpha5_model.numbers.tables import BODY_NAMES, JOINT_NAMES
 from alpha5_model.numbers.tool import printed_tool
 from alpha5_model.studies.uncertainty import printed
+from alpha5_model.studies.uncertainty.calibrated import (
+    Calibrated,
+    calibrated_rows,
+    spread_of,
+)
 from alpha5_model.studies.uncertainty.linear_maps import (
     SYMMETRIC,
     UPPER,
     grouping,
     link_map,
     numbers_of_body,
+    possible,
     split,
 )
 from alpha5_model.studies.uncertainty.measured import (
@@ -67,6 +73,7 @@ class ArmNumbers:
             `LinkNumbers`.
         offset: Of the bodies, if they are not ``values @ to_bodies``, (B, 14).
         carriers: The link that each body is fixed to, (B,): first the five links.
+        calibrated: Numbers that are known together; None if there are none.
     """
 
     arm: Alpha5Parameters
@@ -77,11 +84,33 @@ class ArmNumbers:
     to_bodies: FloatArray
     offset: FloatArray | None
     carriers: tuple[int, ...]
+    calibrated: Calibrated | None = None
+
+    def spread(self, drawn: FloatArray) -> FloatArray:
+        """Changes of the numbers from independent draws in -1 to 1, (..., K)."""
+        change = self.half_width * drawn
+        known = self.calibrated
+        if known is not None:
+            change[..., known.rows] = spread_of(
+                known, self.middle, drawn[..., known.rows]
+            )
+        return np.asarray(change)
 
     def bodies(self, values: FloatArray) -> FloatArray:
         """Numbers of the bodies, (..., B, 14), for values (..., K)."""
         linear = np.tensordot(values, self.to_bodies, 1)
         return linear if self.offset is None else linear + self.offset
+
+    def possible(self, values: FloatArray) -> Any:
+        """Which sets (n, K) are possible bodies with their COM inside, (n,)."""
+        links = self.bodies(values)[:, :5]
+        found = possible(links)
+        for i, link in enumerate(self.arm.links):
+            if link.bounds is not None:
+                com = split(links[:, i]).com
+                lower, upper = link.bounds.T
+                found &= ((lower <= com) & (com <= upper)).all(axis=-1)
+        return found
 
     def grouping(self, density: float) -> FloatArray:
         """Map from moments of the bodies to the base parameters, (B, 14, 38)."""
@@ -167,7 +196,7 @@ def arm_numbers(
 
 def _is_as_printed(arm: Alpha5Parameters, catalogue: Alpha5Parameters) -> bool:
     """Whether all numbers of Tables 1 to 4 are the printed ones."""
-    if arm.attached or half_widths(arm):
+    if arm.attached or half_widths(arm) or arm.covariance:
         return False
     same_links = np.array_equal(_link_numbers(arm), _link_numbers(catalogue))
     rows = zip(
@@ -212,15 +241,24 @@ def _own_numbers(arm: Alpha5Parameters) -> ArmNumbers:
     )
     bodies = [*_link_numbers(arm), *map(_attached_numbers, arm.attached)]
     own_half_widths = [*_own_half_widths(arm), *(other.half_width for other in others)]
+    own_names = (*names, *(other.name for other in others))
+    half_width = np.array(own_half_widths)
+    calibrated = calibrated_rows(arm, own_names)
+    if calibrated is not None:
+        half_width[calibrated.rows] = calibrated.half_width
+        if arm.covariance and "zeros.axis_d" in arm.covariance.names:
+            # The zeros have absorbed the elbow's angle, and a_1 is a number of its own.
+            half_width[[name.startswith("elbow.") for name in own_names]] = 0.0
     return ArmNumbers(
         arm=arm,
         alternatives=(),
-        names=(*names, *(other.name for other in others)),
+        names=own_names,
         middle=middle,
-        half_width=np.array(own_half_widths),
+        half_width=half_width,
         to_bodies=to_bodies,
         offset=np.array(bodies) - np.tensordot(middle, to_bodies, 1),
         carriers=(0, 1, 2, 3, 4, *(int(body.link[-1]) for body in arm.attached)),
+        calibrated=calibrated,
     )
 
 

@@ -23,6 +23,11 @@ from alpha5_model.dynamics.states import is_one_state, rows
 from alpha5_model.numbers.fluids import SEA_WATER
 from alpha5_model.studies.uncertainty import printed
 from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
+from alpha5_model.studies.uncertainty.calibrated_bounds import (
+    Linear,
+    calibrated_half_width,
+    without_calibrated,
+)
 from alpha5_model.studies.uncertainty.linear_maps import (
     SYMMETRIC,
     LinkNumbers,
@@ -63,7 +68,8 @@ def bounds(
     For an arm of your own, the values with a half width in its file lie within it, and
     its other numbers keep the half width of the printed digits. Lengths, zeros, mount
     and tool are taken as known, and so are place, turn and spacer of attached bodies
-    except for a half width of ``at``.
+    except for a half width of ``at``. The numbers of a calibrated arm, zeros and
+    lengths too, lie within the ellipsoid of their covariance, to first order.
 
     Args:
         q, v, a: (4,) each, or (N, 4); one row is used for all states.
@@ -81,23 +87,41 @@ def bounds(
     gravity = arm_parameters(arm)[-3:]
     dimensions = arm_dimensions(arm)
     q, v, a = rows(arm._model, q=q, v=v, a=a)
-    torque_and_wrench = regressor_rows(q, v, a, gravity, dimensions)
-    kinetic = _kinetic_energy_rows(q, v, dimensions)
-    potential = _potential_energy_rows(q, gravity, dimensions)
+
+    def torque(dimensions: FloatArray) -> FloatArray:
+        return regressor_rows(q, v, a, gravity, dimensions)[:, :4]
+
+    def wrench(dimensions: FloatArray) -> FloatArray:
+        return regressor_rows(q, v, a, gravity, dimensions)[:, 4:]
+
+    def kinetic(dimensions: FloatArray) -> FloatArray:
+        return _kinetic_energy_rows(q, v, dimensions)
+
+    def potential(dimensions: FloatArray) -> FloatArray:
+        return _potential_energy_rows(q, gravity, dimensions)
 
     chosen = printed.believed(alternatives)
     numbers = arm_numbers(arm.parameters, chosen)
     known = payload(arm, numbers)
 
-    def interval(linear: FloatArray) -> Interval:
-        lower, upper = extremes(linear, known, arm.fluid_density, numbers)
+    def interval(linear: Linear) -> Interval:
+        density = arm.fluid_density
+        at_middle = linear(dimensions)
+        if numbers.calibrated is None:
+            lower, upper = extremes(at_middle, known, density, numbers)
+        else:
+            others = without_calibrated(numbers)
+            lower, upper = extremes(at_middle, known, density, others)
+            half = calibrated_half_width(linear, known, density, numbers)
+            lower = lower - half
+            upper = upper + half
         return Interval(
             lower=lower[0] if one else lower, upper=upper[0] if one else upper
         )
 
     return Bounds(
-        torque=interval(torque_and_wrench[:, :4]),
-        base_wrench=interval(torque_and_wrench[:, 4:]),
+        torque=interval(torque),
+        base_wrench=interval(wrench),
         kinetic_energy=interval(kinetic),
         potential_energy=interval(potential),
     )

@@ -22,7 +22,7 @@ from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty import printed
 from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
-from alpha5_model.studies.uncertainty.linear_maps import groups, possible
+from alpha5_model.studies.uncertainty.linear_maps import groups
 from alpha5_model.studies.uncertainty.printed import Names
 
 #: Standard deviation of a number that is uniform in -1 to 1.
@@ -124,9 +124,8 @@ def sample(
             drawn = rng.normal(0, DEVIATION, shape)
         else:
             drawn = rng.uniform(-1, 1, shape)
-        sets = middle + numbers.half_width * drawn
-        links = numbers.bodies(sets)[:, :5]
-        values = np.concatenate([values, sets[possible(links)]])
+        sets = middle + numbers.spread(drawn)
+        values = np.concatenate([values, sets[numbers.possible(sets)]])
     return Sample(
         names=numbers.names, values=frozen(values), alternatives=chosen, arm=arm
     )

@@ -1,0 +1,209 @@
+"""``alpha5 calibrate``: poses to weigh an arm in, and an arm file of the readings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from typer import Argument, Option
+
+from alpha5_model._support.checks import choice
+from alpha5_model._support.files import STDOUT
+from alpha5_model._support.outputs import check_outputs
+from alpha5_model._support.text import table
+from alpha5_model._support.writing import atomic_write
+from alpha5_model.cli import options, printing, values
+from alpha5_model.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    from alpha5_model.studies.calibration import Calibration, Sensor, Session
+
+_ACTIONS = ("plan", "fit")
+_FORMATS = (".toml",)
+
+# The options of this command.
+_Action = Annotated[str, Argument(help="plan or fit.")]
+_Files = Annotated[
+    list[Path], Argument(help="plan: the file to write; fit: the filled-in files.")
+]
+_SensorKind = Annotated[
+    str, Option("--sensor", help="plan: scales, weight, force-torque or efforts.")
+]
+_Poses = Annotated[int, Option(help="plan: how many.", min=1)]
+_Fluid = Annotated[str, Option(help="plan: " + options.FLUID)]
+_Gravity = Annotated[str, Option(help="plan: in base_link (m/s^2).")]
+_Positions = Annotated[
+    str | None, Option(help="plan: where three scales carry the plate, X Y Z each (m).")
+]
+_Noise = Annotated[float | None, Option(help="plan: deviation of a reading (kg, N m).")]
+_Ballast = Annotated[
+    float, Option(help="plan: mass on the scales beside the arm (kg).")
+]
+_Zeroed = Annotated[
+    bool, Option("--zeroed", help="plan: the scales showed 0 with the bare plate.")
+]
+_Prior = Annotated[str, Option(help="digits, or loose: 10 %, 5 mm.")]
+_Zeros = Annotated[str, Option(help="fit: deviation of the zeros (rad).")]
+_Tilt = Annotated[str, Option(help="fit: deviation of the mount's tilt (rad).")]
+_Output = Annotated[
+    Path | None, Option("--output", "-o", help="fit: the arm file, .toml.")
+]
+
+
+def calibrate(
+    action: _Action,
+    files: _Files,
+    sensor: _SensorKind = "scales",
+    poses: _Poses = 12,
+    fluid: _Fluid = "air",
+    gravity: _Gravity = options.DOWN,
+    positions: _Positions = None,
+    noise: _Noise = None,
+    ballast: _Ballast = 0.0,
+    zeroed: _Zeroed = False,
+    prior: _Prior = "digits",
+    zeros: _Zeros = "1deg",
+    tilt: _Tilt = "0.5deg",
+    output: _Output = None,
+    arm_file: options.Arm = None,
+    as_json: options.Json = False,
+) -> int:
+    """Weigh your own arm: poses to take, and an arm file of what you read.
+
+    plan writes a file with the poses in which a sensor tells the most. Fill in
+    the readings. fit makes an arm file of one or several such files, for
+    example one in air and one in water, and names what is wrong with them.
+
+    Exit status of fit: 1 if the readings contradict the model.
+
+    Example: alpha5 calibrate plan scales.toml
+    Example: alpha5 calibrate fit scales.toml --output my_arm.toml
+    """
+    choice("action", action, _ACTIONS)
+    own = values.arm_record(arm_file)
+    if action == "fit":
+        check_outputs([*files, arm_file], output=(output, _FORMATS))
+        return _fit(files, prior, zeros, tilt, output, own, as_json)
+
+    if len(files) != 1:
+        raise InputError("files", " ".join(map(str, files)), "one file to write")
+    if str(files[0]) != STDOUT and files[0].exists():
+        raise OutputError(files[0], "it exists; name another file")
+    from alpha5_model.studies.calibration import plan_poses, session_text
+
+    down: Any = values.numbers("gravity", gravity, (3,), "m/s^2")
+    planned = plan_poses(
+        _sensor(sensor, positions, noise, zeroed, down),
+        poses,
+        arm=own,
+        fluid_density=values.fluid_density(fluid),
+        gravity=down,
+        prior=prior,
+        ballast=ballast,
+    )
+    atomic_write(files[0], session_text(planned))
+    degrees = np.degrees(planned.motion.q)
+    record = {
+        "sensor": planned.sensor.kind,
+        "channels": planned.sensor.channels,
+        "q": planned.motion.q,
+    }
+    printing.show(as_json, record, _plan_text(planned, degrees), files[0])
+    return 0
+
+
+def _sensor(
+    kind: str,
+    positions: str | None,
+    noise: float | None,
+    zeroed: bool,
+    gravity: Any,
+) -> Sensor:
+    """The sensor that the options describe."""
+    from alpha5_model.studies.calibration.plan_file import SENSORS
+
+    make, names = SENSORS[choice("sensor", kind, tuple(SENSORS))]
+    given: dict[str, Any] = {}
+    if positions is not None:
+        points = values.numbers("positions", positions, (9,), "m")
+        given["positions"] = np.reshape(points, (3, 3))
+    if noise is not None:
+        given["torque_noise" if kind == "force-torque" else "noise"] = noise
+    if zeroed:
+        given["zeroed"] = True
+    for name in given:
+        if name not in names:
+            expected = f"nothing: {kind} has no such option"
+            raise InputError(name, given[name], expected)
+    if kind == "weight":
+        given["gravity"] = gravity
+    return make(**given)
+
+
+def _plan_text(planned: Session, degrees: Any) -> printing.Lines:
+    yield f"{len(degrees)} poses for {planned.sensor.kind} (deg)"
+    rows = [["", "axis_e", "axis_d", "axis_c", "axis_b"]]
+    for number, angles in enumerate(degrees, 1):
+        rows.append([str(number), *(f"{angle:.1f}" for angle in angles)])
+    yield from table(rows, "<>>>>")
+    yield "\nfill in the readings, then: alpha5 calibrate fit FILE --output my_arm.toml"
+
+
+def _fit(
+    files: list[Path],
+    prior: str,
+    zeros: str,
+    tilt: str,
+    output: Path | None,
+    own: Any,
+    as_json: bool,
+) -> int:
+    """Fit the readings of files; 1 if they contradict the model."""
+    from alpha5_model.studies.calibration import fit, read_session
+
+    sessions = [read_session(file) for file in files]
+    spread = [
+        values.numbers(name, text, (1,), "rad")[0]
+        for name, text in (("zeros", zeros), ("tilt", tilt))
+    ]
+    with printing.spinner("fitting"):
+        found = fit(sessions, arm=own, prior=prior, zeros=spread[0], tilt=spread[1])
+    if output is not None:
+        found.write(output)
+    printing.show(as_json, _record(found), str(found).split("\n"), output)
+    return 1 if found.problems else 0
+
+
+def _record(found: Calibration) -> dict[str, Any]:
+    """The result for scripts."""
+    numbers = zip(
+        found.names, found.estimate, found.prior, found.deviation, strict=True
+    )
+    others = zip(
+        found.other_names, found.other_estimate, found.other_deviation, strict=True
+    )
+    return {
+        "problems": [
+            {
+                "name": one.name,
+                "message": one.message,
+                "session": one.session,
+                "rank": one.rank,
+            }
+            for one in found.problems
+        ],
+        "readings": found.readings,
+        "squared_misfit": found.squared,
+        "density": found.density,
+        "torque_before": found.torque_before,
+        "torque_after": found.torque_after,
+        "numbers": {
+            name: {"value": value, "before": before, "deviation": after}
+            for name, value, before, after in numbers
+        },
+        "others": {
+            name: {"value": value, "deviation": deviation}
+            for name, value, deviation in others
+        },
+    }

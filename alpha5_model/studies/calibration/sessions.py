@@ -1,0 +1,132 @@
+"""What was measured: one sensor in one fluid, at some joint positions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import FloatArray, array, frozen, instance, shaped
+from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.fluids import AIR, GRAVITY, density_of
+from alpha5_model.studies.calibration.loads import Motion
+from alpha5_model.studies.calibration.sensors import STANDARD_GRAVITY, Sensor
+
+
+@dataclass(frozen=True, eq=False)
+class Session:
+    """Readings of one sensor in one fluid; make one with `session`.
+
+    Attributes:
+        sensor: What was read.
+        density: Of the fluid [kg/m^3].
+        motion: Joint positions as the joints report them, and gravity in base_link.
+        readings: In the sensor's units, (N, k); NaN for what is not read.
+        name: For messages, for example its file's.
+    """
+
+    sensor: Sensor
+    density: float
+    motion: Motion
+    readings: FloatArray
+    name: str = "session"
+
+    @property
+    def is_read(self) -> bool:
+        """Whether there is any reading."""
+        return bool(np.isfinite(self.readings).any())
+
+
+def session(
+    sensor: Sensor,
+    q: ArrayLike,
+    readings: ArrayLike | None = None,
+    *,
+    fluid_density: float = AIR,
+    v: ArrayLike | None = None,
+    a: ArrayLike | None = None,
+    gravity: ArrayLike = GRAVITY,
+    name: str = "session",
+) -> Session:
+    """Readings of one sensor in one fluid.
+
+    Args:
+        sensor: What is read.
+        q: Joint positions as the joints report them, (N, 4) [rad].
+        readings: In the sensor's units, (N, k); NaN for one that is missing. None for
+            poses that are only planned.
+        fluid_density: [kg/m^3]; air by default.
+        v, a: Rates of joints that move, (N, 4); None for an arm at rest.
+        gravity: In base_link, (3,) [m/s^2].
+        name: For messages.
+
+    Raises:
+        InputError: Not such numbers, or scales that do not lie level.
+    """
+    chosen = instance("sensor", sensor, Sensor)
+    positions = _rows("q", q)
+    count = len(positions)
+    still = np.zeros_like(positions)
+    pull = array("gravity", gravity, 3)
+    plausibility.check_gravity(gravity, pull)
+    empty = np.full((count, chosen.size), np.nan)
+    found = empty if readings is None else _with_gaps(readings, empty.shape)
+    made = Session(
+        sensor=chosen,
+        density=density_of(fluid_density),
+        motion=Motion(
+            q=positions,
+            v=still if v is None else shaped("v", v, (count, 4)),
+            a=still if a is None else shaped("a", a, (count, 4)),
+            gravity=frozen(pull),
+        ),
+        readings=frozen(found),
+        name=name,
+    )
+    _check_level(made)
+    return made
+
+
+def with_readings(planned: Session, readings: FloatArray) -> Session:
+    """The same poses with readings (N, k)."""
+    found = _with_gaps(readings, planned.readings.shape)
+    return replace(planned, readings=frozen(found))
+
+
+def _rows(name: str, value: ArrayLike) -> FloatArray:
+    """At least one row of four angles."""
+    rows = np.ascontiguousarray(shaped(name, value, (len(np.atleast_1d(value)), 4)))
+    if not len(rows):
+        raise InputError(name, [], "at least one pose, (N, 4)")
+    return rows
+
+
+def _with_gaps(value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Numbers of a shape, of which some may be NaN."""
+    given = np.asarray(value, float)
+    gaps = np.isnan(given)
+    found = shaped("readings", np.where(gaps, 0.0, given), shape).copy()
+    found[gaps] = np.nan
+    return found
+
+
+#: Scales whose plane is off by more are not under the arm: cosine of 15 degrees.
+_LEVEL = np.cos(np.radians(15.0))
+
+
+def _check_level(made: Session) -> None:
+    """Refuse scales that gravity does not press on."""
+    sensor = made.sensor
+    if sensor.kind not in ("scales", "weight"):
+        return
+    pull = made.motion.gravity
+    size = float(np.linalg.norm(pull))
+    # The readings of a unit force along gravity add up to what it weighs.
+    load = np.zeros(sensor.matrix.shape[1])
+    load[4:7] = pull / size if size else 0.0
+    total = float((sensor.matrix @ load).sum()) * STANDARD_GRAVITY
+    if total < _LEVEL:
+        expected = "gravity at a right angle to the plane of the scales, towards them"
+        raise InputError("gravity", pull.tolist(), expected)

@@ -1,0 +1,130 @@
+"""Bounds of what a calibrated arm does, by numbers that are known together.
+
+The numbers are within the ellipsoid of their covariance whose half widths are those of
+the arm file. A quantity with gradient g changes by at most ``|R^T g|`` there, with R
+the root of the covariance, to first order in all numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.codegen.dimensions import Dimensions
+from alpha5_model.codegen.regrouping import base_parameters
+from alpha5_model.numbers.arm_checks import LENGTHS
+from alpha5_model.numbers.loaded_links import loaded_links
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers
+from alpha5_model.studies.uncertainty.linear_maps import split
+
+#: Of central differences by angles and lengths [rad, m].
+_STEP = 1e-5
+#: Quantities by base parameters, (N, ..., 38), of numbers of `Dimensions` (24,).
+Linear = Callable[[FloatArray], FloatArray]
+
+
+def without_calibrated(numbers: ArmNumbers) -> ArmNumbers:
+    """The same numbers, those of the covariance taken as known."""
+    assert numbers.calibrated is not None
+    half_width = numbers.half_width.copy()
+    half_width[numbers.calibrated.rows] = 0.0
+    return replace(numbers, half_width=half_width)
+
+
+def calibrated_half_width(
+    linear: Linear, known: FloatArray, density: float, numbers: ArmNumbers
+) -> FloatArray:
+    """How far the numbers of a covariance move quantities, (N, ...).
+
+    Args:
+        linear: The quantities.
+        known: Base parameters of what the arm carries, (38,).
+        density: Of the fluid [kg/m^3].
+        numbers: Of the arm, with a covariance.
+    """
+    found = numbers.calibrated
+    assert found is not None
+    arm = numbers.arm
+    at_middle = linear(_dimensions(arm))
+    by_bodies = at_middle @ _body_slopes(numbers, density)[found.rows].T
+    for k, row in enumerate(found.rows.tolist()):
+        moved = _moved(arm, numbers.names[row])
+        if moved is not None:
+            after, before = (
+                linear(_dimensions(other))
+                @ (
+                    base_parameters(loaded_links(other), density, parameters=other)[:-3]
+                    + known
+                )
+                for other in moved
+            )
+            by_bodies[..., k] = (after - before) / (2 * _STEP)
+    return np.asarray(np.linalg.norm(by_bodies @ found.root, axis=-1))
+
+
+def _body_slopes(numbers: ArmNumbers, density: float) -> FloatArray:
+    """Derivative of the base parameters by the numbers, at the middle, (K, 38)."""
+    bodies = split(numbers.bodies(numbers.middle))
+    change = split(numbers.to_bodies)
+    mass = bodies.mass[..., None]
+    volume = bodies.volume[..., None]
+    by_mass = change.mass[..., None]
+    rows, columns = np.triu_indices(3)
+    square = _products(change.com, bodies.com, rows, columns)
+    parts = [
+        by_mass,
+        by_mass * bodies.com + mass * change.com,
+        change.second
+        + by_mass * bodies.com[..., rows] * bodies.com[..., columns]
+        + mass * square,
+        change.volume[..., None],
+        change.volume[..., None] * bodies.cob + volume * change.cob,
+    ]
+    moments = np.concatenate(parts, axis=-1)
+    return np.asarray(np.tensordot(moments, numbers.grouping(density), 2))
+
+
+def _products(one: FloatArray, other: FloatArray, rows: Any, columns: Any) -> Any:
+    """Entries of ``a b^T + b a^T`` for vectors a and b."""
+    return one[..., rows] * other[..., columns] + other[..., rows] * one[..., columns]
+
+
+def _moved(
+    arm: Alpha5Parameters, name: str
+) -> tuple[Alpha5Parameters, Alpha5Parameters] | None:
+    """The arm with a zero or a length a step longer and shorter; None for others."""
+    place = _place(name)
+    if place is None:
+        return None
+    row, field = place
+    return _with(arm, row, field, _STEP), _with(arm, row, field, -_STEP)
+
+
+def _place(name: str) -> tuple[int, str] | None:
+    """Row and field of Table 1 of a zero or length."""
+    table, _, key = name.partition(".")
+    if table == "zeros":
+        return JOINT_NAMES.index(key), "theta_offset"
+    for length, (row, field) in LENGTHS.items():
+        if name in (f"lengths.{length}", f"link_{row}.{field}"):
+            return row, field
+    return None
+
+
+def _with(
+    arm: Alpha5Parameters, row: int, field: str, change: float
+) -> Alpha5Parameters:
+    rows = list(arm.dh)
+    own: dict[str, Any] = {field: getattr(rows[row], field) + change}
+    rows[row] = replace(rows[row], **own)
+    return replace(arm, dh=tuple(rows))
+
+
+def _dimensions(arm: Alpha5Parameters) -> FloatArray:
+    return Dimensions.from_parameters(arm).numbers
