@@ -19,6 +19,7 @@ _VECTORS = {
     "--current": 9,
     "--mount": 9,
     "--payload": 9,
+    "--positions": 9,
 }
 #: Options with a vector whose commands have no arguments: all words up to the next
 #: option belong to it.

@@ -75,10 +75,10 @@ def test_a_problem_is_said_first(
         (["plan", "new.toml", "--positions", "1 2 3"], "positions"),
         (["plan", "new.toml", "--sensor", "efforts", "--zeroed"], "no such option"),
         (["plan", "new.toml", "--prior", "tight"], "choose from digits, loose"),
-        (["plan", "new.toml", "--gravity", "0 0 9.81"], "right angle"),
+        (["plan", "new.toml", "--gravity", "0 -9.81 0"], "right angle"),
         (["fit", "missing.toml"], "missing.toml"),
         (["fit", "there.toml"], "there.toml, format: missing"),
-        (["fit", "there.toml", "--output", "arm.txt"], "arm.txt"),
+        (["fit", "there.toml", "--output", "arm.txt"], "choose from .toml"),
     ],
 )
 def test_what_is_refused(
