@@ -84,7 +84,7 @@ def test_every_problem_has_its_row() -> None:
     source = (
         REPOSITORY / "alpha5_model" / "studies" / "calibration" / "problems.py"
     ).read_text("utf-8")
-    named = set(re.findall(r'(?:_problem\(|Problem\(f?|yield )"([a-z ]+)', source))
+    named = set(re.findall(r'(?:_problem\(|name=f?|yield )"([a-z ]+)', source))
     assert {"unit", "scale", "reading", "order"} <= named
     for name in named:
         assert f"`{name.strip()}" in GUIDE, name

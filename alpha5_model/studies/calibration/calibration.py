@@ -161,7 +161,7 @@ def fit(
     moving = not all(one.motion.rests for one in measured)
     unknowns = arm_unknowns(chosen_arm(arm), prior, zeros, moving)
     spread = real("tilt", tilt, minimum=0.0)
-    equations = Equations(unknowns, measured, spread)
+    equations = Equations(unknowns=unknowns, sessions=measured, tilt=spread)
     found = estimate(equations)
     return _calibration(equations, found)
 

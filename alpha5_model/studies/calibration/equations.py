@@ -134,7 +134,14 @@ class Equations:
         """The unknowns of a session."""
         prior = _prior(self.sessions[number], 0.0)
         ends = np.cumsum([len(part) for part in prior])[:-1]
-        return OfSession(*np.split(values[self._places[number]], ends))
+        parts = np.split(values[self._places[number]], ends)
+        return OfSession(
+            tilt=parts[0],
+            gain=parts[1],
+            offset=parts[2],
+            placement=parts[3],
+            friction=parts[4],
+        )
 
 
 def _placed_matrix(session: Session, own: OfSession) -> FloatArray:
@@ -197,7 +204,7 @@ def across(gravity: FloatArray) -> FloatArray:
 def _tilted(session: Session, tilt: FloatArray) -> Motion:
     """The motion with gravity turned, its strength kept."""
     motion = session.motion
-    return motion.__class__(
+    return Motion(
         q=motion.q, v=motion.v, a=motion.a, gravity=_turned(motion.gravity, tilt)
     )
 

@@ -96,7 +96,9 @@ def gravity_slopes(
     bodies = base_parameters(loaded_links(arm), density, parameters=arm)[:-3]
     still = np.zeros_like(q)
     found = [
-        _computed(bodies, Motion(q, still, still, gravity), _dimensions(arm))
+        _computed(
+            bodies, Motion(q=q, v=still, a=still, gravity=gravity), _dimensions(arm)
+        )
         for gravity in directions
     ]
     return np.moveaxis(np.array(found), 0, -1)
@@ -176,7 +178,7 @@ def _dimensions(arm: Alpha5Parameters) -> FloatArray:
 
 
 def _turned(motion: Motion, angles: FloatArray) -> Motion:
-    return Motion(motion.q + angles, motion.v, motion.a, motion.gravity)
+    return Motion(q=motion.q + angles, v=motion.v, a=motion.a, gravity=motion.gravity)
 
 
 def _computed(bodies: FloatArray, motion: Motion, dimensions: FloatArray) -> FloatArray:

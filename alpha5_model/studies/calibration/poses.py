@@ -89,7 +89,9 @@ def plan_poses(
 
     unknowns = arm_unknowns(record, prior)
     q = _candidates(record, start, max(_CANDIDATES, 4 * size), ballast, rng)
-    equations = Equations(unknowns, [session(chosen, q, **options)], TILT)
+    equations = Equations(
+        unknowns=unknowns, sessions=[session(chosen, q, **options)], tilt=TILT
+    )
     slopes = equations.slopes(equations.middle, 0) * equations.deviation
     slopes /= chosen.noise[:, None]
     best = _greedy(slopes[..., equations.deviation > 0], size)

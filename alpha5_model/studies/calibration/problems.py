@@ -14,7 +14,7 @@ References:
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, permutations
 from typing import NamedTuple
 
@@ -119,12 +119,11 @@ def problems(equations: Equations, found: Estimate) -> tuple[Problem, ...]:
             f"the best numbers leave {ratio:.3g} times the squared misfit that noise "
             "and the prior explain, and no known cause does"
         )
-        listed.append(Problem("unexplained", message, "", 0.0))
+        listed.append(
+            Problem(name="unexplained", message=message, session="", gain=0.0)
+        )
     order = sorted(listed, key=lambda problem: -problem.gain)
-    return tuple(
-        Problem(one.name, one.message, one.session, one.gain, rank)
-        for rank, one in enumerate(order, 1)
-    )
+    return tuple(replace(one, rank=rank) for rank, one in enumerate(order, 1))
 
 
 class _Named(NamedTuple):
@@ -334,7 +333,12 @@ class _Part:
         self, name: str, message: str, gain: float, tests: int = 1, free: int = 1
     ) -> Problem:
         chance = free * np.log(len(self._innovation.rest)) + 2.0 * np.log(tests)
-        return Problem(name, message, self.session.name, float(gain - chance))
+        return Problem(
+            name=name,
+            message=message,
+            session=self.session.name,
+            gain=float(gain - chance),
+        )
 
 
 # --- causes that all sessions share ---------------------------------------------------
@@ -352,7 +356,12 @@ def _of_arm(
         if gain > _limit(len(BODY_NAMES)):
             mass = equations.middle[row] + float(sizes[0])
             message = f"{mass:.4g} kg instead of {equations.middle[row]:.4g}"
-            yield Problem(f"mass of {name}", message, "", gain - chance)
+            yield Problem(
+                name=f"mass of {name}",
+                message=message,
+                session="",
+                gain=gain - chance,
+            )
     for joint, name in enumerate(JOINT_NAMES[:4]):
         row = OF_BODIES + joint
         if not equations.deviation[row]:
@@ -361,4 +370,4 @@ def _of_arm(
         if gain > _limit(4):
             off = np.degrees(float(sizes[0]))
             message = f"{name} reports {-off:+.3g} deg too much"
-            yield Problem("zero", message, "", gain - chance)
+            yield Problem(name="zero", message=message, session="", gain=gain - chance)
