@@ -32,14 +32,16 @@ def read_named(path: Any, expected: str, most: int | None = None) -> bytes:
     Raises:
         InputError: Not a path: another type, a zero byte.
         MissingFileError: Nothing is there.
-        FileFormatError: A folder, a loop of links, no permission, too long a name, or
-            more than ``most`` bytes.
+        FileFormatError: A folder, a loop of links, no permission, too long a name,
+            more than ``most`` bytes, or a device without this bound: some are endless.
     """
     try:
         if most is None:
-            return Path(path).read_bytes()
+            return _all_of(Path(path), expected)
         with Path(path).open("rb") as stream:
             content = stream.read(most + 1)
+    except FileFormatError:
+        raise
     except (FileNotFoundError, NotADirectoryError):
         raise MissingFileError(path, expected) from None
     except IsADirectoryError:
@@ -54,6 +56,16 @@ def read_named(path: Any, expected: str, most: int | None = None) -> bytes:
         problem = f"more than {most // 1024} KiB, {expected} is expected"
         raise FileFormatError(path, problem)
     return content
+
+
+def _all_of(path: Path, expected: str) -> bytes:
+    """The content of a file or a pipe, or what is typed at a terminal."""
+    with path.open("rb") as stream:
+        mode = os.fstat(stream.fileno()).st_mode
+        device = stat.S_ISCHR(mode) or stat.S_ISBLK(mode)
+        if device and not stream.isatty():
+            raise FileFormatError(path, f"is a device, {expected} is expected")
+        return stream.read()
 
 
 def is_stream(path: PathLike) -> bool:

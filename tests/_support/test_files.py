@@ -23,7 +23,12 @@ from alpha5_model._support.outputs import check_outputs, output_format
 from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.cli import COMMANDS as COMMAND_NAMES
 from alpha5_model.cli import application, main
-from alpha5_model.errors import InputError, OutputError, UnknownNameError
+from alpha5_model.errors import (
+    FileFormatError,
+    InputError,
+    OutputError,
+    UnknownNameError,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 linux = pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="Linux only")
@@ -50,6 +55,34 @@ def shell(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
         check=False,
         timeout=120,
     )
+
+
+@linux
+@pytest.mark.parametrize("name", ["", ".csv", ".parquet", ".urdf", ".toml"])
+def test_an_endless_device_is_refused(tmp_path: Path, name: str) -> None:
+    """A link in somebody's archive may lead there."""
+    link = tmp_path / f"file{name}"
+    link.symlink_to("/dev/zero")
+    readers: dict[str, Any] = {
+        ".urdf": a5.compare,
+        ".toml": lambda path: a5.sweep(path, tmp_path / "out"),
+    }
+    read = readers.get(name, a5.trajectory.read_motion)
+    with pytest.raises(FileFormatError, match="is a device, a "):
+        read(link)
+
+
+@linux
+def test_a_pipe_is_read_whole(tmp_path: Path, motion_file: Path) -> None:
+    expected = a5.trajectory.read_motion(motion_file).position
+    pipe = tmp_path / "pipe.csv"
+    os.mkfifo(pipe)
+    content = motion_file.read_bytes()
+    writer = threading.Thread(target=pipe.write_bytes, args=(content,))
+    writer.start()
+    found = a5.trajectory.read_motion(pipe).position
+    writer.join()
+    assert np.array_equal(found, expected)
 
 
 @pytest.fixture
