@@ -12,7 +12,7 @@ from example_robot_data import load
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
 from alpha5_model.theory.dh.chain import DHChain
-from alpha5_model.theory.dh.frame_assignment import common_normal
+from alpha5_model.theory.dh.frame_assignment import common_normal, unit_vectors
 
 QUARTER = math.pi / 2
 
@@ -310,3 +310,30 @@ def test_what_cannot_be_computed_with_is_named(name: str, wrong: dict) -> None:
     given = {"points": np.zeros((3, 3)), "directions": np.eye(3), **wrong}
     with pytest.raises(InputError, match=f"^{name}"):
         assign_frames(**given)
+
+
+@pytest.mark.parametrize("wrong", ["point_1", "direction_1", "point_2", "direction_2"])
+def test_lines_too_far_to_compute_with_are_refused(wrong: str) -> None:
+    lines = {
+        "point_1": [0.0, 0.0, 0.0],
+        "direction_1": [0.0, 0.0, 1.0],
+        "point_2": [1.0, 0.0, 0.0],
+        "direction_2": [0.0, 1.0, 0.0],
+    }
+    first, second = common_normal(**lines)
+    assert second - first == pytest.approx([1.0, 0.0, 0.0])
+    with pytest.raises(InputError, match=f"^{wrong}: expected numbers of at most"):
+        common_normal(**{**lines, wrong: [1e300, 1e300, 0.0]})
+
+
+@pytest.mark.parametrize("value", [[0, 0, 0], [[0, 0, 1]], [[0, 0, 1], [0, 0, 0]]])
+def test_one_direction_is_asked_for_where_there_is_one(value: list) -> None:
+    with pytest.raises(
+        InputError, match="expected one direction that is not zero, got"
+    ):
+        unit_vectors("vertical", value)
+    several = "directions: expected directions that are not zero, got"
+    with pytest.raises(InputError, match=several):
+        unit_vectors("directions", [0.0, 0.0, 1.0], 2)
+    with pytest.raises(InputError, match=several):
+        unit_vectors("directions", [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]], 2)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, instance, shaped
+from alpha5_model._support.checks import FloatArray, array, instance
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_dimensions, arm_parameters
 from alpha5_model.dynamics.regression import regressor_rows
@@ -58,7 +58,7 @@ def recording_of(
     v = np.array(smoothed.velocity[:, :4])
     a = np.array(smoothed.acceleration[:, :4])
     if wrench is not None:
-        measured = shaped("wrench", wrench, (len(q), 6))
+        measured = array("wrench", wrench, len(q), 6)
         channels = LOADS
     elif motion.effort is not None:
         measured = motion.effort[:, :4]

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, float_array, real, shaped
+from alpha5_model._support.checks import FloatArray, array, float_array, real
 from alpha5_model._support.spatial import transform
 from alpha5_model.errors import InputError
 
@@ -127,10 +127,10 @@ def common_normal(
     Returns:
         The nearest point of the first line and that of the second, (3,) each [m].
     """
-    p1 = shaped("point_1", point_1, (3,))
-    z1 = shaped("direction_1", direction_1, (3,))
-    p2 = shaped("point_2", point_2, (3,))
-    z2 = shaped("direction_2", direction_2, (3,))
+    p1 = array("point_1", point_1, 3)
+    z1 = array("direction_1", direction_1, 3)
+    p2 = array("point_2", point_2, 3)
+    z2 = array("direction_2", direction_2, 3)
     cross = np.cross(z1, z2)
     square = cross @ cross
     if square == 0:
