@@ -41,8 +41,10 @@ def film(
     rate = real("fps", fps, minimum=1.0)
     options: dict[str, Any]
     if suffix == ".gif":
-        rate = 100 / max(1, round(100 / rate))
-        options = {"duration": 1e3 / rate, "loop": 0}
+        # A frame lasts a whole number of hundredths of a second.
+        hundredths = max(1, round(100 / rate))
+        rate = 100 / hundredths
+        options = {"duration": 10 * hundredths, "loop": 0}
     else:
         # H.264 takes even sizes only.
         options = {"fps": rate, "macro_block_size": 2}

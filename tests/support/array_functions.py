@@ -111,6 +111,7 @@ def _of_arm(owner: str, arm: Any, rng: np.random.Generator) -> dict[str, Call]:
     rates = rng.normal(size=(3, ROWS, model.nv))
     state = {"q": q, "v": rates[0], "a": rates[1], "tau": rates[2]}
     state["current"] = rng.normal(scale=0.3, size=(ROWS, 3))
+    state["acceleration"] = rng.normal(size=(ROWS, 3))
     state["position"] = np.tile([0.2, 0.1, 0.1], (ROWS, 1))
     calls = {}
     for name, value in inspect.getmembers(type(arm), inspect.isfunction):

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.collections import QuadMesh
+from matplotlib.contour import ContourSet
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -271,6 +273,32 @@ def test_the_dexterous_rings_are_drawn_where_they_are() -> None:
     ):
         x, y = axes.transData.transform([-radius, 0.0]).astype(int)
         assert tuple(image[image.shape[0] - 1 - y, x]) == tuple(bytes.fromhex(colour))
+
+
+def test_the_line_around_the_dexterous_workspace_has_its_area() -> None:
+    """With joint limits it is a contour of a map; the notes' arm has 155.8."""
+    arm = PlanarArm((5, 4, 1), [(-2.967, 2.967)] * 3)
+    axes = plot_planar(arm, resolution=81)
+    (contour,) = [line for line in axes.collections if isinstance(line, ContourSet)]
+    area = 0.0
+    for path in contour.get_paths():
+        for ring in path.to_polygons(closed_only=False):
+            x, y = ring.T
+            area += abs(x[:-1] @ y[1:] - x[1:] @ y[:-1]) / 2
+    # The line is inside of it, by up to a cell.
+    assert 0.9 * 155.8 < area < 155.8
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert "dexterous (numerical)" in labels
+
+
+def test_without_a_turning_hand_there_is_no_map_of_orientations() -> None:
+    limits = [(-2.0, 2.0), (-2.0, 2.0), (0.5, 1.0)]
+    axes = plot_planar(PlanarArm((5, 4, 1), limits, "RRP"), resolution=21)
+    assert not any(isinstance(drawn, QuadMesh) for drawn in axes.collections)
+    limits[2] = (-1.0, 1.0)
+    axes = plot_planar(PlanarArm((5, 4, 1), limits, "RRR"), resolution=21)
+    (mesh,) = [drawn for drawn in axes.collections if isinstance(drawn, QuadMesh)]
+    assert 0 < mesh.get_array().max() < 1
 
 
 def test_many_axes_on_one_figure(tmp_path: Path) -> None:
