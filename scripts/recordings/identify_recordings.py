@@ -14,7 +14,8 @@ for roll and one for pitch, each recording without its mean.
 - *Link 3's centre of buoyancy.* Where between the printed point (s = 0) and the
   corrected one (s = 1) does it fit best? Least squares for s, its standard error by
   leaving out each recording in turn (jackknife [Efron1981]); and the held-out R^2 with
-  either point.
+  either point. The same again if the arm's axes may be turned about the vehicle's z:
+  each recording is then scored with compliances from the others, the turn from all.
 
 Residuals of averaged signals are not independent: their number is divided by their
 correlation time.
@@ -28,7 +29,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,6 +39,7 @@ from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
 from alpha5_model.studies.uncertainty import linear_maps, printed
 from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
+from alpha5_model.studies.vehicle_tilt import interpolated
 
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
@@ -75,21 +77,28 @@ def by_digits() -> np.ndarray:
     return moments(sets) - numbers()
 
 
-def linear(recording: recordings.Recording) -> tuple[np.ndarray, np.ndarray]:
+def linear(
+    recording: recordings.Recording, yaw: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
     """Averaged moments per net first moment, and the tilt.
+
+    Args:
+        recording: Of a moving arm.
+        yaw: By which the arm's axes are turned about the vehicle's z [rad].
 
     Returns:
         Moments about x and y at each lag, (L, M, 2, 8), and tilt, (M, 2).
     """
     q = np.ascontiguousarray(recording.motion.position[:, :4])
-    gravity = recordings._at(recording.motion.time, recording.time, recording.gravity)
+    gravity = interpolated(recording.motion.time, recording.time, recording.gravity)
+    gravity[:, :2] = gravity[:, :2] @ plane_rotation(yaw)
     still = np.zeros_like(q)
     dimensions = arm_dimensions(a5.load())
     axes = [
         regressor_rows(q, still, still, g, dimensions)[:, 7:9][..., COLUMNS]
         for g in np.eye(3)
     ]
-    rows = np.einsum("nk,knij->nij", gravity, axes)
+    rows = plane_rotation(yaw) @ np.einsum("nk,knij->nij", gravity, axes)
     table, tilt = recordings.signals(recording, rows.reshape(len(q), -1))
     return table.reshape(*table.shape[:2], 2, len(COLUMNS)), tilt
 
@@ -166,10 +175,55 @@ def _whitened(
     return slopes - np.outer(unit, unit @ slopes)
 
 
+class Turned(NamedTuple):
+    """What fits best if the arm's axes may be turned about the vehicle's z.
+
+    Attributes:
+        place: Of the COB of link 3: 0 is the printed one, 1 the corrected one.
+        yaw: [rad].
+    """
+
+    place: float
+    yaw: float
+
+
+def between_turned(tables: list[np.ndarray], tilts: list[np.ndarray]) -> Turned:
+    """Where the COB of link 3 fits best, and the yaw, by Gauss-Newton."""
+    as_printed = numbers()
+    change = numbers(("link3_cob",)) - as_printed
+    rows = np.concatenate(tables)
+    tilt = np.concatenate(tilts)
+    place = 0.0
+    yaw = 0.0
+    for _ in range(20):
+        turn = plane_rotation(yaw)
+        moment = rows @ (as_printed + place * change) @ turn.T
+        compliance = _compliance(moment, tilt)
+        left = (tilt - compliance * moment).ravel()
+        slopes = [rows @ change @ turn.T, moment @ plane_rotation(np.pi / 2).T]
+        free = [
+            compliance
+            * (slope - moment * (moment * slope).sum(axis=0) / (moment**2).sum(axis=0))
+            for slope in slopes
+        ]
+        columns = np.stack([slope.ravel() for slope in free], axis=1)
+        step, *_ = np.linalg.lstsq(columns, left, rcond=None)
+        place += float(step[0])
+        yaw += float(step[1])
+    return Turned(place=place, yaw=yaw)
+
+
+def plane_rotation(angle: float) -> np.ndarray:
+    """Rotation of a vector in the plane, (2, 2)."""
+    cosine = np.cos(angle)
+    sine = np.sin(angle)
+    return np.array([[cosine, -sine], [sine, cosine]])
+
+
 def between(tables: list[np.ndarray], tilts: list[np.ndarray]) -> float:
     """Where the COB of link 3 fits best: 0 is the printed one, 1 the corrected one.
 
-    The method is Gauss-Newton.
+    The arm's axes are taken for parallel to the vehicle's. The method is Gauss-Newton.
     """
     as_printed = numbers()
     change = numbers(("link3_cob",)) - as_printed
@@ -232,7 +286,10 @@ def findings(folders: list[Path]) -> dict[str, Any]:
         "recordings": [recording.name for recording in read],
         "lag_s": float(recordings.LAGS[lag]),
         **combinations(tables, tilts),
-        "link3_cob": _cob_of_link_3(tables, tilts),
+        "link3_cob": {
+            **_cob_of_link_3(tables, tilts),
+            "turned": _cob_on_turned_arm(read),
+        },
     }
 
 
@@ -240,15 +297,55 @@ def _cob_of_link_3(tables: list[np.ndarray], tilts: list[np.ndarray]) -> dict[st
     """Where the centre of buoyancy of link 3 fits best, and its standard error."""
     n = len(tables)
     without = [between(_others(tables, k), _others(tilts, k)) for k in range(n)]
-    deviations = without - np.mean(without)
-    error = np.sqrt((n - 1) / n * np.sum(deviations**2))
     return {
         "fits_best_at": between(tables, tilts),
-        "standard_error": float(error),
+        "standard_error": _jackknife(without),
         "without_each": without,
         "held_out_r2_printed": held_out(tables, tilts, numbers()),
         "held_out_r2_corrected": held_out(tables, tilts, numbers(("link3_cob",))),
     }
+
+
+def _cob_on_turned_arm(read: list[recordings.Recording]) -> dict[str, Any]:
+    """The same if the arm's axes may be turned about the vehicle's z.
+
+    Gravity is turned by the angle that fits best with the printed numbers, and the
+    angle and the centre are then fitted together.
+    """
+    tilted = [
+        a5.TiltRecording(
+            one.motion, one.time, -one.gravity / recordings.GRAVITY, one.grid
+        )
+        for one in read
+    ]
+    yaw = a5.fit_tilt(tilted, average=recordings.AVERAGE, delays=recordings.LAGS).yaw
+    both = [linear(recording, yaw) for recording in read]
+    lag, _ = recordings.fit([(table @ numbers(), tilt) for table, tilt in both])
+    tables = [table[lag] for table, _ in both]
+    tilts = [tilt for _, tilt in both]
+
+    found = between_turned(tables, tilts)
+    without = [
+        between_turned(_others(tables, k), _others(tilts, k)) for k in range(len(read))
+    ]
+    turn = plane_rotation(found.yaw)
+    along = [turn @ table for table in tables]
+    yaw_error = _jackknife([one.yaw for one in without])
+    return {
+        "fits_best_at": found.place,
+        "standard_error": _jackknife([one.place for one in without]),
+        "yaw_deg": float(np.degrees(yaw + found.yaw)),
+        "yaw_standard_error_deg": float(np.degrees(yaw_error)),
+        "held_out_r2_printed": held_out(along, tilts, numbers()),
+        "held_out_r2_corrected": held_out(along, tilts, numbers(("link3_cob",))),
+    }
+
+
+def _jackknife(without_each: list[float]) -> float:
+    """Standard error from the answers without each recording."""
+    n = len(without_each)
+    deviations = np.array(without_each) - np.mean(without_each)
+    return float(np.sqrt((n - 1) / n * np.sum(deviations**2)))
 
 
 def text(found: dict[str, Any]) -> str:
@@ -269,10 +366,26 @@ def text(found: dict[str, Any]) -> str:
         f"  fits best at {cob['fits_best_at']:.2f}, "
         f"standard error {cob['standard_error']:.2f}"
     )
-    for name in ("printed", "corrected"):
-        roll, pitch = cob[f"held_out_r2_{name}"]
-        lines.append(f"  held-out R^2 {name:10} roll {roll:.4f}, pitch {pitch:.4f}")
+    lines += _lines_of_scores(cob)
+    turned = cob["turned"]
+    lines += [
+        "if the arm's axes may be turned about the vehicle's z:",
+        f"  turned by {turned['yaw_deg']:.1f} deg, "
+        f"standard error {turned['yaw_standard_error_deg']:.1f}",
+        f"  fits best at {turned['fits_best_at']:.2f}, "
+        f"standard error {turned['standard_error']:.2f}",
+        *_lines_of_scores(turned),
+    ]
     return "\n".join(lines)
+
+
+def _lines_of_scores(found: dict[str, Any]) -> list[str]:
+    """Held-out R^2 with the printed and the corrected centre."""
+    lines = []
+    for name in ("printed", "corrected"):
+        roll, pitch = found[f"held_out_r2_{name}"]
+        lines.append(f"  held-out R^2 {name:10} roll {roll:.4f}, pitch {pitch:.4f}")
+    return lines
 
 
 def main(arguments: list[str] | None = None) -> int:

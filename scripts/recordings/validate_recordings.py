@@ -69,6 +69,7 @@ from alpha5_model.errors import (
 )
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.inertia import flip_products
+from alpha5_model.studies.vehicle_tilt import averaged, interpolated
 from alpha5_model.trajectory import Motion, motion, smooth
 from alpha5_model.viewer.figures import FORMATS
 from alpha5_model.water.terms import water_terms
@@ -377,7 +378,7 @@ def moments(
         level: Ignore the vehicle's attitude.
     """
     motion = recording.motion
-    gravity = _at(motion.time, recording.time, recording.gravity)
+    gravity = interpolated(motion.time, recording.time, recording.gravity)
     if level:
         gravity = np.broadcast_to([0.0, 0.0, -GRAVITY], gravity.shape)
     q = motion.position[:, :4]
@@ -416,16 +417,8 @@ def _without_mean(signal: FloatArray) -> FloatArray:
 
 
 def _average(at: FloatArray, time: FloatArray, values: FloatArray) -> FloatArray:
-    """Moving average over `AVERAGE` seconds of the values joined by straight lines."""
-    areas = (values[1:] + values[:-1]) / 2 * np.diff(time)[:, None]
-    integral = np.vstack([np.zeros(values.shape[1]), np.cumsum(areas, axis=0)])
-    low = _at(at - AVERAGE / 2, time, integral)
-    high = _at(at + AVERAGE / 2, time, integral)
-    return (high - low) / AVERAGE
-
-
-def _at(new: FloatArray, old: FloatArray, values: FloatArray) -> FloatArray:
-    return np.stack([np.interp(new, old, column) for column in values.T], axis=1)
+    """Moving average over `AVERAGE` seconds."""
+    return averaged(at, time, values, AVERAGE)
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,6 +47,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("trajectory", "casadi", "jax", "codegen.c_library"),
     ("planning",),
     ("proofs.audit", "proofs.comparison"),
+    ("studies.vehicle_tilt",),
     ("studies.uncertainty",),
     ("studies.calibration",),
     ("studies.sweep",),
