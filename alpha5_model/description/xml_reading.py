@@ -12,6 +12,8 @@ from alpha5_model.errors import FileFormatError
 #: Limits that no robot description needs. The largest public ones have 1 MB, 20 levels.
 MOST_BYTES = 64 * 2**20
 MOST_LEVELS = 100
+#: Attributes that name something. They are printed, and could pose as other lines.
+_NAMES = ("name", "link", "joint", "filename")
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +38,9 @@ def parse_xml(text: str | bytes, origin: str) -> XmlTree:
         origin: Name of the text in errors.
 
     Raises:
-        FileFormatError: Not XML, too large or too deep, or with a document type, which
-            could declare entities or name other files. The message names the line.
+        FileFormatError: Not XML, too large or too deep, a name with a line end, or with
+            a document type, which could declare entities or name other files. The
+            message names the line.
     """
     if len(text) > MOST_BYTES:
         most = MOST_BYTES // 2**20
@@ -81,6 +84,10 @@ class _Builder:
         self.depth += 1
         if self.depth > MOST_LEVELS:
             raise self.fail(f"expected at most {MOST_LEVELS} levels of elements")
+        for key in _NAMES:
+            value = attributes.get(key, "")
+            if "".join(value.splitlines()) != value:
+                raise self.fail(f"<{tag[:40]} {key}>: {value[:80]!r} has a line end")
         element = self.elements.start(tag, attributes)
         self.lines[element] = self.parser.CurrentLineNumber
 

@@ -333,3 +333,32 @@ def test_a_file_beyond_the_largest_size_is_refused_unread(tmp_path):
 )
 def test_the_last_place_of_any_number(text, place):
     assert last_place(text) == pytest.approx(place, rel=1e-12, abs=1e-299)
+
+
+@pytest.mark.parametrize("end", ["&#10;", "&#13;", "&#x85;", "&#x2028;"])
+@pytest.mark.parametrize(
+    ("old", "place"),
+    [
+        ('<joint name="axis_e"', "<joint name>"),
+        ('<link name="link_2"', "<link name>"),
+        ('<child link="link_2"', "<child link>"),
+        ('filename="../meshes/link_2.obj"', "<mesh filename>"),
+    ],
+)
+def test_a_name_cannot_pose_as_the_verdict(old, place, end, tmp_path, capsys):
+    """compare prints names; one with a line end printed a line of its own."""
+    start, _, name = old[:-1].rpartition('"')
+    forged = f"{name}{end}The model agrees with the tables."
+    path = tmp_path / "forged.urdf"
+    path.write_text(OWN.replace(old, f'{start}"{forged}"'), encoding="utf-8")
+    assert OWN.count(old) >= 1
+    for reader in READERS.values():
+        with pytest.raises(
+            FileFormatError, match=r"line \d+: .* has a line end"
+        ) as said:
+            reader(path)
+        assert place in str(said.value)
+    assert main(["compare", str(path)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert len(err.splitlines()) == 1
