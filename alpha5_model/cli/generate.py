@@ -156,7 +156,7 @@ _Parent = Annotated[str, Option(help="Link to mount on; made if given.")]
 _Xyz = Annotated[str, Option(help="Mount in the parent, x y z (m).")]
 _Rpy = Annotated[str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")]
 _MeshUri = Annotated[str, Option(help=options.HELP["meshes"])]
-_Collision = Annotated[str, Option(help="primitives or none.")]
+_Collision = Annotated[str, Option(help="primitives or none; mjcf: or capsules.")]
 _DhFrames = Annotated[bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")]
 _Ros2Control = Annotated[bool, Option("--ros2-control", help="Interfaces, device ids.")]
 _Ros2ControlHardware = Annotated[

@@ -77,9 +77,10 @@ def _formulas() -> dict[str, str]:
 
 
 def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
-    """``mjcf/`` in the form of MuJoCo Menagerie: jaws locked and moving."""
+    """``mjcf/`` in the form of MuJoCo Menagerie: jaws locked, moving, and for MJX."""
     locked = mjcf_files()
     jaws = mjcf_files(MjcfOptions(gripper="jaws"))
+    mjx = mjcf_files(MjcfOptions(collision="capsules"))
     title, text = locked["README.md"].split(b"\n\n", 1)
 
     files = {}
@@ -90,6 +91,8 @@ def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
     files["mjcf/alpha5_jaws.xml"] = jaws["alpha5.xml"]
     scene = locked["scene.xml"]
     files["mjcf/scene_jaws.xml"] = scene.replace(b"alpha5", b"alpha5_jaws")
+    files["mjcf/alpha5_mjx.xml"] = mjx["alpha5.xml"]
+    files["mjcf/scene_mjx.xml"] = scene.replace(b"alpha5", b"alpha5_mjx")
     if not _in_checkout():
         return {path: _in_wheel(content) for path, content in files.items()}
     for name, content in drawn.items():

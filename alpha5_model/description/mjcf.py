@@ -20,9 +20,9 @@ from alpha5_model.description.mjcf_actuators import (
 )
 from alpha5_model.description.mjcf_bodies import DILUTION, INERTIA, BodyWriter
 from alpha5_model.description.origin import provenance
-from alpha5_model.description.urdf import COLLISIONS
 from alpha5_model.description.xml import Value, add, document, serialized
 from alpha5_model.errors import InputError
+from alpha5_model.geometry.collision_capsules import collision_capsules
 from alpha5_model.geometry.materials import MATERIALS
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
@@ -31,6 +31,8 @@ from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
+#: Capsules, one for each link, are for MJX.
+COLLISIONS = ("primitives", "capsules", "none")
 BUOYANCIES = ("bodies", "none")
 #: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s] [ITTC 7.5-02-01-03].
 VISCOSITY = 1.08e-3
@@ -50,7 +52,9 @@ class MjcfOptions:
         actuators: ``position``, ``velocity`` or ``motor``.
         drag: Switches on MuJoCo's own fluid model, whose forces are not from the
             document.
-        collision: ``primitives`` or ``none``.
+        collision: ``primitives``, ``capsules`` or ``none``. One capsule stands
+            for each link in MJX, which has no contact between cylinders and boxes;
+            with locked jaws.
         buoyancy: ``bodies``, or ``none`` for tools without ``gravcomp``, such as brax.
         corrections: Recorded corrections to apply.
         hydrodynamics: Adds drag by strips, which is estimated, not published; instead
@@ -78,6 +82,8 @@ class MjcfOptions:
         choice("gripper", self.gripper, GRIPPERS)
         choice("actuators", self.actuators, ACTUATORS)
         choice("collision", self.collision, COLLISIONS)
+        if self.collision == "capsules" and self.gripper != "locked":
+            raise InputError("collision", "capsules", "primitives or none, with jaws")
         choice("buoyancy", self.buoyancy, BUOYANCIES)
         density_of(self.fluid_density)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
@@ -150,6 +156,9 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         fluid_density=chosen.fluid_density,
         buoyancy=chosen.buoyancy == "bodies",
         collisions=chosen.collision == "primitives",
+        capsules=collision_capsules(arm.spacer)
+        if chosen.collision == "capsules"
+        else {},
         water=hydrodynamics(chosen.gripper) if chosen.hydrodynamics else {},
     )
 
@@ -162,7 +171,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     _add_assets(root, bodies)
     mount = own_mount(arm, taken=["base_link", *(body.name for body in bodies)])
     writer.add_worldbody(root, bodies, tcp_placement(arm), mount)
-    if chosen.collision == "primitives":
+    if chosen.collision != "none":
         _add_contact(root, arm, chosen.gripper)
     if chosen.gripper == "jaws":
         _add_equality(root, joints)

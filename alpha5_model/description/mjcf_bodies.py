@@ -22,6 +22,7 @@ from alpha5_model.description.bodies import Body
 from alpha5_model.description.mjcf_drag import ellipsoids
 from alpha5_model.description.principal_axes import principal_axes
 from alpha5_model.description.xml import Value, add
+from alpha5_model.geometry.collision_capsules import Capsule
 from alpha5_model.geometry.materials import material_of
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics
@@ -46,12 +47,14 @@ class BodyWriter:
         fluid_density: [kg/m^3].
         buoyancy: Adds the buoyancy bodies.
         collisions: Adds the collision shapes.
+        capsules: Link -> the capsule that takes the place of its shapes.
         water: Link -> its drag strips; empty for a model without drag by strips.
     """
 
     fluid_density: float
     buoyancy: bool
     collisions: bool
+    capsules: Mapping[str, Capsule]
     water: Mapping[str, BodyHydrodynamics]
 
     def add_worldbody(
@@ -85,6 +88,8 @@ class BodyWriter:
         _add_visuals(element, body)
         if self.collisions:
             _add_collisions(element, body)
+        if body.name in self.capsules:
+            _add_capsule(element, self.capsules[body.name])
         self._add_drag(element, body)
         if self._floats(body):
             self._add_buoyancy(element, body)
@@ -185,6 +190,17 @@ def _add_collisions(element: ET.Element, body: Body) -> None:
         size = [length * half for length, half in zip(shape.size, halves, strict=True)]
         pose = _pose(shape)
         add(element, "geom", "collision", type=shape.kind, size=size, **pose)
+
+
+def _add_capsule(element: ET.Element, capsule: Capsule) -> None:
+    add(
+        element,
+        "geom",
+        "collision",
+        type="capsule",
+        fromto=(*capsule.start, *capsule.end),
+        size=capsule.radius,
+    )
 
 
 def _pose(placement: Placement | Primitive) -> dict[str, Value]:

@@ -45,7 +45,7 @@ for model in models:
     folder = data / "mjcf" / model.find("compiler").get("meshdir")
     named = [folder / mesh.get("file") for mesh in model.iter("mesh")]
     assert named and all(file.is_file() for file in named), named
-assert len(models) == 2, models
+assert len(models) == 3, models
 PYTHON
 "$work/venv/bin/alpha5" --version
 "$work/venv/bin/alpha5" --version | grep -q ', kernels: compiled ('

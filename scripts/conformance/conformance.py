@@ -90,7 +90,7 @@ class Tool:
 TOOLS = (
     Tool("MuJoCo", "MJCF", "mujoco", "mujoco", tools.mujoco_mjcf),
     Tool("MuJoCo", "URDF", "mujoco", "mujoco", tools.mujoco_urdf),
-    Tool("MJX", "MJCF, no collision", "mujoco.mjx", "mujoco-mjx", tools.mjx, _SINGLE),
+    Tool("MJX", "MJCF, capsules", "mujoco.mjx", "mujoco-mjx", tools.mjx, _SINGLE),
     Tool(
         "mujoco_warp",
         "MJCF",
@@ -160,7 +160,7 @@ def write_files(folder: Path) -> None:
     if installed("pxr"):
         for name, content in usd_files().items():
             atomic_write(folder / name, content)
-    mjx = MjcfOptions(collision="none")
+    mjx = MjcfOptions(collision="capsules")
     plain = MjcfOptions(collision="none", buoyancy="none", actuators="motor")
     for name, files in (
         ("meshes", mesh_assets(".obj", ".mtl")),

@@ -104,9 +104,9 @@ def mjx(files: Path, states: States) -> Arrays:
     import mujoco
     from mujoco import mjx
 
-    model = undisturbed(
-        mujoco.MjModel.from_xml_path(str(files / "mjcf_mjx" / "alpha5.xml"))
-    )
+    file = str(files / "mjcf_mjx" / "scene.xml")
+    _same_contacts(mujoco.MjModel.from_xml_path(file), states)
+    model = undisturbed(mujoco.MjModel.from_xml_path(file))
     water, air = (mjx.put_model(_with_gravcomp(model, wet)) for wet in (True, False))
 
     def one(q, v):
@@ -125,6 +125,37 @@ def mjx(files: Path, states: States) -> Arrays:
     xpos, xmat, mass, bias, wet = (np.asarray(array, dtype=float) for array in batch)
     fk = np.array([pose(x, r.reshape(3, 3)) for x, r in zip(xpos, xmat, strict=True)])
     return {"fk": fk, "mass": mass, "bias": bias, "buoyancy": wet + bias}
+
+
+def _same_contacts(model, states: States) -> None:
+    """Refuse an MJX whose contacts are not MuJoCo's in each state.
+
+    Raises:
+        ValueError: Another depth, or no contact in any state.
+    """
+    import jax
+    import mujoco
+    from mujoco import mjx
+
+    there = mjx.put_model(model)
+    step = jax.jit(
+        lambda q: mjx.forward(there, mjx.make_data(there).replace(qpos=q)).contact.dist
+    )
+    data = mujoco.MjData(model)
+    touched = 0
+    for q in states.q:
+        data.qpos = q
+        mujoco.mj_forward(model, data)
+        depths = np.sort(data.contact.dist[data.contact.dist < 0])
+        found = np.asarray(step(jax.numpy.array(q)), dtype=float).ravel()
+        found = np.sort(found[found < 0])
+        touched += len(depths)
+        # A contact that just begins is one for one of them only.
+        deep, found = depths[depths < -1e-5], found[found < -1e-5]
+        if len(deep) != len(found) or not np.allclose(deep, found, atol=1e-5):
+            raise ValueError(f"contacts at {q}: {found}, MuJoCo has {deep}")
+    if not touched:
+        raise ValueError("no state has a contact")
 
 
 def _with_gravcomp(model, wet: bool):

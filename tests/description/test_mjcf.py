@@ -15,6 +15,7 @@ from reference import LOWER, UPPER, configurations
 from scipy.spatial.transform import Rotation
 from water_reference import URDF, VOLUME, Reference
 
+import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH, MJCF_PATH, URDF_PATH
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import main
@@ -23,6 +24,7 @@ from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError, NonFiniteError, UnknownNameError
+from alpha5_model.geometry.collision_capsules import Capsule, collision_capsules
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import parameters
@@ -555,7 +557,7 @@ def test_a_picture_fits_the_off_screen_buffer(text):
     assert (model.vis.global_.offwidth, model.vis.global_.offheight) >= (1920, 1080)
 
 
-@pytest.mark.parametrize("scene", ["scene.xml", "scene_jaws.xml"])
+@pytest.mark.parametrize("scene", ["scene.xml", "scene_jaws.xml", "scene_mjx.xml"])
 def test_the_committed_folder_is_a_menagerie_model(scene):
     """LICENSE, README, change log, picture and a scene that runs from a key frame."""
     folder = Path(MJCF_PATH).parent
@@ -608,3 +610,58 @@ def test_bad_options_are_one_clear_line(wrong, error):
     with pytest.raises(error) as caught:
         MjcfOptions(**wrong)
     assert "\n" not in str(caught.value)
+
+
+def capsule_distance(points: np.ndarray, capsule: Capsule) -> np.ndarray:
+    """How far points are outside of a capsule [m]; below zero inside."""
+    start, end = np.array(capsule.start), np.array(capsule.end)
+    axis = end - start
+    along = np.clip((points - start) @ axis / (axis @ axis), 0.0, 1.0)
+    nearest = start + along[:, None] * axis
+    return np.linalg.norm(points - nearest, axis=1) - capsule.radius
+
+
+def test_capsules_for_mjx_follow_the_links():
+    """No mesh stands out by more than is said, and none ends far inside."""
+    for link, capsule in collision_capsules().items():
+        lines = (Path(MJCF_PATH).parents[1] / "meshes" / f"{link}.obj").read_text()
+        rows = [line.split()[1:] for line in lines.splitlines() if line[:2] == "v "]
+        outside = capsule_distance(np.array(rows, dtype=float), capsule)
+        assert 0.0 < outside.max() < 0.019
+    moved = collision_capsules(spacer=0.05)["link_4"]
+    still = collision_capsules()["link_4"]
+    np.testing.assert_allclose(np.subtract(still.end, moved.end), [0.0, 0.0, 0.05])
+    assert moved.start == still.start
+
+
+def test_capsules_for_mjx_tell_free_from_colliding_positions():
+    """Wrong in about one position of a hundred, either way; named poses are free."""
+    model = mujoco.MjModel.from_xml_path(
+        str(Path(MJCF_PATH).with_name("scene_mjx.xml"))
+    )
+    data = mujoco.MjData(model)
+    assert np.count_nonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_CAPSULE) == 5
+    for key in range(model.nkey):
+        mujoco.mj_resetDataKeyframe(model, data, key)
+        mujoco.mj_forward(model, data)
+        assert data.ncon == 0
+    rng = np.random.default_rng(31)
+    states = rng.uniform(LOWER, UPPER, (1500, 4))
+    touching = []
+    for q in states:
+        data.qpos[:4] = q
+        mujoco.mj_forward(model, data)
+        # The sea bed is body 0.
+        bodies = model.geom_bodyid[data.contact.geom]
+        deep = data.contact.dist < 0.0
+        touching.append(bool(np.any(deep & np.all(bodies > 0, axis=-1))))
+    exact = a5.load().in_collision(states)
+    touching = np.array(touching)
+    assert exact.mean() > 0.05
+    assert np.mean(exact & ~touching) < 0.015
+    assert np.mean(touching & ~exact) < 0.015
+
+
+def test_capsules_are_for_locked_jaws():
+    with pytest.raises(InputError, match="primitives or none, with jaws"):
+        MjcfOptions(gripper="jaws", collision="capsules")

@@ -24,7 +24,7 @@ def test_a_wheel_has_the_meshes_once_and_mujoco_finds_them(tmp_path, monkeypatch
     assert {Path(place).name for place in places.values()} == {
         file.name for file in (ROOT / "mjcf").iterdir() if file.is_file()
     }
-    for name in ("scene.xml", "scene_jaws.xml"):
+    for name in ("scene.xml", "scene_jaws.xml", "scene_mjx.xml"):
         assert mujoco.MjModel.from_xml_path(str(folder / name)).nmesh == 7
 
     # An installed package expects these files, to the byte.
