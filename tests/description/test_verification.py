@@ -536,7 +536,7 @@ def test_the_report_fits_its_width(
     assert "agrees" not in text
     parts = split_by_heading(text)
     for heading, words in (
-        ("Errors of the documents", "which the formula drops"),
+        ("Errors of the documents", "horizontal distance of the elbow"),
         ("Errors of the documents", "the pairs of all but l_4"),
         ("Readings", "K_t / K_v"),
         ("Readings", "if R turns {A} into {B}"),
@@ -579,7 +579,7 @@ def test_all_shows_every_row(
     for option in ("--verbose", "-v", "--all"):
         assert main(["check", option]) == 0
         every = " ".join(capsys.readouterr().out.split())
-        words = ("agrees", "4.286 kg·mm²", "worth 0.243 N·m", "worth 2.72 N·m/A")
+        words = ("agrees", "4.286 kg·mm²", "costs 0.243 N·m", "costs 2.72 N·m/A")
         for word in (
             *words,
             'Table 1, "row i leads',
