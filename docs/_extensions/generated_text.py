@@ -201,6 +201,45 @@ def torque_intervals() -> str:
 
 # ---- the command line
 
+#: Command -> the words of an answer that is kept in ``tests/printed``.
+ANSWERS = {
+    "arm": "arm show my_arm.toml",
+    "check": "check",
+    "compare": "compare other.urdf --samples 5",
+    "demo": "demo",
+    "dh": "dh 0.5 1.2 1 0",
+    "fk": "fk 180 70 100 0 deg",
+    "generate": "generate --gripper jaws --output made/arm.urdf",
+    "ik": "ik 0.25 -0.1 0.05 --wrist 90deg",
+    "move": "move home 0.2 0.1 0.1 --output planned.csv",
+    "planar": "planar 5 4 1 --radius 3",
+    "sweep": "sweep study.toml --output results",
+    "torque": "torque --q 3.1 1.2 1.8 0",
+    "trajectory": "trajectory motion.csv",
+    "workspace": "workspace",
+}
+#: Command -> the name of that answer, if it is not the command's.
+ANSWER_NAMES = {"arm": "arm-show"}
+#: Lines of an answer that the page shows.
+MOST_LINES = 40
+
+
+def answer_file(name: str) -> Path:
+    """Where the answer of a command is kept."""
+    file = f"{ANSWER_NAMES.get(name, name)}.txt"
+    return PAGES.parent / "tests" / "printed" / file
+
+
+def answer(name: str) -> list[str]:
+    """Markdown of what a command prints; empty if no answer is kept."""
+    if name not in ANSWERS:
+        return []
+    lines = answer_file(name).read_text("utf-8").splitlines()
+    if len(lines) > MOST_LINES:
+        lines = [*lines[:MOST_LINES], "..."]
+    told = f"`alpha5 {ANSWERS[name]}` prints:"
+    return [told, "", "```text", *lines, "```", ""]
+
 
 def commands() -> str:
     """A section for each command: its help, its arguments and its options."""
@@ -234,6 +273,7 @@ def command_section(name: str) -> str:
             f"```text\n{' '.join(['alpha5', name, *words, '[OPTIONS]'])}\n```",
             "",
             *(["```sh", *examples, "```", ""] if examples else []),
+            *answer(name),
             table(
                 ["argument or option", "default", "meaning"], map(parameter_row, named)
             ),

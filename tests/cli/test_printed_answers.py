@@ -26,6 +26,7 @@ import numpy as np
 import pytest
 from committed_texts import check_committed
 from demo_run import demo_run
+from pages import generated_text
 from urdf_edits import with_mass
 
 import alpha5_model as a5
@@ -472,3 +473,11 @@ def test_generate_names_all_that_it_wrote(
         made = {path for path in tmp_path.rglob("*") if path.is_file()} - before
         assert made <= named
         assert all(path.is_file() for path in named)
+
+
+def test_the_documentation_shows_answers_of_these_commands() -> None:
+    for command, words in generated_text.ANSWERS.items():
+        name = generated_text.ANSWER_NAMES.get(command, command)
+        expected = "demo" if name == "demo" else " ".join(ANSWERS[name])
+        assert words == expected
+        assert generated_text.answer_file(command) == FOLDER / f"{name}.txt"
