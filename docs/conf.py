@@ -24,6 +24,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
     "generated_text",
+    "picture_page",
     "short_references",
 ]
 exclude_patterns = ["_extensions"]

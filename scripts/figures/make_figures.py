@@ -9,7 +9,8 @@ torque over a recorded trajectory, split into its terms; the recording is the fi
 found beside the checkout or in ALPHA5_RECORDINGS, and without one this figure is left
 as it is. ``mjcf/alpha5.png``: MuJoCo's own picture of the committed scene (MUJOCO_GL is
 egl if not set). Those that explain the concepts are in ``concept_figures.py``,
-those of the errata in ``errata_figures.py``.
+those of the errata in ``errata_figures.py``, plots of numbers in
+``guide_figures.py``.
 """
 
 from __future__ import annotations
@@ -35,10 +36,10 @@ from alpha5_model.viewer.picture import picture_png
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from figures import concept_figures, errata_figures
+from figures import concept_figures, errata_figures, guide_figures
 
 #: Those that are drawn by functions without arguments.
-FIGURES = concept_figures.FIGURES | errata_figures.FIGURES
+FIGURES = concept_figures.FIGURES | errata_figures.FIGURES | guide_figures.FIGURES
 
 ROOT = Path(__file__).resolve().parents[2]
 MUJOCO = ROOT / "mjcf"
