@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 import alpha5_model as a5
 from alpha5_model.viewer.figures import Color, new_figure, number, style
 
