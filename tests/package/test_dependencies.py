@@ -34,6 +34,8 @@ DISTRIBUTION = {
 }
 #: Declared though nobody imports it: by whom it is used.
 USED_WITHOUT_IMPORT = {
+    "simcheck": "run by scripts/conformance/linters.py",
+    "truerig": "run by scripts/conformance/linters.py",
     "example-robot-data": "the data that its loaders load",
     "mujoco-mjx": "imported as mujoco.mjx",
     "daqp": "pink's solver, chosen by name",

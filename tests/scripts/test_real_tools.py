@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conformance import gazebo_tools, real_tools, ros_tools
+from conformance import gazebo_tools, linters, real_tools, ros_tools
 from conformance.ros_tools import NotThereError, Result, Workspace
 from PIL import Image
 
@@ -141,3 +141,14 @@ def test_a_command_is_tried_three_times(tmp_path):
     )
     assert done.returncode == 7
     assert done.stderr.count("failed with status 7") == 3
+
+
+def test_what_a_linter_reports_is_explained_or_fails():
+    explained = {"tcp: no mass": "a frame"}
+    assert linters.unexplained("urdf", ["tcp: no mass"], explained) == []
+    assert linters.unexplained("urdf", ["tcp: no mass", "link_1: new"], explained) == [
+        "urdf: link_1: new"
+    ]
+    assert linters.unexplained("urdf", [], explained) == [
+        "urdf: no longer tcp: no mass"
+    ]
