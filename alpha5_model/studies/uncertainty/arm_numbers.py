@@ -6,12 +6,13 @@ your own keeps the half width of the printed digits, about the arm's own value.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import InputError
@@ -171,6 +172,15 @@ class ArmNumbers:
             )
             links.append(own)
         return tuple(links)
+
+
+def are_lengths(names: Iterable[str]) -> NDArray[np.bool_]:
+    """Which numbers are lengths of Table 1 or of an arm file, (K,) bool."""
+    of_rows = {f"link_{i}.{field}" for i in range(5) for field in ("a", "d")}
+    return np.array(
+        [name in of_rows or name.startswith(("elbow.", "lengths.")) for name in names],
+        dtype=bool,
+    )
 
 
 def arm_numbers(

@@ -20,7 +20,7 @@ from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.loaded_links import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers
+from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, are_lengths
 from alpha5_model.studies.uncertainty.linear_maps import split
 
 #: Of central differences by angles and lengths [rad, m].
@@ -66,6 +66,33 @@ def calibrated_half_width(
             )
             by_bodies[..., k] = (after - before) / (2 * _STEP)
     return np.asarray(np.linalg.norm(by_bodies @ found.root, axis=-1))
+
+
+def half_width_by_lengths(
+    linear: Linear, known: FloatArray, density: float, numbers: ArmNumbers
+) -> FloatArray:
+    """How far the digits of the lengths move quantities, each alone, (N, ...).
+
+    Args:
+        linear: The quantities.
+        known: Base parameters of what the arm carries, (38,).
+        density: Of the fluid [kg/m^3].
+        numbers: Of the arm.
+    """
+    total = np.zeros(1)
+    rows = [] if numbers.calibrated is None else numbers.calibrated.rows.tolist()
+    for k in np.flatnonzero(are_lengths(numbers.names) & (numbers.half_width > 0)):
+        if k in rows:
+            continue
+        ends = []
+        for side in (-1, 1):
+            values = numbers.middle.copy()
+            values[k] += side * numbers.half_width[k]
+            moved = numbers.parameters(values)
+            own = base_parameters(loaded_links(moved), density, parameters=moved)
+            ends.append(linear(_dimensions(moved)) @ (own[:-3] + known))
+        total = total + np.abs(ends[1] - ends[0]) / 2
+    return np.asarray(total)
 
 
 def _body_slopes(numbers: ArmNumbers, density: float) -> FloatArray:

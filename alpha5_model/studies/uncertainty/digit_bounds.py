@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, instance
+from alpha5_model._support.checks import FloatArray, flag, instance
 from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.dynamics.actuators import Interval
 from alpha5_model.dynamics.arm import Arm
@@ -26,6 +26,7 @@ from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
 from alpha5_model.studies.uncertainty.calibrated_bounds import (
     Linear,
     calibrated_half_width,
+    half_width_by_lengths,
     without_calibrated,
 )
 from alpha5_model.studies.uncertainty.linear_maps import (
@@ -36,6 +37,8 @@ from alpha5_model.studies.uncertainty.linear_maps import (
 )
 from alpha5_model.studies.uncertainty.printed import Names
 
+#: Joints of the arm without its jaws.
+_JOINTS = 4
 #: Rounding error of doubles, relative to the sum of all terms.
 _ROUNDING = 1e-14
 
@@ -62,6 +65,7 @@ def bounds(
     a: ArrayLike,
     arm: Arm | None = None,
     alternatives: Names = (),
+    lengths: bool = False,
 ) -> Bounds:
     """Bounds that no numbers which round to the printed ones can exceed.
 
@@ -73,16 +77,21 @@ def bounds(
 
     Args:
         q, v, a: (4,) each, or (N, 4); one row is used for all states.
-        arm: On a fixed base. Its fluid, gravity, payload and corrections are taken as
-            known; None for the bare arm in sea water.
+        arm: On a fixed base. Its fluid, gravity, payload, corrections, and jaws that
+            are taken out of link 4, are known; None for the bare arm in sea water.
         alternatives: Names of `ALTERNATIVES` to believe, of the catalogue's arm.
+        lengths: Whether the digits of the lengths count, too, to first order. The
+            bounds are guaranteed only without them. `sample` has the same choice.
 
     Raises:
-        InputError: As of `Arm.inverse_dynamics_batch`, or an arm on a floating base or
-            with jaws that move. Also alternatives for an arm of your own.
+        InputError: As of `Arm.inverse_dynamics_batch`, or an arm on a floating base.
+            Also alternatives for an arm of your own.
         UnknownNameError: An alternative that is not recorded.
     """
     arm = load() if arm is None else instance("arm", arm, Arm)
+    with_lengths = flag("lengths", lengths)
+    if not arm.floating_base and arm.model.nv > _JOINTS:
+        return _bounds_with_jaws(arm, q, v, a, alternatives, with_lengths)
     one = is_one_state(q, v, a)
     gravity = arm_parameters(arm)[-3:]
     dimensions = arm_dimensions(arm)
@@ -115,6 +124,10 @@ def bounds(
             half = calibrated_half_width(linear, known, density, numbers)
             lower = lower - half
             upper = upper + half
+        if with_lengths:
+            half = half_width_by_lengths(linear, known, density, numbers)
+            lower = lower - half
+            upper = upper + half
         return Interval(
             lower=lower[0] if one else lower, upper=upper[0] if one else upper
         )
@@ -125,6 +138,72 @@ def bounds(
         kinetic_energy=interval(kinetic),
         potential_energy=interval(potential),
     )
+
+
+def _bounds_with_jaws(
+    arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike, *options: Any
+) -> Bounds:
+    """Bounds of an arm whose jaws move: those of the arm with its jaws locked, moved.
+
+    Args:
+        arm: On a fixed base.
+        q, v, a: (nv,) each, or (N, nv).
+        options: Alternatives, and whether lengths count.
+    """
+    one = is_one_state(q, v, a)
+    q, v, a = rows(arm._model, q=q, v=v, a=a)
+    locked = locked_jaws(arm)
+    of_locked = bounds(q[:, :_JOINTS], v[:, :_JOINTS], a[:, :_JOINTS], locked, *options)
+    torque, wrench, kinetic, potential = (np.array(interval) for interval in of_locked)
+    ours = _values(arm, q, v, a)
+    known = _values(locked, q[:, :_JOINTS], v[:, :_JOINTS], a[:, :_JOINTS])
+    rod = np.zeros((2, len(q), arm.model.nv))
+    rod[..., :_JOINTS] = torque - known.torque
+    found = Bounds(
+        torque=Interval(*(rod + ours.torque)),
+        base_wrench=Interval(*(wrench + ours.base_wrench - known.base_wrench)),
+        kinetic_energy=Interval(*(kinetic + ours.kinetic - known.kinetic)),
+        potential_energy=Interval(*(potential + ours.potential - known.potential)),
+    )
+    if not one:
+        return found
+    return Bounds(*(Interval(low[0], high[0]) for low, high in found))
+
+
+class _Values(NamedTuple):
+    """What an arm's own numbers give, in rows of states.
+
+    Attributes:
+        torque: (N, nv).
+        base_wrench: (N, 6).
+        kinetic, potential: (N,).
+    """
+
+    torque: FloatArray
+    base_wrench: FloatArray
+    kinetic: FloatArray
+    potential: FloatArray
+
+
+def _values(arm: Arm, q: FloatArray, v: FloatArray, a: FloatArray) -> _Values:
+    """The quantities of `Bounds` for the numbers that an arm has."""
+    states = list(zip(q, v, strict=True))
+    return _Values(
+        torque=arm.inverse_dynamics_batch(q, v, a),
+        base_wrench=arm.base_wrench_batch(q, v, a),
+        kinetic=np.array([arm.kinetic_energy(*state) for state in states]),
+        potential=np.array([arm.potential_energy(row) for row in q]),
+    )
+
+
+def locked_jaws(arm: Arm) -> Arm:
+    """The bare arm of a record in its fluid and gravity, with its jaws locked."""
+    record = arm.parameters
+    check_dimensions(arm._model, "the margin of the printed digits", arm=record)
+    # Gravity is in base_link already, so not to be turned by a mount.
+    unmounted = record if record.mount is None else replace(record, mount=None)
+    gravity = arm.model.gravity.linear
+    return load(arm.fluid_density, gravity=gravity, arm=unmounted)
 
 
 def _kinetic_energy_rows(
@@ -186,12 +265,7 @@ def torque_margin(arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatAr
         InputError: An arm with other dimensions than those of its record, whose digits
             they are.
     """
-    record = arm.parameters
-    check_dimensions(arm._model, "the margin of the printed digits", arm=record)
-    gravity = arm.model.gravity.linear
-    # In base_link already, so not to be turned by a mount.
-    unmounted = record if record.mount is None else replace(record, mount=None)
-    bare = load(arm.fluid_density, gravity=gravity, arm=unmounted)
+    bare = locked_jaws(arm)
     out = np.zeros((2, *np.shape(q)))
     q, v, a = (np.asarray(x)[..., :4] for x in (q, v, a))
     nominal = bare.inverse_dynamics_batch(q, v, a).reshape(q.shape)

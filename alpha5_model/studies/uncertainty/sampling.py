@@ -12,6 +12,7 @@ from alpha5_model._support.checks import (
     array,
     choice,
     count,
+    flag,
     frozen,
     generator,
     real,
@@ -21,7 +22,11 @@ from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty import printed
-from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
+from alpha5_model.studies.uncertainty.arm_numbers import (
+    ArmNumbers,
+    are_lengths,
+    arm_numbers,
+)
 from alpha5_model.studies.uncertainty.linear_maps import groups
 from alpha5_model.studies.uncertainty.printed import Names
 
@@ -91,6 +96,7 @@ def sample(
     distribution: str = "uniform",
     alternatives: Names = (),
     arm: Alpha5Parameters | None = None,
+    lengths: bool = True,
 ) -> Sample:
     """Draw parameter sets whose numbers all round to the printed ones.
 
@@ -104,6 +110,8 @@ def sample(
         alternatives: Names of `ALTERNATIVES` to believe.
         arm: Record of an arm of your own; None for the catalogue's. The half widths of
             its file replace those of the digits.
+        lengths: Whether lengths are drawn, too. Without them, no set exceeds what
+            `bounds` gives, which has the same choice.
 
     Raises:
         InputError: ``n`` or ``seed`` is not such a number, or alternatives for an arm
@@ -116,6 +124,7 @@ def sample(
     size = count("n", n)
 
     numbers = arm_numbers(chosen_arm(arm), chosen)
+    fixed = are_lengths(numbers.names) & (not flag("lengths", lengths))
     middle = numbers.middle
     values = np.empty((0, middle.size))
     while len(values) < size:
@@ -124,7 +133,7 @@ def sample(
             drawn = rng.normal(0, DEVIATION, shape)
         else:
             drawn = rng.uniform(-1, 1, shape)
-        sets = middle + numbers.spread(drawn)
+        sets = middle + np.where(fixed, 0.0, numbers.spread(drawn))
         values = np.concatenate([values, sets[numbers.possible(sets)]])
     return Sample(
         names=numbers.names, values=frozen(values), alternatives=chosen, arm=arm
