@@ -15,6 +15,7 @@ from alpha5_model._support.spatial import Placement
 from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.description.bodies import arm_bodies
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
+from alpha5_model.description.moveit import moveit_files
 from alpha5_model.description.srdf import NAMED_POSES, srdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro_parameters import parameter_yaml
@@ -58,6 +59,9 @@ def generated_files() -> dict[str, bytes]:
     for gripper, name in (("locked", "alpha5"), ("jaws", "alpha5_jaws")):
         texts[f"urdf/{name}.urdf"] = urdf(Variant(gripper=gripper))
         texts[f"urdf/{name}.srdf"] = srdf(gripper)
+    # ROS 2 alone reads them, so a wheel does not have them.
+    if _in_checkout():
+        texts |= {f"config/{name}": text for name, text in moveit_files(arm).items()}
     texts |= _formulas()
     return {
         **{path: text.encode("utf-8") for path, text in texts.items()},
@@ -135,7 +139,8 @@ def stale_files(
     """Compare the committed files with a fresh generation; empty if all agree.
 
     Args:
-        repository: Folder that holds ``urdf/``, ``xacro/``, ``meshes/`` and ``mjcf/``.
+        repository: Folder that holds ``urdf/``, ``xacro/``, ``config/``, ``meshes/``
+            and ``mjcf/``.
         fresh: Result of `generated_files`; computed if not given.
     """
     files = generated_files() if fresh is None else fresh
