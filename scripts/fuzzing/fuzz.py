@@ -78,7 +78,8 @@ CHUNK = 400
 #: Share of the forms that the kernels in NumPy answer.
 NUMPY_SHARE = 0.25
 #: Target -> parts of its answer that may be NaN or infinite, as documented: branches
-#: that do not exist, absent limits, what the motor cannot do, a volume of no digits.
+#: that do not exist, absent limits, what the motor cannot do, limits that nobody
+#: published, a volume of no digits.
 ENDLESS = {
     "a5.inverse_kinematics": frozenset({"q"}),
     "a5.inverse_kinematics_pose": frozenset({"q", "rotation_error"}),
@@ -96,6 +97,7 @@ ENDLESS = {
     "a5.planar.Arc.parameter": frozenset({"the answer"}),
     "a5.planar.Segment.parameter": frozenset({"the answer"}),
     "a5.identify": frozenset({"lower", "upper", "gains", "deviation", "gain"}),
+    "a5.plan": frozenset({"limit"}),
     "urdf": frozenset({"volume"}),
 }
 

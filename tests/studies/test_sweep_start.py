@@ -104,6 +104,14 @@ def test_the_extent_is_that_of_what_is_left(tmp_path: Path) -> None:
     assert after.rows == 3_200_000
 
 
+def test_a_small_study_is_not_timed_and_has_no_size_of_tables(tmp_path: Path) -> None:
+    """Neither is worth a line before it is done."""
+    announced = extent(written(tmp_path, 50, "table"), tmp_path / "out")
+    assert announced.rows == 100
+    assert announced.table_bytes == 0
+    assert announced.seconds is None
+
+
 def test_the_size_of_tables_is_about_that_of_their_files(tmp_path: Path) -> None:
     study = written(tmp_path, 250_000, "table")
     announced: list[Extent] = []

@@ -417,12 +417,36 @@ def test_cuts_that_touch_are_one_and_ends_stay() -> None:
 
 
 def test_ranges_that_overlap_are_one() -> None:
-    spans = [(0.0, 1.0), (0.5, 0.8), (1.05, 2.0), (3.0, 4.0), (3.5, 5.0), (6.2, 6.4)]
-    apart = [[0.0, 2.0], [3.0, 5.0], [6.2, 6.4]]
+    spans = [(0.0, 1.0), (0.5, 0.8), (1.05, 2.0), (3.0, 4.0), (3.5, 5.0), (5.6, 6.4)]
+    apart = [[0.0, 2.0], [3.0, 5.0], [5.6, 6.4]]
     assert _merged(spans, slack=0.1, circular=False) == apart
     # 6.4 is beyond a turn, where the first range begins again.
-    over_the_end = [[3.0, 5.0], [6.2, 2.0 + math.tau]]
+    over_the_end = [[3.0, 5.0], [5.6, 2.0 + math.tau]]
     assert _merged(spans, slack=0.1, circular=True) == over_the_end
+
+
+def test_ranges_on_a_circle_cover_what_they_covered_and_meet_nowhere() -> None:
+    """Against points all around the circle."""
+    rng = np.random.default_rng(3)
+    points = np.linspace(0.0, TURN, 721)
+
+    def covered(ranges: list) -> np.ndarray:
+        """How many ranges hold each point."""
+        beyond = [points + k * TURN for k in (0, 1, 2)]
+        return sum(
+            np.any([(low <= p) & (p <= high) for p in beyond], axis=0)
+            for low, high in ranges
+        )
+
+    joined = 0
+    for _ in range(200):
+        low = np.sort(rng.uniform(0.0, TURN, rng.integers(1, 6)))
+        spans = [(x, x + rng.uniform(0.1, 2.5)) for x in low.tolist()]
+        found = _merged(spans, slack=0.0, circular=True)
+        assert np.array_equal(covered(found) > 0, covered(spans) > 0)
+        assert covered(found).max() <= 1 or found[0][1] - found[0][0] >= TURN
+        joined += len(found) < len(_merged(spans, slack=0.0, circular=False))
+    assert joined > 20
 
 
 def test_the_ends_of_an_arc_belong_to_it() -> None:

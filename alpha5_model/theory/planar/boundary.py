@@ -179,8 +179,8 @@ def _merged(
         else:
             merged.append([low, high])
 
-    # On a circle the last range may reach the first one, a turn later.
-    if circular and len(merged) > 1 and merged[-1][1] >= merged[0][0] + TURN - slack:
+    # On a circle the last range may reach the first ones, a turn later.
+    while circular and len(merged) > 1 and merged[-1][1] >= merged[0][0] + TURN - slack:
         merged[-1][1] = max(merged[-1][1], merged[0][1] + TURN)
         del merged[0]
     return merged
