@@ -1,7 +1,8 @@
 """Mutants of Python: another operator, another number, a condition the other way round.
 
-Left out by rule, since no test can see them: annotations, a cache taken off a function,
-``strict=True`` of a zip, and what only a type checker reads.
+Left out by rule, since no test can see them: annotations, a cache taken off a function
+or of another size, ``strict=True`` of a zip, ``slots=True`` of a record, and what only
+a type checker reads.
 """
 
 from __future__ import annotations
@@ -46,6 +47,8 @@ BOOLEANS = {ast.And: "and", ast.Or: "or"}
 FAMILIES = (ARITHMETIC, BITS, COMPARISONS, IDENTITIES, MEMBERSHIPS, BOOLEANS)
 #: Fields of syntax nodes that no test can see a change of.
 _UNSEEN = ("annotation", "returns", "type_params")
+#: Arguments by name that no test can see a change of.
+_UNSEEN_ARGUMENTS = ("maxsize", "slots", "strict")
 
 
 class _Text:
@@ -143,8 +146,8 @@ def _visible(node: ast.AST) -> Iterator[ast.AST]:
         if name in _UNSEEN or (isinstance(node, ast.If) and _for_types(node)):
             continue
         for child in value if isinstance(value, list) else [value]:
-            strict = isinstance(child, ast.keyword) and child.arg == "strict"
-            if isinstance(child, ast.AST) and not strict:
+            unseen = isinstance(child, ast.keyword) and child.arg in _UNSEEN_ARGUMENTS
+            if isinstance(child, ast.AST) and not unseen:
                 yield from _visible(child)
 
 

@@ -11,6 +11,7 @@ from urdf_edits import OWN
 import alpha5_model as a5
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.proofs.comparison import measure
+from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.oddity import Judge, misplacement
 from alpha5_model.proofs.comparison.own_arm import own_arm_of
 
@@ -83,3 +84,15 @@ def test_a_body_off_by_50_mm_or_more_is_elsewhere(
     direction = np.array([2.0, -1.0, 2.0]) / 3.0
     points = np.multiply.outer(np.array(off), direction)
     assert misplacement(points) == pytest.approx(expected)
+
+
+def test_each_reversed_joint_and_each_shifted_zero_is_one_oddity() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        reversed_joints = rng.random(4) < 0.5
+        shifted = rng.random(4) < 0.5
+        alignment = Alignment(
+            sign=np.where(reversed_joints, -1.0, 1.0),
+            zero=np.where(shifted, rng.choice([-0.01, 0.5, 3.1], 4), 1e-9),
+        )
+        assert alignment.oddities == np.count_nonzero([reversed_joints, shifted])

@@ -38,6 +38,8 @@ def made(part: ModuleType, name: str, text: str) -> set[str]:
         ("s = 'ä'; y = 2\n", {"s = 'ä'; y = (3)\n", "s = 'ä'; y = (1)\n"}),
         ("y = zip(a, b, strict=True)\n", set()),
         ("@cache\ndef f(): ...\n", set()),
+        ("@lru_cache(maxsize=8)\ndef f(): ...\n", set()),
+        ("@dataclass(slots=True)\nclass A: ...\n", {"\nclass A: ...\n"}),
         ("@property\ndef f(): ...\n", {"\ndef f(): ...\n"}),
         ("for x in y:\n    break\n", {"for x in ():", "continue"}),
         ("try:\n    f()\nexcept E:\n    g()\n", {"except ():"}),
