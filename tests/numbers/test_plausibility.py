@@ -11,6 +11,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from alpha5_model.description.sdf import SdfOptions
 from alpha5_model.dynamics.actuators import Actuator
 from alpha5_model.errors import ImplausibleWarning, InputError
 from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.arm_units import DIMENSIONS
 from alpha5_model.numbers.hydrodynamics import DragStrip
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.water.vehicle import Vehicle
@@ -513,3 +515,28 @@ def test_the_package_itself_is_quiet() -> None:
         timeout=120,
     )
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, each in DIMENSIONS.items() if each.plausible is not None]
+)
+def test_the_unit_that_is_suggested_makes_the_number_plausible(name: str) -> None:
+    """Up to the largest plausible value, and not above it, in each unit."""
+    dimension = DIMENSIONS[name]
+    largest = dimension.plausible.ranges[-1][1]
+    assert dimension.likely_unit(0.999 * largest) is None
+    tried = 0
+    for unit in dimension.units:
+        size = dimension.in_si(Decimal(1), unit)
+        if size >= 1:
+            continue
+        written = largest / size
+        found = dimension.likely_unit(0.999 * written)
+        assert found is not None
+        in_that = 0.999 * written * dimension.in_si(Decimal(1), found)
+        assert dimension.plausible.holds(in_that)
+        assert dimension.likely_unit(1.001 * written) != unit
+        tried += 1
+    assert (
+        tried or name in ("rod speed", "share", "number") or len(dimension.units) == 1
+    )

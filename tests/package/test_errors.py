@@ -367,3 +367,69 @@ def test_the_middle_of_a_long_message_is_left_out() -> None:
     longer = f"{whole}z"
     cut = f"{longer[:700]} ... {longer[801:]}"
     assert str(errors.Alpha5Error(longer)) == cut
+
+
+#: Of errors with numbers: each number has three digits that any other unit changes.
+SAID = [
+    (
+        errors.UnreachableError((1.0, 0.0, -0.25), 0.997, (0.003, 0.0, -0.25)),
+        "(1, 0, -0.25) m cannot be reached: the nearest reachable point "
+        "(0.003, 0, -0.25) m is 997 mm away",
+    ),
+    (
+        errors.UnreachableError((1.0, 0.0, 0.0), float("nan"), (0.0, 0.0, 0.0), " so"),
+        "(1, 0, 0) m cannot be reached so",
+    ),
+    (
+        errors.SelfCollisionError(
+            (0.1, 0.0, 0.0), links=("link_0", "link_2"), depth=0.997, wrist=0.9973
+        ),
+        "(0.1, 0, 0) m cannot be reached without self-collision: "
+        "link_0 and link_2 overlap by 997 mm; theta_3 = 0.9973 rad is free",
+    ),
+    (
+        errors.SelfCollisionError(
+            (0.1, 0.0, 0.0),
+            links=("link_0", "link_2"),
+            depth=0.003,
+            yaw=0.9973,
+            nearest=(0.1, 0.997, 0.0),
+            place=" there",
+        ),
+        "(0.1, 0, 0) m cannot be reached without self-collision there: "
+        "link_0 and link_2 overlap by 3 mm; "
+        "turned by 0.9973 rad about the yaw axis it is free; "
+        "(0.1, 0.997, 0) m is free, 997 mm away",
+    ),
+    (
+        errors.DiscontinuousPathError(7, (0.1, 0.2, 0.3), 0.997, 0.0997),
+        "positions[7] = (0.1, 0.2, 0.3) m has no allowed continuation: "
+        "a joint would have to jump by 0.997 rad, allowed are 0.0997 rad",
+    ),
+    (
+        errors.BlockedMotionError("no way", ("hull", "link_2"), (1, 0.5, 2, 3), 0.997),
+        "no way: hull and link_2 are 997 mm apart at (1, 0.5, 2, 3) rad",
+    ),
+    (
+        errors.BlockedMotionError("no way", ("hull", "link_2"), (1, 0.5, 2, 3), -0.997),
+        "no way: hull and link_2 are 997 mm deep in each other at (1, 0.5, 2, 3) rad",
+    ),
+    (
+        errors.MotionLimitError("axis_e", "torque", 9.973, 8.997, "N m"),
+        "axis_e: the motion needs a torque of 9.973 N m at any speed, "
+        "its limit is 8.997 N m",
+    ),
+    (
+        errors.JointLimitError("axis_d", 0.0, 0.00997, "N m"),
+        "axis_d: 0 N m is below the lower limit 0.00997 N m",
+    ),
+    (
+        errors.JointLimitError("axis_d", 4.0, 3.4),
+        "axis_d: 4 rad is above the upper limit 3.4 rad",
+    ),
+]
+
+
+@pytest.mark.parametrize(("error", "said"), SAID)
+def test_numbers_are_said_in_the_units_that_are_said(error: Any, said: str) -> None:
+    assert str(error) == said

@@ -23,7 +23,7 @@ import alpha5_model as a5
 from alpha5_model.codegen.regrouping import base_parameters, regrouped
 from alpha5_model.dynamics.buoyancy import displacements
 from alpha5_model.dynamics.regression import regressor_rows
-from alpha5_model.errors import Alpha5Error
+from alpha5_model.errors import Alpha5Error, InputError
 from alpha5_model.numbers.inertia import pseudo_inertia
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import RigidBody
@@ -928,3 +928,13 @@ def test_one_constant_of_a_motor_counts_for_both_if_that_is_asked() -> None:
     ):
         motor = u.sample(1, 3, alternatives=alternatives).parameters(0).actuators[2]
         assert (motor.torque_constant == motor.voltage_constant) is together
+
+
+@pytest.mark.parametrize("index", [3, -4, 10**30, 1.0, True, None])
+def test_a_set_that_was_not_drawn_is_refused(index: object) -> None:
+    drawn = u.sample(3)
+    first, last = drawn.parameters(-3), drawn.parameters(-1)
+    assert first.links[2].mass == drawn.parameters(0).links[2].mass
+    assert last.links[2].mass == drawn.parameters(2).links[2].mass
+    with pytest.raises(InputError, match="index: expected a whole number from 0 to 2"):
+        drawn.parameters(index)  # type: ignore[arg-type]
