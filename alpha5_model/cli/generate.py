@@ -174,6 +174,9 @@ _Parameters = Annotated[str, Option(help="c: masses and water folded, or a struc
 _Actuators = Annotated[str, Option(help="mjcf: position, velocity or motor.")]
 _Buoyancy = Annotated[str, Option(help="mjcf: bodies, or none, for brax.")]
 _SdfVersion = Annotated[str, Option(help="sdf: 1.9, or 1.11 (fingers follow).")]
+_Controllers = Annotated[
+    bool, Option("--controllers", help="sdf: position controllers, joint states.")
+]
 _Drag = Annotated[bool, Option("--drag", help="mjcf: MuJoCo's own, not published.")]
 _Hydrodynamics = Annotated[
     bool, Option("--hydrodynamics", help=options.HELP["moving_water"])
@@ -208,6 +211,7 @@ def generate(
     actuators: _Actuators = "position",
     buoyancy: _Buoyancy = "bodies",
     sdf_version: _SdfVersion = "1.9",
+    controllers: _Controllers = False,
     drag: _Drag = False,
     hydrodynamics: _Hydrodynamics = False,
     level: _Level = "nominal",
@@ -236,7 +240,7 @@ def generate(
     Examples:
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
     alpha5 generate --format mjcf --fluid fresh --output out/mujoco
-    alpha5 generate --format sdf --hydrodynamics --output out/gazebo
+    alpha5 generate --format sdf --hydrodynamics --controllers --output out/gazebo
     alpha5 generate --format usd --gripper jaws --output out/alpha5.usda
     alpha5 generate --format c --real float --output out/controller
     alpha5 generate --format water --fluid fresh --output out/water.json

@@ -23,6 +23,7 @@ from alpha5_model._support.spatial import Placement, rpy_from_rotation
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.frames import own_mount, tcp_placement
+from alpha5_model.description.sdf_controllers import add_controllers
 from alpha5_model.description.sdf_water import added_mass, drag
 from alpha5_model.description.xml import (
     XML_HEAD,
@@ -59,6 +60,8 @@ class SdfOptions:
         hydrodynamics: Adds drag and added mass, which are estimated, not published; in
             SDF 1.11. They are the catalogue's, in the frames of the links.
         sdf_version: ``1.9`` or ``1.11``, in which the fingers follow the rod.
+        controllers: Adds a position controller for each driven joint, which holds
+            ``home`` until a command comes, and the joint state publisher.
         arm: Record of an arm of your own, which has its corrections already; None for
             the catalogue's. Its name is the model's. The parent of its mount is the
             frame by which the model is placed; if that is ``world``, the mount is the
@@ -71,10 +74,12 @@ class SdfOptions:
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     hydrodynamics: bool = False
     sdf_version: str = SDF_VERSIONS[0]
+    controllers: bool = False
     arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
         flag("hydrodynamics", self.hydrodynamics)
+        flag("controllers", self.controllers)
         choice("gripper", self.gripper, GRIPPERS)
         choice("SDF version", self.sdf_version, SDF_VERSIONS)
         density_of(self.fluid_density)
@@ -190,6 +195,8 @@ def _model(
             damping = drag(of_link, options.fluid_density)
             _add_hydrodynamics(model, body.name, damping)
     _add_frame(model, "tcp", tcp_placement(arm))
+    if options.controllers:
+        add_controllers(model, [body.joint for body in bodies if body.joint])
     return model
 
 

@@ -228,7 +228,7 @@ def test_command_line_refuses_what_the_format_does_not_have(tmp_path, capsys):
         (["--format", "sdf", "--sdf-version", "1.10"], "SDF version"),
         (["--format", "mjcf", "--ros2-control"], "--ros2-control"),
         (["--fluid", "fresh"], "--fluid"),
-        (["--format", "usd"], "format"),
+        (["--format", "fbx"], "format"),
         (["--format", "sdf", "--fluid", "mercury"], "fluid"),
         (["--format", "sdf", "--fluid", "-5"], "fluid"),
     ):
