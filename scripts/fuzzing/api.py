@@ -10,7 +10,16 @@ import numpy as np
 from fuzzing import dynamics, forms, theory
 from fuzzing.calls import Draw, of, of_function, of_method, spoiling, with_the_same_rows
 from fuzzing.cases import Target
-from fuzzing.good_values import GOOD, Draws, always, count, flag, normal, uniform
+from fuzzing.good_values import (
+    GOOD,
+    Draws,
+    always,
+    count,
+    flag,
+    normal,
+    one_of,
+    uniform,
+)
 from fuzzing.values import Rng, number, pick, transform
 
 import alpha5_model as a5
@@ -118,6 +127,7 @@ def _draws() -> dict[str, Draw]:
         **_recordings(),
         **_actuators(),
         **_samples(),
+        **_calibrations(),
     }
 
 
@@ -332,6 +342,48 @@ def _samples() -> dict[str, Draw]:
             _sample, "parameters", index=count(0, 3)
         ),
     }
+
+
+def _calibrations() -> dict[str, Draw]:
+    """Sensors, plans and readings."""
+    c = a5.calibrate
+    sensors = one_of(c.scales(), c.weight(), c.force_torque(), c.efforts())
+    noise = number(0.0001, 0.01)
+    small: dict[str, Draws] = {"noise": noise, "gain": noise, "zeroed": flag}
+    return {
+        "a5.calibrate.scales": of_function(
+            c.scales, positions=normal(0.3, 3, 3), placement=noise, **small
+        ),
+        "a5.calibrate.weight": of_function(c.weight, gravity=normal(9, 3), **small),
+        "a5.calibrate.plan_poses": of_function(
+            _planned,
+            sensor=sensors,
+            poses=count(1, 4),
+            gravity=always((0.0, 0.0, -9.81)),
+            prior=one_of("digits", "loose"),
+            ballast=number(0, 5),
+        ),
+        "a5.calibrate.session": of_function(
+            _weighed,
+            sensor=sensors,
+            q=uniform(0, 3, 2, 4),
+            v=normal(1, 2, 4),
+            a=normal(1, 2, 4),
+            gravity=always((0.0, 0.0, -9.81)),
+        ),
+    }
+
+
+def _planned(sensor: Any, poses: Any, gravity: Any, prior: Any, ballast: Any) -> Any:
+    """Poses without their readings, which are NaN."""
+    plan = a5.calibrate.plan_poses(
+        sensor, poses, gravity=gravity, prior=prior, ballast=ballast
+    )
+    return plan.motion
+
+
+def _weighed(sensor: Any, q: Any, v: Any, a: Any, gravity: Any) -> Any:
+    return a5.calibrate.session(sensor, q, v=v, a=a, gravity=gravity).motion
 
 
 def _sample(rng: Rng) -> Any:

@@ -36,6 +36,7 @@ NOT_CALLED = {
     "Alignment.theirs": "made by compare of a file",
     "ActuatorPower": "a record",
     "Analysis": "a record",
+    "Calibration": "a record",
     "DexterityMap": "a record",
     "Identification": "a record",
     "Interval": "a record",
@@ -43,6 +44,8 @@ NOT_CALLED = {
     "Problem": "a record",
     "Sample": "a record",
     "Sensitivity": "a record",
+    "Sensor": "a record",
+    "Session": "a record",
     "Singularities": "a record",
     "SmoothMotion": "a record",
     "Solutions": "a record",
@@ -376,6 +379,7 @@ def theory_calls() -> list[tuple[str, Call]]:
         *_recording_calls(rows),
         *_water_calls(rows),
         *_obstacle_calls(rows),
+        *_calibration_calls(rows),
     ]
     return [(name, Call(*call)) for name, *call in table]
 
@@ -655,6 +659,41 @@ def _recording_calls(rows: _TheoryRows) -> list[_Row]:
         ("analyse", analysed, {"current": rows.com[0]}, {}),
         ("identify", identified, {"wrench": rows.wrench}, {}),
         ("Sample.base_parameters", drawn.base_parameters, {"gravity": rows.com[0]}, {}),
+    ]
+
+
+def _calibration_calls(rows: _TheoryRows) -> list[_Row]:
+    """Of plans and readings, (name, call)."""
+    c = a5.calibrate
+    down = np.array([0.0, 0.5, -9.8])
+    q = np.array([[1.0, 1.2, 1.8, 0.5], [0.4, 2.0, 1.1, 3.0]])
+    planned = c.plan_poses(c.efforts(), 2)
+
+    def session(**given: Any) -> Any:
+        made = c.session(c.efforts(), **given)
+        return [*vars(made.motion).values(), made.readings]
+
+    return [
+        ("scales", lambda **g: c.scales(**g).matrix, {"positions": rows.com}, {}),
+        ("weight", lambda **g: c.weight(**g).matrix, {"gravity": down}, {}),
+        (
+            "plan_poses",
+            lambda **g: c.plan_poses(c.efforts(), 2, **g).motion.q,
+            {"gravity": down},
+            {},
+        ),
+        (
+            "session",
+            session,
+            {"q": q, "readings": 2 * q, "v": q + 1, "a": q + 2, "gravity": down},
+            {},
+        ),
+        (
+            "with_readings",
+            lambda **g: c.with_readings(planned, **g).readings,
+            {"readings": 2 * q},
+            {},
+        ),
     ]
 
 

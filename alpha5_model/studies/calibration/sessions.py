@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, array, frozen, instance, shaped
+from alpha5_model._support.checks import (
+    FloatArray,
+    array,
+    float_array,
+    frozen,
+    instance,
+    shaped,
+)
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.fluids import AIR, GRAVITY, density_of
@@ -90,26 +98,42 @@ def session(
 
 
 def with_readings(planned: Session, readings: FloatArray) -> Session:
-    """The same poses with readings (N, k)."""
-    found = _with_gaps(readings, planned.readings.shape)
-    return replace(planned, readings=frozen(found))
+    """The same poses with readings (N, k); NaN for one that is missing.
+
+    Raises:
+        InputError: Not a session and so many numbers.
+    """
+    poses = instance("planned", planned, Session)
+    found = _with_gaps(readings, poses.readings.shape)
+    return replace(poses, readings=frozen(found))
 
 
 def _rows(name: str, value: ArrayLike) -> FloatArray:
     """At least one row of four angles."""
-    rows = np.ascontiguousarray(shaped(name, value, (len(np.atleast_1d(value)), 4)))
-    if not len(rows):
-        raise InputError(name, [], "at least one pose, (N, 4)")
-    return rows
+    rows = float_array(name, value, (4,))
+    if rows.ndim != 2 or not len(rows):
+        raise InputError(name, rows.tolist(), "at least one pose, (N, 4)")
+    return np.ascontiguousarray(rows)
 
 
 def _with_gaps(value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     """Numbers of a shape, of which some may be NaN."""
-    given = np.asarray(value, float)
+    plain = isinstance(value, list | tuple) or type(value) is np.ndarray
+    given = _as_array(value) if plain else None
+    if given is None or given.dtype.kind != "f" or not np.isnan(given).any():
+        return shaped("readings", value, shape)
     gaps = np.isnan(given)
     found = shaped("readings", np.where(gaps, 0.0, given), shape).copy()
     found[gaps] = np.nan
     return found
+
+
+def _as_array(value: ArrayLike) -> Any:
+    """An array; None of what is none."""
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError):
+        return None
 
 
 #: Scales whose plane is off by more are not under the arm: cosine of 15 degrees.
