@@ -72,7 +72,8 @@ def calibrate(
     """Weigh your own arm: poses to take, and an arm file of what you read.
 
     plan writes a file with the poses in which a sensor tells the most. Fill in
-    the readings. fit makes an arm file of one or several such files, for
+    the readings. A file .csv gets a motion instead, for a force-torque sensor
+    or efforts. fit makes an arm file of one or several such files, for
     example one in air and one in water, and names what is wrong with them.
 
     Exit status of fit: 1 if the readings contradict the model.
@@ -93,11 +94,16 @@ def calibrate(
     from alpha5_model.studies.calibration import plan_poses, session_text
 
     down: Any = values.numbers("gravity", gravity, (3,), "m/s^2")
+    chosen = _sensor(sensor, positions, noise, zeroed, down)
+    density = values.fluid_density(fluid)
+    if files[0].suffix == ".csv":
+        _plan_motion(files[0], chosen, as_json, own, density, down, prior)
+        return 0
     planned = plan_poses(
-        _sensor(sensor, positions, noise, zeroed, down),
+        chosen,
         poses,
         arm=own,
-        fluid_density=values.fluid_density(fluid),
+        fluid_density=density,
         gravity=down,
         prior=prior,
         ballast=ballast,
@@ -111,6 +117,33 @@ def calibrate(
     }
     printing.show(as_json, record, _plan_text(planned, degrees), files[0])
     return 0
+
+
+def _plan_motion(
+    file: Path,
+    sensor: Sensor,
+    as_json: bool,
+    own: Any,
+    density: float,
+    gravity: Any,
+    prior: str,
+) -> None:
+    """Plan a motion instead of poses, and write it."""
+    from alpha5_model.studies.calibration import plan_excitation
+
+    with printing.spinner("planning"):
+        motion = plan_excitation(
+            sensor, arm=own, fluid_density=density, gravity=gravity, prior=prior
+        )
+    motion.write(file)
+    record = {
+        "sensor": sensor.kind,
+        "duration": motion.time[-1],
+        "samples": motion.time.size,
+        "evaluations": motion.evaluations,
+    }
+    words = f"a motion of {motion.time[-1]:g} s, the best of {motion.evaluations}"
+    printing.show(as_json, record, [words], file)
 
 
 def _sensor(

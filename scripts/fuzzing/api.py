@@ -363,6 +363,15 @@ def _calibrations() -> dict[str, Draw]:
             prior=one_of("digits", "loose"),
             ballast=number(0, 5),
         ),
+        "a5.calibrate.plan_excitation": of_function(
+            c.plan_excitation,
+            sensor=sensors,
+            evaluations=count(1, 4),
+            duration=number(5, 50),
+            arm=always(None),
+            gravity=always((0.0, 0.0, -9.81)),
+            prior=one_of("digits", "loose"),
+        ),
         "a5.calibrate.session": of_function(
             _weighed,
             sensor=sensors,

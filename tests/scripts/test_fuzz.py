@@ -57,6 +57,7 @@ WITHOUT = {
     "a5.actuators.ActuatorPower": "a record",
     "a5.actuators.Interval": "a record",
     "a5.calibrate.Calibration": "a record",
+    "a5.calibrate.Excitation": "a record",
     "a5.calibrate.Sensor": "a record",
     "a5.calibrate.Session": "a record",
     "a5.calibrate.with_readings": "NaN is a missing reading",

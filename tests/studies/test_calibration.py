@@ -77,7 +77,7 @@ def weighed(
     return gain * (np.array(loads) @ matrix.T) + offset + noise
 
 
-# --- sensors
+# --- sensors --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("density", [a5.AIR, a5.SEA_WATER])
@@ -159,7 +159,7 @@ def test_slopes_by_finite_differences(kind: str, moves: bool) -> None:
         assert np.abs(slopes[:, number] - by_steps).max() < 2e-6 * scale
 
 
-# --- plans
+# --- plans ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", SENSOR)
@@ -219,7 +219,41 @@ def test_scales_beside_the_arm_have_no_poses() -> None:
     assert len(planned.motion.q) == 3
 
 
-# --- fits
+@pytest.mark.parametrize("kind", ["force-torque", "efforts"])
+def test_an_exciting_motion_can_be_made(kind: str, tmp_path: Path) -> None:
+    planned = calibrate.plan_excitation(SENSOR[kind], evaluations=12, seed=1)
+    joints = a5.parameters().joints
+    for k, joint in enumerate(joints[:4]):
+        angle = planned.position[:, k]
+        assert angle.min() > joint.lower + 0.05
+        assert angle.max() < joint.upper - 0.05
+        assert 0.5 * joint.velocity < np.abs(planned.velocity[:, k]).max()
+        assert np.abs(planned.velocity[:, k]).max() < joint.velocity
+    assert np.allclose(planned.position[0], planned.position[-1])
+    assert np.allclose(planned.velocity[[0, -1]], 0.0, atol=1e-12)
+    dense = np.linspace(0.0, planned.time[-1], 4001)
+    columns = [np.interp(dense, planned.time, angle) for angle in planned.position.T]
+    assert not a5.load().in_collision(np.column_stack(columns)).any()
+    by_steps = np.gradient(planned.position, planned.time, axis=0)
+    assert np.allclose(by_steps[2:-2], planned.velocity[2:-2], atol=0.01)
+
+    planned.write(tmp_path / "motion.csv")
+    again = a5.trajectory.read_motion(tmp_path / "motion.csv")
+    assert np.array_equal(again.position[:, :4], planned.position)
+
+
+def test_more_evaluations_tell_more_and_scales_are_refused() -> None:
+    few = calibrate.plan_excitation(SENSOR["efforts"], evaluations=4)
+    more = calibrate.plan_excitation(SENSOR["efforts"], evaluations=60)
+    assert more.information > few.information
+    assert (few.evaluations, more.evaluations) == (4, 60)
+    with pytest.raises(InputError, match="scales need an arm at rest"):
+        calibrate.plan_excitation(SENSOR["scales"])
+    with pytest.raises(InputError, match="evaluations"):
+        calibrate.plan_excitation(SENSOR["efforts"], evaluations=0)
+
+
+# --- fits -----------------------------------------------------------------------------
 
 
 def torque_deviation(found: calibrate.Calibration, q: Any, density: float) -> Any:
@@ -344,7 +378,7 @@ def test_weight_alone_tells_the_whole_mass() -> None:
     assert np.isclose(total, heavy[0, 0], atol=0.003)
 
 
-# --- problems
+# --- problems -------------------------------------------------------------------------
 
 FAULTS = {
     "unit": lambda y: 1000.0 * y,
@@ -424,7 +458,7 @@ def test_a_zero_beyond_its_prior_is_named() -> None:
     assert "axis_d reports +" in found.problems[0].message
 
 
-# --- files
+# --- files ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", SENSOR)
@@ -492,7 +526,7 @@ def test_a_wrong_file_gets_one_line(
     assert "\n" not in str(caught.value)
 
 
-# --- refusals
+# --- refusals -------------------------------------------------------------------------
 
 
 def test_what_is_refused() -> None:
@@ -519,7 +553,7 @@ def test_what_is_refused() -> None:
     assert LOADS == 10
 
 
-# --- the covariance in the rest of the package
+# --- the covariance in the rest of the package ----------------------------------------
 
 
 def calibrated(prior: str) -> calibrate.Calibration:

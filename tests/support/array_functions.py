@@ -38,6 +38,7 @@ NOT_CALLED = {
     "Analysis": "a record",
     "Calibration": "a record",
     "DexterityMap": "a record",
+    "Excitation": "a record",
     "Identification": "a record",
     "Interval": "a record",
     "Motion": "a record",
@@ -679,6 +680,12 @@ def _calibration_calls(rows: _TheoryRows) -> list[_Row]:
         (
             "plan_poses",
             lambda **g: c.plan_poses(c.efforts(), 2, **g).motion.q,
+            {"gravity": down},
+            {},
+        ),
+        (
+            "plan_excitation",
+            lambda **g: c.plan_excitation(c.efforts(), evaluations=3, **g).position,
             {"gravity": down},
             {},
         ),

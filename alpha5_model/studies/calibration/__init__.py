@@ -1,12 +1,17 @@
 """Calibration from your own measurements: which poses to take, and what they say.
 
 `plan_poses` proposes poses for a sensor: `scales`, `weight`, `force_torque` or
-`efforts`. `session` holds their readings, and `fit` makes an arm file of them, with the
-covariance of its numbers, and names what is wrong with the readings. A plan is written
-by `session_text`, and read with its readings by `read_session`.
+`efforts`. `plan_excitation` proposes a motion for the last two. `session` holds their
+readings, and `fit` makes an arm file of them, with the covariance of its numbers, and
+names what is wrong with the readings. A plan is written by `session_text`, and read
+with its readings by `read_session`.
 """
 
 from alpha5_model.studies.calibration.calibration import Calibration, fit
+from alpha5_model.studies.calibration.excitation import (
+    Excitation,
+    plan_excitation,
+)
 from alpha5_model.studies.calibration.plan_file import read_session, session_text
 from alpha5_model.studies.calibration.poses import plan_poses
 from alpha5_model.studies.calibration.problems import Problem
@@ -25,12 +30,14 @@ from alpha5_model.studies.calibration.sessions import (
 
 __all__ = [
     "Calibration",
+    "Excitation",
     "Problem",
     "Sensor",
     "Session",
     "efforts",
     "fit",
     "force_torque",
+    "plan_excitation",
     "plan_poses",
     "read_session",
     "scales",

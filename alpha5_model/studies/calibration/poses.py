@@ -31,7 +31,7 @@ _CANDIDATES = 800
 #: Draws for one candidate before the search is given up.
 _DRAWS = 50
 #: Kept to the ends of the joints' ranges [rad], and to the scales' table [m].
-_FROM_LIMITS = np.radians(3.0)
+FROM_LIMITS = np.radians(3.0)
 _CLEARANCE = 0.01
 #: A scale carries at least this [kg].
 _LEAST_LOAD = 0.02
@@ -106,8 +106,8 @@ def _candidates(
     rng: np.random.Generator,
 ) -> FloatArray:
     """Random poses that can be taken, (number, 4)."""
-    lower = np.array([joint.lower for joint in arm.joints[:4]]) + _FROM_LIMITS
-    upper = np.array([joint.upper for joint in arm.joints[:4]]) - _FROM_LIMITS
+    lower = np.array([joint.lower for joint in arm.joints[:4]]) + FROM_LIMITS
+    upper = np.array([joint.upper for joint in arm.joints[:4]]) - FROM_LIMITS
     middle = (lower + upper) / 2
     half = np.maximum(upper - lower, 0.0) / 2
     surroundings = Surroundings(arm, _table(start.sensor), _CLEARANCE)

@@ -56,6 +56,8 @@ class ArmUnknowns:
 
     def record(self, values: FloatArray) -> Alpha5Parameters:
         """The arm with other values (78,)."""
+        if np.array_equal(values, self.middle):
+            return self.arm
         links = tuple(
             _with_numbers(link, numbers)
             for link, numbers in zip(self.arm.links, by_body(values), strict=True)
