@@ -31,6 +31,8 @@ from alpha5_model.studies.calibration.unknowns import OF_BODIES, PER_BODY
 
 #: A misfit that is less probable without a cause is reported.
 SIGNIFICANCE = 1e-4
+#: The same of what one cause explains. There are many, and slopes are not constant.
+_OF_CAUSE = 1e-6
 #: Factors of units that people mix up -> what was done.
 _UNITS = {
     1000.0: "1000 times too large: thousandths of the unit?",
@@ -163,7 +165,7 @@ def _limit(tests: int, free: int = 1) -> float:
     """What free numbers explain by chance in the best of some tests."""
     from scipy.stats import chi2
 
-    return float(chi2.isf(SIGNIFICANCE / tests, free))
+    return float(chi2.isf(_OF_CAUSE / tests, free))
 
 
 # --- causes in one session ------------------------------------------------------------
