@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 import alpha5_model as a5
 from alpha5_model.viewer.figures import Color, new_figure, number, style
 
@@ -38,4 +40,52 @@ def uncertainty_figure() -> Any:
     return page
 
 
-FIGURES = {"uncertainty.png": uncertainty_figure}
+#: Speeds of the current [m/s], and how many random poses and directions.
+FASTEST, POSES = 1.5, 4000
+
+
+def loads_of_current(level: str) -> np.ndarray:
+    """Median load of 1 m/s: force [N], moment, axis_e, axis_d, axis_c [N m], (5,)."""
+    rng = np.random.default_rng(0)
+    arm = a5.load()
+    wet = arm.with_hydrodynamics(level=level)
+    limits = arm.limits
+    q = rng.uniform(limits.lower, limits.upper, (POSES, 4))
+    direction = rng.normal(size=(POSES, 3))
+    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    still = np.zeros_like(q)
+    torque = wet.inverse_dynamics_batch(q, still, still, current=direction)
+    torque -= arm.inverse_dynamics_batch(q, still, still)
+    wrench = wet.base_wrench_batch(q, still, still, current=direction)
+    wrench -= arm.base_wrench_batch(q, still, still)
+    sizes = np.linalg.norm(wrench.reshape(-1, 2, 3), axis=2)
+    return np.median(np.column_stack([sizes, np.abs(torque[:, :3])]), axis=0)
+
+
+@style(axes={"grid": True}, grid={"color": "#E6E6E6", "linewidth": 0.6})
+def current_figure() -> Any:
+    """The load of a current over its speed, each with its interval."""
+    low, nominal, high = (loads_of_current(x) for x in ("low", "nominal", "high"))
+    speed = np.linspace(0.0, FASTEST, 61)
+    names = ("force", "moment", "axis_e", "axis_d", "axis_c")
+    colors = (Color.BLUE, Color.BLUE, Color.VERMILION, Color.GREEN, Color.PINK)
+    panels = ((0,), (1,), (2, 3, 4))
+    titles = ("force on the mount [N]", "moment on it [N m]", "joint torque [N m]")
+
+    page = new_figure(10.0, 3.2)
+    for axes, shown, title in zip(page.subplots(1, 3), panels, titles, strict=True):
+        for k in shown:
+            band = (low[k] * speed**2, high[k] * speed**2)
+            axes.fill_between(speed, *band, color=colors[k], alpha=0.15, linewidth=0)
+            line = nominal[k] * speed**2
+            axes.plot(speed, line, color=colors[k], label=names[k])
+        axes.set_title(title)
+        axes.set_xlabel("current [m/s]")
+        axes.set_xlim(0.0, FASTEST)
+        axes.set_ylim(bottom=0.0)
+        if len(shown) > 1:
+            axes.legend(loc="upper left", frameon=False)
+    return page
+
+
+FIGURES = {"uncertainty.png": uncertainty_figure, "current.png": current_figure}
