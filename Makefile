@@ -31,8 +31,8 @@ format: $(VENV)/.test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-benchmark: $(VENV)/.bench ## ratios against other packages, measured in one run
-	$(BIN)/python scripts/benchmarks/benchmark.py
+benchmark: $(VENV)/.bench ## ratios against other packages, measured in one run, into docs/speed.md
+	$(BIN)/python scripts/benchmarks/benchmark.py --page docs/speed.md
 
 conformance: $(VENV)/.conformance ## every tool on the generated files, one table, into the documentation
 	$(BIN)/python scripts/conformance/conformance.py --readme docs/conformance.md

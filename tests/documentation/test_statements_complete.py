@@ -131,8 +131,6 @@ def prose(page: str) -> str:
         text = re.sub(
             r"<!-- generated: \w+ -->.*?<!-- end -->", "", text, flags=re.DOTALL
         )
-        # The table of loads is compared row by row.
-        text = re.sub(r"^\| [\d.]+ m/s \|.*$", "", text, flags=re.MULTILINE)
     elif page.endswith(".py"):
         text = " ".join([*docstrings(text), *re.findall(r"#:? (.*)", text)])
     return one_line(text)

@@ -83,3 +83,32 @@ def test_peers_that_are_missing_are_named(
     assert "set up so" in out
     for name in absent:
         assert name in out
+
+
+def test_the_page_has_the_ratios_of_one_run(
+    timing: object, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.syspath_prepend(str(SCRIPTS))
+    from benchmarks import speed_page
+
+    row = timing.Row  # type: ignore[attr-defined]
+    rows = [
+        row("solve", "alpha5-model", 2e-6, 1.0),
+        row("solve", "another", 6e-6, 0.5),
+        row("solve", "alpha5-model, NumPy", 8e-6),
+    ]
+    found = speed_page.comparisons(rows)
+    assert [one.ratio for one in found] == pytest.approx([3.0, 4.0])
+
+    page = tmp_path / "speed.md"
+    page.write_text("before\n{}\nold\n{}\nafter\n".format(*speed_page.MARKS))
+    monkeypatch.setattr(speed_page, "FIGURE", tmp_path / "speed.png")
+    speed_page.write_page(page, rows)
+    text = page.read_text()
+    assert "| solve | 2 µs | another | 3 | 50% |" in text
+    assert "old" not in text
+    assert text.startswith("before\n")
+    assert text.endswith("after\n")
+    assert (tmp_path / "speed.png").read_bytes().startswith(b"\x89PNG")
+    shown = speed_page.figure(found).axes[0].get_yticklabels()
+    assert [label.get_text() for label in shown] == ["solve: another"]

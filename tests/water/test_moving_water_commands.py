@@ -360,8 +360,8 @@ def documented_loads() -> list[str]:
     low, nominal, high = np.median(found, axis=1)
     most = np.max(found[1], axis=0)
     rows = []
-    for name, *figures in zip(LOADS, low, nominal, high, most, strict=True):
-        cells = " | ".join(f"{value:.2g}" for value in figures)
+    for name, *loads in zip(LOADS, low, nominal, high, most, strict=True):
+        cells = " | ".join(f"{value:.2g}" for value in loads)
         rows.append(f"| {name} | {cells} |")
     return rows
 
