@@ -13,7 +13,7 @@ number is part of two terms, so the extremes of the sum are the sums of the term
 extremes, and those of a product of two intervals are at its corners. At rest s is
 linear, and the bounds are attained. In motion its quadratic part about the middle of c
 is replaced by its largest possible value. The lengths of Table 1 are taken as printed.
-With `lengths=True` their share is added to first order; `sample` has the same choice.
+With ``lengths=True`` their share is added to first order; `sample` has the same choice.
 """
 
 from alpha5_model.dynamics.load import arm_of as arm
