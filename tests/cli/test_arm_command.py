@@ -72,6 +72,24 @@ def test_show_prints_the_record(capsys: pytest.CaptureFixture[str]) -> None:
     assert np.isclose(record["measurements"][0]["half_width"], 1e-3)
 
 
+def test_show_prints_half_widths_where_there_are_some(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        "format = 1\n[links.link_2]\n"
+        'mass = {value = 341, unit = "g", source = "weighed", half_width = 2}\n'
+        'volume = {value = 0.2, unit = "L", source = "dipped"}\n',
+        encoding="utf-8",
+    )
+    assert main(["arm", "show", str(file)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (mass,) = [line for line in lines if "weighed" in line]
+    (volume,) = [line for line in lines if "dipped" in line]
+    assert mass.split() == ["links.link_2.mass", "±0.002", "weighed"]
+    assert volume.split() == ["links.link_2.volume", "dipped"]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

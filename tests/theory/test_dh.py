@@ -430,3 +430,12 @@ def test_a_joint_without_limits_is_named_and_nothing_printed(
     with pytest.raises(FileFormatError, match=f"the {kind} joint j has no <limit>"):
         DHChain.from_urdf(file)
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("frame", ["tooth", "Tool", "", "tcp", 5, -1, True, 1.0])
+def test_a_frame_is_a_number_or_the_tool(frame: object) -> None:
+    chain = DHChain.alpha5()
+    known = "unknown frame .*; choose from 0, 1, 2, 3, 4, tool"
+    with pytest.raises(UnknownNameError, match=known):
+        chain.jacobian(chain.home, frame)  # type: ignore[arg-type]
+    assert chain.jacobian(chain.home, "tool").shape == (6, 4)

@@ -402,3 +402,24 @@ def test_a_picture_that_cannot_be_drawn_leaves_no_page(
         "arm.html",
         "arm.png",
     }
+
+
+def test_a_surface_is_lit_by_the_angles_to_both_lights() -> None:
+    """Against the law of Lambert with the angles, and Blinn's and Phong's highlight."""
+    lights = np.array([[-0.35, 0.75, 0.56], [0.85, 0.1, 0.52]])
+    rng = np.random.default_rng(5)
+    normals = rng.normal(size=(40, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    colors = rng.uniform(0.1, 0.4, (40, 3))
+    for k, (normal, color) in enumerate(zip(normals, colors, strict=True)):
+        diffuse = 0.68
+        highlight = 0.0
+        for light, strength in zip(lights, (0.80, 0.45), strict=True):
+            toward = light / math.sqrt(light @ light)
+            half = np.add(toward, [0, 0, 1])
+            diffuse += strength * max(0.0, normal @ toward)
+            cosine = normal @ half / math.sqrt(half @ half)
+            highlight += 0.5 * 0.3 * strength * max(0.0, cosine) ** 24
+        expected = np.clip(color * diffuse + highlight, 0, 1)
+        found = shade(normals, colors, np.eye(3), shine=0.3)[k]
+        assert found == pytest.approx(expected, abs=1e-12)
