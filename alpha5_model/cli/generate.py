@@ -221,11 +221,11 @@ def generate(
     """Write the description of any variant of the arm.
 
     urdf, srdf, xacro (numbers for plain xacro, parameters:=FILE), mjcf (a folder
-    for MuJoCo), sdf (a folder for Gazebo), usd (one file for Isaac Sim and Newton),
-    c (a C99 library), water (a table of volume, centre of buoyancy, added mass and
-    drag of each link, in JSON) or lighthill (the same for Isaac Lab, in YAML);
-    without --output the main file goes to standard output.
-    --arm describes the arm of a file.
+    for MuJoCo), sdf (a folder for Gazebo), usd (a file for Isaac Sim and Newton),
+    c (a C99 library), water (a table of volume, centre of buoyancy, added mass
+    and drag of each link, in JSON) or lighthill (the same for Isaac Lab, in
+    YAML); without --output the main file goes to standard output. --arm describes
+    the arm of a file.
     Meshes are copied beside a URDF unless --mesh-uri says where they are. mjcf
     without gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers follow
     the jaw rod by mimic. C holds masses and water as numbers, or takes them in a
@@ -240,7 +240,7 @@ def generate(
     Examples:
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
     alpha5 generate --format mjcf --fluid fresh --output out/mujoco
-    alpha5 generate --format sdf --hydrodynamics --controllers --output out/gazebo
+    alpha5 generate --format sdf --controllers --output out/gazebo
     alpha5 generate --format usd --gripper jaws --output out/alpha5.usda
     alpha5 generate --format c --real float --output out/controller
     alpha5 generate --format water --fluid fresh --output out/water.json
