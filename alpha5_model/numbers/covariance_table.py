@@ -99,10 +99,19 @@ def _rows(key: str, given: Any, count: int) -> FloatArray:
 
 def _numbers(key: str, given: Any, count: int) -> FloatArray:
     """A list of so many numbers."""
-    if not isinstance(given, list) or len(given) != count:
+    if not isinstance(given, list):
         raise ArmFileError(key, f"{shown(given)}; expected {count} numbers")
+    if len(given) != count:
+        raise ArmFileError(key, f"{len(given)} numbers; expected {count}")
     for i, number in enumerate(given):
-        known = isinstance(number, int | Decimal) and not isinstance(number, bool)
-        if not known or not Decimal(number).copy_abs() < _LARGEST:
+        if not _is_number(number):
             raise ArmFileError(f"{key}[{i}]", f"{shown(number)}; expected a number")
     return np.array([float(number) for number in given])
+
+
+def _is_number(given: Any) -> bool:
+    """Whether it is a finite number of a usual size."""
+    if isinstance(given, bool) or not isinstance(given, int | Decimal):
+        return False
+    number = Decimal(given)
+    return number.is_finite() and number.copy_abs() < _LARGEST
