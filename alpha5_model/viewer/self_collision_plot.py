@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 #: Edge of the cells in which self-collision is counted [m].
 CELL = 0.015
+#: Bounds of the shares that have a colour of their own [%].
+_STEPS = (0, 20, 40, 60, 80, 100)
 #: Range of the axes [mm].
 _RANGE = (-390, 390)
 
@@ -118,21 +120,21 @@ def _draw_view(axes: Axes, cells: _Cells, up: str) -> Any:
     Returns:
         The coloured cells.
     """
-    from matplotlib.colors import ListedColormap
+    from matplotlib.colors import BoundaryNorm, ListedColormap
 
     rows, away = (cells.y, 2) if up == "y" else (cells.z, 1)
     reached = cells.reached.sum(axis=away)
     free = cells.free.sum(axis=away)
     share = 100 * (reached - free) / np.maximum(reached, 1)
+    steps = BoundaryNorm(_STEPS, ncolors=256)
     image = None
-    for values, colors in ((reached, ListedColormap([FILL])), (share, "YlOrRd")):
+    for values, colors in ((reached, ListedColormap([FILL])), (share, "viridis_r")):
         image = axes.pcolormesh(
             cells.x * 1e3,
             rows * 1e3,
             np.ma.masked_equal(values, 0).T,  # Nothing is drawn where it is zero.
             cmap=colors,
-            vmin=0,
-            vmax=100,
+            norm=steps,
             shading="nearest",
         )
     axes.set(aspect="equal", xlim=_RANGE, ylim=_RANGE)

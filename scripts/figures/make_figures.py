@@ -108,35 +108,31 @@ def torque_figure() -> bytes | None:
         read_motion(found[0]), arm=a5.load(fluid_density=a5.FRESH_WATER, gripper="jaws")
     )
     figure = new_figure(9.6, 5.2)
-    rows, sizes = figure.subplots(2, 1, sharex=True, sharey=True), []
-    for axes, name in zip(rows, ("axis_d", "axis_c"), strict=True):
+    grid = figure.subplots(2, 2, sharex=True, sharey="col")
+    causes = a.causes()
+    # Weight and buoyancy would hide the others, which are a hundred times smaller.
+    columns = (
+        ({"weight": 1.0, "buoyancy": 1.0, "torque": 1.0}, "N·m"),
+        ({"inertia": 1e3, "coriolis": 1e3}, "mN·m"),
+    )
+    for row, name in zip(grid, ("axis_d", "axis_c"), strict=True):
         k = a.smooth.joints.index(name)
-        causes = a.causes()
-        # The first are drawn widest, so that none hides another.
-        drawn = [name for name in CAUSES if name in causes]
-        for term, width in zip(drawn, (3.8, 3.2, 2.9, 1.3), strict=True):
-            color, values = CAUSES[term], causes[term][:, k]
-            axes.plot(a.smooth.time, values, color=color, linewidth=width, label=term)
-        axes.plot(
-            a.smooth.time,
-            a.torque[:, k],
-            color=Color.BLACK,
-            linewidth=1.3,
-            label="torque",
-        )
-        axes.set_ylabel(f"{name} [N·m]")
-        axes.margins(x=0.01)
-        sizes.append(
-            [
-                np.abs(causes[term][:, k]).max()
-                for term in ("weight", "buoyancy", "inertia")
-            ]
-        )
-    weight, lift, inertia = map(number, np.max(sizes, axis=0))
+        for axes, (terms, unit) in zip(row, columns, strict=True):
+            for term, scale in terms.items():
+                values = a.torque if term == "torque" else causes[term]
+                color = CAUSES.get(term, Color.BLACK)
+                axes.plot(a.smooth.time, scale * values[:, k], color=color, label=term)
+            axes.set_ylabel(f"{name} [{unit}]")
+            axes.margins(x=0.01)
+    weight, lift, inertia = (
+        number(np.abs(causes[term][:, 1:3]).max())
+        for term in ("weight", "buoyancy", "inertia")
+    )
     most = f"weight up to {weight}, buoyancy {lift}, inertia {inertia} N·m"
     figure.suptitle(f"Torque over a recorded motion: {most}", fontsize=11)
-    rows[0].legend(ncols=5, fontsize=9, loc="lower left", bbox_to_anchor=(0, 1.0))
-    rows[-1].set_xlabel(f"time [s]   ({found[0].name}, fresh water)")
+    for axes in grid[0]:
+        axes.legend(ncols=3, fontsize=9, loc="lower left", bbox_to_anchor=(0, 1.0))
+    figure.supxlabel(f"time [s]   ({found[0].name}, fresh water)", fontsize=10)
     return _png(figure)
 
 

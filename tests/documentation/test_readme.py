@@ -8,8 +8,10 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pages import PAGES, REPOSITORY, generated_text
+from PIL import Image
 
 import alpha5_model as a5
 
@@ -153,3 +155,25 @@ def test_the_architecture_page_names_files_that_exist() -> None:
         name for name in sorted(named) if not any((p / name).exists() for p in places)
     ] == []
     assert faults(text) == []
+
+
+def test_the_first_pictures_are_small_and_move() -> None:
+    """The README opens with a page and a drag, which the script of figures makes."""
+    text = (REPOSITORY / "README.md").read_text("utf-8")
+    assert len(text.splitlines()) < 80
+    pictures = re.findall(r"!\[(.+)\]\((.+)\)", text)
+    names = [Path(path).name for _, path in pictures]
+    assert names == ["page.png", "drag.gif"]
+    assert all(len(alternative) > 40 for alternative, _ in pictures)
+
+    script = REPOSITORY / "scripts" / "figures" / "page_figures.py"
+    assert all(name in script.read_text("utf-8") for name in names)
+    drag = REPOSITORY / pictures[1][1]
+    assert drag.stat().st_size < 2e6
+    with Image.open(drag) as film:
+        frames = []
+        for k in range(film.n_frames):
+            film.seek(k)
+            frames.append(np.asarray(film.convert("RGB")).astype(int))
+    moves = np.abs(np.diff(np.array(frames), axis=0)).max(axis=3) > 60
+    assert moves.mean(axis=(1, 2)).min() > 1e-3, "each frame moves the arm"

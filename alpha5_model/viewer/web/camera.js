@@ -32,6 +32,12 @@ function free() {
   return [folded ? 0 : box("panel").right, top, window.innerWidth, bottom];
 }
 
+// The same as it was measured last: a measurement in every frame would lay out the page in every frame.
+let freePart = null;
+const lastFree = () => freePart ??= free();
+const covers = new ResizeObserver(() => { freePart = null; viewer.set_dirty(); });
+for (const id of ["panel", "views", "strip"]) covers.observe(byId(id));
+
 // A point of the world to pixels (from the window's corner) and depth, and back. meshcat's scene is turned, too.
 function onScreen(point) {
   const at = point.clone().applyMatrix4(viewer.scene.matrixWorld).project(viewer.camera);
@@ -92,7 +98,7 @@ function moveCamera(eye, target) {
 function center() {
   const folded = byId("panel").classList.contains("folded");
   document.documentElement.style.setProperty("--left", folded ? "12px" : "352px");
-  const [left, top, right, bottom] = free();
+  const [left, top, right, bottom] = freePart = free();
   const [w, h] = [window.innerWidth, window.innerHeight];
   document.documentElement.style.setProperty("--floor", `${h - bottom + 10}px`);
   viewer.camera.setViewOffset(w, h, (w - left - right) / 2, (h - top - bottom) / 2, w, h);

@@ -50,7 +50,7 @@ function obstacles() {
 }
 // The best free place for a label beside its point, [left, top], or undefined.
 function placeFor({ width }, x, y, placed) {
-  const [left, top, right, bottom] = free();
+  const [left, top, right, bottom] = lastFree();
   const isFree = ([at, row]) => at > left && at + width < right && row > top && row + ROW < bottom && placed.every(
     (box) => at >= box.right + 2 || at + width <= box.left - 2 || row >= box.bottom || row + ROW <= box.top);
   return STEPS.map(([side, step]) => [x + (side > 0 ? GAP : -GAP - width), y - 9 + step * ROW]).find(isFree);
