@@ -71,6 +71,7 @@ def test_the_page_says_what_coal_says(opened: OPEN_TAB) -> None:
                 continue
             expected = {frozenset(pair) for pair in coal.colliding_links(row)}
             assert {frozenset(pair) for pair in pairs} == expected
+            assert bool(pairs) == arm.in_collision(row)
             count += bool(expected)
         assert count > 8
         assert tab.complaints == []

@@ -73,7 +73,9 @@ def scene() -> Scene:
 
 
 def test_the_scene(scene: Scene) -> None:
-    drawn = dataclasses.replace(scene, tree=())  # the tree is Pinocchio's elsewhere
+    # The tree is Pinocchio's elsewhere, and the streams are estimates that change.
+    water = scene.water._replace(streams={})
+    drawn = dataclasses.replace(scene, tree=(), water=water)
     check_lines("scene", described("scene", drawn))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -143,6 +144,34 @@ def test_axis_e_goes_the_long_way_and_it_is_announced(tab: Tab, arm: a5.Arm) -> 
     )
     assert frames(tab, 30)[-1][0] == 0.1
     assert frames(tab, 400)[-1].tolist() == [6.1, 1.6, 1.6, 1.0]
+
+
+def test_random_travels_keep_limits_and_speeds_and_end_as_pythons(
+    tab: Tab, arm: a5.Arm
+) -> None:
+    """Their last pose and the time of a straight one are those of `a5.plan`."""
+    rng = np.random.default_rng(11)
+    q = rng.uniform(arm.limits.lower, arm.limits.upper, (40, 4))
+    ends = q[~arm.in_collision(q)][:7]
+    straight = 0
+    for start, goal in pairwise(ends):
+        place(tab, start)
+        tab.run("(q) => alpha5.travelTo(q, 'there')", goal.tolist())
+        rows = np.vstack([start, frames(tab, 1500)])
+        assert rows[-1].tolist() == goal.tolist()
+        assert (rows >= arm.limits.lower - 1e-12).all()
+        assert (rows <= arm.limits.upper + 1e-12).all()
+        steps = np.abs(np.diff(rows, axis=0))
+        assert (steps <= SPEED * FRAME * (1 + 1e-9)).all()
+        assert not arm.in_collision(rows).any()
+        plan = a5.plan(start, goal)
+        np.testing.assert_allclose(plan.position[-1], goal, atol=1e-9)
+        moving = np.flatnonzero(steps.max(axis=1) > 0)
+        time = FRAME * (moving[-1] - moving[0])
+        if plan.kind == "straight":
+            straight += 1
+            assert time <= plan.time[-1] + 2 * FRAME
+    assert straight >= 3
 
 
 def test_buttons_and_typed_targets_travel(tab: Tab, arm: a5.Arm) -> None:
