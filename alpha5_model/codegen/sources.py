@@ -27,10 +27,11 @@ UPRIGHT = (
     "inverse_dynamics_in_current",
     "forward_dynamics_in_current",
 )
-#: Frames, holding torque and inverse kinematics: what the viewer's page computes.
+#: Frames, Jacobian, holding torque and inverse kinematics, for the viewer's page.
 _ON_THE_PAGE = (
     "forward_kinematics",
     "link_poses",
+    "jacobian",
     "hydrostatic_torque",
     "inverse_kinematics",
 )
@@ -38,6 +39,7 @@ _ON_THE_PAGE = (
 _OF_ANY_ARM = {
     "forward_kinematics": own("forward_kinematics"),
     "link_poses": own("link_poses"),
+    "jacobian": own("jacobian"),
     "hydrostatic_torque": "hydrostatic_torque",
     "inverse_kinematics_on_axis": ON_AXIS,
     "inverse_kinematics_off_axis": OFF_AXIS,

@@ -226,7 +226,8 @@ def _forces(one: Case) -> str:
     text = f"Arm: weight {_digits(9.81 * mass, 2)} N"
     if density:
         text += f", buoyancy {_digits(9.81 * lift * scale, 2)} N"
-    return text + ". The load of a current is estimated, with its interval."
+        return text + ". The load of a current is estimated, with its interval."
+    return text + ". In air a current has no load here."
 
 
 def _digits(value: float, count: int) -> str:

@@ -124,7 +124,7 @@ const forceLabels = [
   })),
   {
     group: "current",
-    words: () => `current ${Number(Math.hypot(...state.current).toPrecision(3))} m/s, load estimated`,
+    words: () => `current ${Number(Math.hypot(...state.current).toPrecision(3))} m/s, ${state.density ? "load estimated" : "no load in air"}`,
     color: new THREE.Color(ARROW_COLORS.current).toArray(),
     where: currentFrom,
   },

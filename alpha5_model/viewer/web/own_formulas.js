@@ -7,6 +7,7 @@ const formulas = (() => {
   const solve = toolOnAxis ? own_formulas.inverse_kinematics_on_axis : own_formulas.inverse_kinematics_off_axis;
   return {
     forward_kinematics: (q) => own_formulas.forward_kinematics(q, atRest),
+    jacobian: (q) => own_formulas.jacobian(q, atRest),
     link_poses: (q) => own_formulas.link_poses(q, atRest),
     hydrostatic_torque: (q, parameters) => own_formulas.hydrostatic_torque(q, [...parameters, ...dimensions]),
     inverse_kinematics: (position, wrist) => solve(position, wrist, shapeNumbers),

@@ -60,7 +60,7 @@ function showCapacity() {
   const text = capacityText();
   verdict.textContent = text;
   const isJudged = state.limits.some((limit) => limit !== null);
-  capacity.say(isJudged ? text.split(/ here|:/)[0].replace(/^Holds /, "") : "");
+  capacity.say(isJudged ? text.split(/ here|:/)[0].replace("Holds ", "") : "");
 }
 // Torques are linear in the mass at the tcp, so each limit allows an interval of masses.
 function allowedMasses() {
@@ -86,6 +86,11 @@ function capacityText() {
     return "Enter the torque that a joint may hold, in N\u00b7m. The documents print no rating.";
   }
   const { least, most, first } = allowedMasses();
+  const { mass } = state.payload;
+  const judged = mass ? `${mass >= least && mass <= most ? "Yes" : "No"} for ${fixed(1e3 * mass, 0)} g. ` : "";
+  return judged + allowedText(least, most, first);
+}
+function allowedText(least, most, first) {
   if (most < least) return `Nothing here: ${data.sliders[first]} is beyond its limit.`;
   const from = least > 0 ? `${fixed(Math.ceil(1e3 * least), 0)} to ` : "up to ";
   if (most === Infinity) return "Any mass: it hangs on no joint with a limit.";

@@ -30,9 +30,9 @@ function stay() {
   keepInSight();
 }
 onPose((by) => {
-  if (by === "travel" || !moving) return;
+  if (by === "travel" || by === "page") return;
+  if (moving || by === "hand") tell("");
   moving = null;
-  tell("");
 });
 const tell = (text) => { byId("travel").textContent = text; };
 

@@ -39,7 +39,8 @@ function showWater() {
   water.say(shown.current ? `${fluid}, current ${fixed(speed, 2)} m/s` : fluid);
   const { weight, buoyancy } = totals();
   const lift = state.density ? `, buoyancy ${fixed(buoyancy, 2)} N` : "";
-  forces.textContent = `Arm: weight ${fixed(weight, 2)} N${lift}. The load of a current is estimated, with its interval.`;
+  const load = state.density ? "The load of a current is estimated, with its interval." : "In air a current has no load here.";
+  forces.textContent = `Arm: weight ${fixed(weight, 2)} N${lift}. ${load}`;
 }
 
 // ---- the attitude of the base: gravity points down in the picture
