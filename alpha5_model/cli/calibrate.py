@@ -19,20 +19,23 @@ from alpha5_model.errors import InputError, OutputError
 if TYPE_CHECKING:
     from alpha5_model.studies.calibration import Calibration, Sensor, Session
 
-_ACTIONS = ("plan", "fit")
+_ACTIONS = ("plan", "fit", "motors")
 _FORMATS = (".toml",)
 
 # The options of this command.
-_Action = Annotated[str, Argument(help="plan or fit.")]
+_Action = Annotated[str, Argument(help="plan, fit or motors.")]
 _Files = Annotated[
-    list[Path], Argument(help="plan: the file to write; fit: the filled-in files.")
+    list[Path],
+    Argument(
+        help="plan: the file to write; fit: the filled-in files; motors: a recording."
+    ),
 ]
 _SensorKind = Annotated[
     str, Option("--sensor", help="plan: scales, weight, force-torque or efforts.")
 ]
 _Poses = Annotated[int, Option(help="plan: how many.", min=1)]
-_Fluid = Annotated[str, Option(help="plan: " + options.FLUID)]
-_Gravity = Annotated[str, Option(help="plan: in base_link (m/s^2).")]
+_Fluid = Annotated[str, Option(help="plan, motors: " + options.FLUID)]
+_Gravity = Annotated[str, Option(help="plan, motors: in base_link (m/s^2).")]
 _Positions = Annotated[
     str | None, Option(help="plan: where three scales carry the plate, X Y Z each (m).")
 ]
@@ -46,8 +49,11 @@ _Zeroed = Annotated[
 _Prior = Annotated[str, Option(help="digits, or loose: 10 %, 5 mm.")]
 _Zeros = Annotated[str, Option(help="fit: deviation of the zeros (rad).")]
 _Tilt = Annotated[str, Option(help="fit: deviation of the mount's tilt (rad).")]
+_Payload = Annotated[
+    bool, Option("--payload", help="motors: weigh what the tool point carries.")
+]
 _Output = Annotated[
-    Path | None, Option("--output", "-o", help="fit: the arm file, .toml.")
+    Path | None, Option("--output", "-o", help="fit, motors: the arm file, .toml.")
 ]
 
 
@@ -65,6 +71,7 @@ def calibrate(
     prior: _Prior = "digits",
     zeros: _Zeros = "1deg",
     tilt: _Tilt = "0.5deg",
+    payload: _Payload = False,
     output: _Output = None,
     arm_file: options.Arm = None,
     as_json: options.Json = False,
@@ -75,17 +82,23 @@ def calibrate(
     the readings. A file .csv gets a motion instead, for a force-torque sensor
     or efforts. fit makes an arm file of one or several such files, for
     example one in air and one in water, and names what is wrong with them.
+    motors estimates friction and torque per ampere from recorded currents.
 
     Exit status of fit: 1 if the readings contradict the model.
 
     Example: alpha5 calibrate plan scales.toml
     Example: alpha5 calibrate fit scales.toml --output my_arm.toml
+    Example: alpha5 calibrate motors sway.csv --fluid sea --output my_arm.toml
     """
     choice("action", action, _ACTIONS)
     own = values.arm_record(arm_file)
     if action == "fit":
         check_outputs([*files, arm_file], output=(output, _FORMATS))
         return _fit(files, prior, zeros, tilt, output, own, as_json)
+
+    if action == "motors":
+        check_outputs([*files, arm_file], output=(output, _FORMATS))
+        return _motors(files, fluid, gravity, payload, output, own, as_json)
 
     if len(files) != 1:
         raise InputError("files", " ".join(map(str, files)), "one file to write")
@@ -144,6 +157,37 @@ def _plan_motion(
     }
     words = f"a motion of {motion.time[-1]:g} s, the best of {motion.evaluations}"
     printing.show(as_json, record, [words], file)
+
+
+def _motors(
+    files: list[Path],
+    fluid: str,
+    gravity: str,
+    payload: bool,
+    output: Path | None,
+    own: Any,
+    as_json: bool,
+) -> int:
+    """Motors from a recording of currents."""
+    if len(files) != 1:
+        raise InputError("files", " ".join(map(str, files)), "one recording")
+    from alpha5_model.dynamics.load import load
+    from alpha5_model.studies.calibration import motors
+    from alpha5_model.trajectory import read_motion
+
+    down: Any = values.numbers("gravity", gravity, (3,), "m/s^2")
+    arm = load(values.fluid_density(fluid), gravity=down, arm=own)
+    found = motors(read_motion(files[0], arm=own), arm, payload=payload)
+    if output is not None:
+        found.write(output)
+    weighed = None if found.payload is None else found.payload._asdict()
+    record = {
+        "joints": {joint.name: joint._asdict() for joint in found.joints},
+        "payload": weighed,
+        "gravity_deviation": found.gravity_deviation,
+    }
+    printing.show(as_json, record, str(found).splitlines(), output)
+    return 0
 
 
 def _sensor(

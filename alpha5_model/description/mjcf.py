@@ -29,6 +29,7 @@ from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_correcti
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
+from alpha5_model.numbers.joint_losses import joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
 #: Capsules, one for each link, are for MJX.
@@ -160,6 +161,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         if chosen.collision == "capsules"
         else {},
         water=hydrodynamics(chosen.gripper) if chosen.hydrodynamics else {},
+        losses=joint_losses(arm),
     )
 
     root = document(arm, "mujoco", model=arm.name)

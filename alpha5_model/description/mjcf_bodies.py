@@ -27,6 +27,7 @@ from alpha5_model.geometry.materials import material_of
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics
 from alpha5_model.numbers.jaws import FingerJoint
+from alpha5_model.numbers.joint_losses import JointLosses
 from alpha5_model.numbers.parameters import JointRange
 
 #: Displaced volume over mass of a buoyancy body [m^3/kg]. It is large, so that the mass
@@ -49,6 +50,7 @@ class BodyWriter:
         collisions: Adds the collision shapes.
         capsules: Link -> the capsule that takes the place of its shapes.
         water: Link -> its drag strips; empty for a model without drag by strips.
+        losses: Joint -> what its motor adds, if it was measured.
     """
 
     fluid_density: float
@@ -56,6 +58,7 @@ class BodyWriter:
     collisions: bool
     capsules: Mapping[str, Capsule]
     water: Mapping[str, BodyHydrodynamics]
+    losses: Mapping[str, JointLosses]
 
     def add_worldbody(
         self,
@@ -83,7 +86,7 @@ class BodyWriter:
     def _add_body(self, parent: ET.Element, body: Body) -> ET.Element:
         element = add(parent, "body", name=body.name, **_pose(body.placement))
         if body.joint is not None:
-            _add_joint(element, body.joint)
+            _add_joint(element, body.joint, self.losses.get(body.joint.name))
         self._add_inertial(element, body)
         _add_visuals(element, body)
         if self.collisions:
@@ -164,8 +167,17 @@ def _add_base(world: ET.Element, mount: Placement | None) -> ET.Element:
     return add(carrier, "body", name="base_link", childclass="alpha5", **pose)
 
 
-def _add_joint(element: ET.Element, joint: JointRange) -> None:
+def _add_joint(
+    element: ET.Element, joint: JointRange, losses: JointLosses | None
+) -> None:
     limits = (joint.lower, joint.upper)
+    of_motor: dict[str, Value] = {}
+    if losses is not None:
+        of_motor = {
+            "armature": losses.armature,
+            "frictionloss": losses.friction,
+            "damping": losses.damping,
+        }
     add(
         element,
         "joint",
@@ -174,6 +186,7 @@ def _add_joint(element: ET.Element, joint: JointRange) -> None:
         type="hinge" if joint.kind == "revolute" else "slide",
         # A finger follows the rod by an equality, with which own limits would conflict.
         range=None if isinstance(joint, FingerJoint) else limits,
+        **of_motor,
     )
 
 

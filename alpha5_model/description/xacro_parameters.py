@@ -13,6 +13,7 @@ from alpha5_model.description.origin import provenance
 from alpha5_model.description.srdf import named_poses
 from alpha5_model.geometry.materials import MATERIALS
 from alpha5_model.numbers.chosen_arm import is_catalogue
+from alpha5_model.numbers.joint_losses import joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
 #: Name of the robot that the macros write if the file has none.
@@ -57,7 +58,7 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
         "provenance": source,
         "materials": {material.name: list(material.rgba) for material in MATERIALS},
         "links": _links(arm),
-        "joints": _joints(arm),
+        "joints": _with_losses(_joints(arm), parameters),
         "frames": {name: asdict(frame) for name, frame in frames.items()},
         # The wrist's joint, axis_b, is among the joints of the arm already.
         "jaws": {"links": _links(jaws), "joints": _joints(jaws[1:])},
@@ -102,6 +103,18 @@ def _joints(bodies: Iterable[Body]) -> dict[str, dict[str, Any]]:
                 "child": body.name,
                 **_joint_numbers(body.joint),
             }
+    return joints
+
+
+def _with_losses(
+    joints: dict[str, dict[str, Any]], parameters: Alpha5Parameters
+) -> dict[str, dict[str, Any]]:
+    """Joints with friction and damping, if they were measured."""
+    losses = joint_losses(parameters)
+    for name, joint in joints.items():
+        if name in losses:
+            joint["damping"] = losses[name].damping
+            joint["friction"] = losses[name].friction
     return joints
 
 

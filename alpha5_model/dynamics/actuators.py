@@ -3,7 +3,7 @@
 With motor speed ``w = ratio * velocity`` and, at the motor shaft, gearbox input torque
 ``T``::
 
-    K_t i = T + F sign(w) + J dw/dt   shaft
+    K_t i = T + F sign(w) + B w + J dw/dt   shaft
     T = torque / (ratio * eta)        the motor drives the joint (torque * velocity > 0)
     T = torque * eta / ratio          the joint drives the motor (torque * velocity < 0)
     u = R i + L di/dt + K_e w         winding
@@ -34,6 +34,9 @@ caller's, `efficiency`:
   i^2 and F w already, and no loss of the gearbox is printed: eta = 1. A gearbox of
   1754:1 with 86 % beside one of 340:1 with 77 % speaks for this (`alpha5_model.audit`,
   row ``efficiency``).
+
+Table 4 prints one friction F for both directions, and no viscous friction B. An arm
+file may have both: F of the backward direction, and B.
 
 Not published, hence without default: rotor inertia, the lead of the jaw's screw, supply
 voltage and current limit. Friction F carries its printed tolerance; eta_max is the
@@ -94,7 +97,7 @@ class ActuatorPower:
         electrical: Drawn from the supply, ``u i``; negative when the motor feeds back.
         mechanical: Given to the joint, ``torque * velocity``.
         copper: Heat in the winding, ``R i^2``.
-        friction: Heat from F at the motor shaft.
+        friction: Heat from F and B at the motor shaft.
         gear: Heat in the gearbox.
         rotor: Into the kinetic energy of the rotor; zero without a rotor inertia.
         contradiction: ``(K_e - K_t) i w``, what the two printed constants disagree
@@ -126,10 +129,13 @@ class Actuator:
         screw_lead: Travel of the jaw rod per turn of the gearbox output [m]; not
             published. The screw is taken as free of loss.
         efficiency: Whose efficiency eta_max is, one of `EFFICIENCIES`.
+        friction_backward: F while the joint turns backward [N m]; None for that of the
+            other direction.
+        viscous_friction: B, at the motor shaft [N m s/rad].
 
     Raises:
         UnknownNameError: No such joint, or choice of constants or efficiency.
-        InputError: A rotor inertia below 0, or a screw lead not above 0.
+        InputError: A rotor inertia or a friction below 0, or a screw lead not above 0.
 
     Warns:
         ImplausibleWarning: A rotor inertia or a screw lead that seems to be in another
@@ -142,6 +148,8 @@ class Actuator:
     rotor_inertia: float | None = None
     screw_lead: float | None = None
     efficiency: str = "gearbox"
+    friction_backward: float | None = None
+    viscous_friction: float = 0.0
 
     def __post_init__(self) -> None:
         choice("joint", self.joint, JOINT_NAMES)
@@ -152,6 +160,11 @@ class Actuator:
             inertia = real("rotor_inertia", self.rotor_inertia, minimum=0.0)
             plausibility.check("rotor_inertia", inertia, plausibility.ROTOR_INERTIA)
             object.__setattr__(self, "rotor_inertia", inertia)
+        if self.friction_backward is not None:
+            backward = real("friction_backward", self.friction_backward, minimum=0.0)
+            object.__setattr__(self, "friction_backward", backward)
+        viscous = real("viscous_friction", self.viscous_friction, minimum=0.0)
+        object.__setattr__(self, "viscous_friction", viscous)
         if self.screw_lead is not None:
             lead = real("screw_lead", self.screw_lead, minimum=1 / LARGEST)
             plausibility.check("screw_lead", lead, plausibility.SCREW_LEAD)
@@ -232,7 +245,7 @@ class Actuator:
         tau, v, _ = _checked_arrays(
             torque=torque, velocity=velocity, acceleration=acceleration
         )
-        shaft = self._gear_input(tau, v) + self.parameters.friction * np.sign(v)
+        shaft = self._gear_input(tau, v) + self._friction_torque(v)
         return (shaft + self._rotor_torque(acceleration)) / self.torque_constant
 
     def torque(
@@ -249,7 +262,7 @@ class Actuator:
         i, v, _ = _checked_arrays(
             current=current, velocity=velocity, acceleration=acceleration
         )
-        shaft = self.torque_constant * i - self.parameters.friction * np.sign(v)
+        shaft = self.torque_constant * i - self._friction_torque(v)
         shaft = shaft - self._rotor_torque(acceleration)
         loss = self.gear_efficiency ** np.sign(shaft * v)
         return shaft * self.ratio * loss
@@ -262,10 +275,9 @@ class Actuator:
         """
         (tau,) = _checked_arrays(torque=torque)
         eta = self.gear_efficiency
-        friction = self.parameters.friction
         shaft = np.stack([tau * eta, tau / eta]) / self.ratio
-        least = shaft.min(axis=0) - friction
-        greatest = shaft.max(axis=0) + friction
+        least = shaft.min(axis=0) - self._backward
+        greatest = shaft.max(axis=0) + self.parameters.friction
         return Interval(
             lower=least / self.torque_constant, upper=greatest / self.torque_constant
         )
@@ -278,7 +290,7 @@ class Actuator:
         (i,) = _checked_arrays(current=current)
         shaft = self.torque_constant * i
         low = shaft - self.parameters.friction
-        high = shaft + self.parameters.friction
+        high = shaft + self._backward
         eta = self.gear_efficiency
         return Interval(
             lower=low * self.ratio * eta ** np.sign(low),
@@ -369,8 +381,16 @@ class Actuator:
         (tau,) = _checked_arrays(torque=torque)
 
         def speed_towards(sign: float) -> FloatArray:
-            i = self.current(tau, sign)
-            speed = self.speed(sign * supply, i)
+            still = self._gear_input(tau, np.asarray(sign))
+            dry = self.parameters.friction if sign > 0 else -self._backward
+            at_rest = (still + dry) / self.torque_constant
+            # The current grows with the speed by the viscous friction.
+            per_speed = self.viscous_friction * self.ratio / self.torque_constant
+            slower = 1 + self.parameters.resistance * per_speed / (
+                self.back_emf_constant * self.ratio
+            )
+            speed = self.speed(sign * supply, at_rest) / slower
+            i = at_rest + per_speed * speed
             possible = (np.abs(i) <= limit) & (sign * speed >= 0)
             return np.where(possible, speed, np.nan)
 
@@ -399,7 +419,7 @@ class Actuator:
             electrical=self.voltage(i, v) * i,
             mechanical=mechanical,
             copper=self.parameters.resistance * i**2,
-            friction=self.parameters.friction * np.abs(w),
+            friction=self._friction_torque(v) * w,
             gear=self._gear_input(tau, v) * w - mechanical,
             rotor=self._rotor_torque(acceleration) * w,
             contradiction=(self.back_emf_constant - self.torque_constant) * i * w,
@@ -411,12 +431,16 @@ class Actuator:
     def extremes(self) -> tuple[Actuator, Actuator]:
         """This actuator with the least and the greatest friction of its tolerance."""
         p = self.parameters
-        least = p.friction * (1 - p.friction_tolerance)
-        greatest = p.friction * (1 + p.friction_tolerance)
-        return (
-            replace(self, parameters=replace(p, friction=least)),
-            replace(self, parameters=replace(p, friction=greatest)),
-        )
+        ends = []
+        for factor in (1 - p.friction_tolerance, 1 + p.friction_tolerance):
+            backward = self.friction_backward
+            end = replace(
+                self,
+                parameters=replace(p, friction=p.friction * factor),
+                friction_backward=None if backward is None else backward * factor,
+            )
+            ends.append(end)
+        return ends[0], ends[1]
 
     def current_interval(
         self,
@@ -447,6 +471,18 @@ class Actuator:
         """Torque into the gearbox at the motor shaft [N m]; at rest without loss."""
         loss = self.gear_efficiency ** -np.sign(torque * velocity)
         return torque / self.ratio * loss
+
+    @property
+    def _backward(self) -> float:
+        """Friction while the joint turns backward [N m]."""
+        backward = self.friction_backward
+        return self.parameters.friction if backward is None else backward
+
+    def _friction_torque(self, velocity: FloatArray) -> FloatArray:
+        """Friction at the motor shaft against a joint velocity [N m]."""
+        dry = np.where(velocity < 0, self._backward, self.parameters.friction)
+        viscous = self.viscous_friction * self.ratio * velocity
+        return np.asarray(dry * np.sign(velocity) + viscous)
 
     def _rotor_torque(self, acceleration: ArrayLike | None) -> FloatArray:
         if acceleration is None:
@@ -497,6 +533,8 @@ def actuator(
         rotor_inertia=rotor_inertia,
         screw_lead=screw_lead,
         efficiency=efficiency,
+        friction_backward=motors.backward_frictions[number],
+        viscous_friction=motors.viscous_frictions[number] or 0.0,
     )
 
 

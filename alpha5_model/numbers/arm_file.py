@@ -444,5 +444,7 @@ def _motors(
         supply_voltage=None if voltage is None else float(voltage.number),
         current_limits=of_joints("current_limit"),
         rotor_inertias=of_joints("rotor_inertia"),
+        backward_frictions=of_joints("friction_backward"),
+        viscous_frictions=of_joints("viscous_friction"),
         constants=one_of("motors.constants", constants, CONSTANTS),
     )

@@ -78,6 +78,8 @@ LIMIT_FIELDS: Mapping[str, str] = {
 DRIVE_FIELDS: Mapping[str, str] = {
     "current_limit": "current_limits",
     "rotor_inertia": "rotor_inertias",
+    "friction_backward": "backward_frictions",
+    "viscous_friction": "viscous_frictions",
 }
 MOUNT: Mapping[str, Key] = {
     "xyz": _vector("mount length", "origin of base_link in the parent"),
@@ -126,6 +128,8 @@ ACTUATORS: Mapping[str, Key] = {
 DRIVES: Mapping[str, Key] = {
     "current_limit": _positive("current", "of the driver"),
     "rotor_inertia": _not_negative("rotor inertia", "at the motor shaft"),
+    "friction_backward": _not_negative("friction", "while the joint turns backward"),
+    "viscous_friction": _not_negative("viscous friction", "per motor speed"),
 }
 SUPPLY_VOLTAGE = _positive("voltage", "of all motors")
 

@@ -77,6 +77,10 @@ _ROD_SPEED = Plausible(unit="m/s", ranges=((0.0, 0.3),), expected="at most 0.3")
 _JOINT_TORQUE = Plausible(unit="N m", ranges=((0.0, 98.0),), expected="at most 98")
 #: A hundred times the 10 N of the public models.
 _ROD_FORCE = Plausible(unit="N", ranges=((0.0, 1000.0),), expected="at most 1000")
+#: At 100 rad/s of the motor, the largest plausible friction of a motor.
+_VISCOUS_FRICTION = Plausible(
+    unit="N m s/rad", ranges=((0.0, 0.01),), expected="at most 0.01"
+)
 #: A share of the power, so not above 1.
 _SHARE = Plausible(unit="", ranges=((0.0, 1.0),), expected="at most 1")
 #: Name -> dimension, for the schema.
@@ -100,6 +104,9 @@ DIMENSIONS = {
     "resistance": Dimension({"Ohm": 0, "mOhm": -3}, plausibility.RESISTANCE),
     "inductance": Dimension({"H": 0, "mH": -3, "uH": -6}, plausibility.INDUCTANCE),
     "friction": Dimension(_TORQUES, plausibility.MOTOR_FRICTION),
+    "viscous friction": Dimension(
+        {"N m s/rad": 0, "mN m s/rad": -3}, _VISCOUS_FRICTION
+    ),
     "torque constant": Dimension(
         {"N m/A": 0, "mN m/A": -3}, plausibility.MOTOR_CONSTANT
     ),

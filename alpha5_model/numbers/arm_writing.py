@@ -64,6 +64,8 @@ _MOTORS = """
 # supply_voltage = 24.0                        # (V)
 # current_limit = 1.0                          # of the driver (A)
 # rotor_inertia = {axis_e = 5e-7}              # at the motor shaft (kg m^2)
+# friction_backward = {axis_e = 0.004}         # at the motor shaft; else friction holds both ways (N m)
+# viscous_friction = {axis_e = 1e-6}           # at the motor shaft, per motor speed (N m s/rad)
 constants = "printed"  # or "torque" (K_t for both) or "voltage" (K_v), which contradict each other
 """  # noqa: E501 (lines of a file)
 

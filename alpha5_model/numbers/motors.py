@@ -24,6 +24,10 @@ class Motors:
         current_limits: Of the drivers, ``axis_e`` to ``axis_a``, 5 values [A].
         rotor_inertias: Rotor and first gear stage at the motor shaft, 5 values
             [kg m^2].
+        backward_frictions: Friction at the motor shaft while the joint turns backward,
+            5 values [N m]; None for the friction of Table 4, which is then that of both
+            directions.
+        viscous_frictions: At the motor shaft, per motor speed, 5 values [N m s/rad].
         constants: Which of the contradicting motor constants of the actuators are
             believed: ``printed``, ``torque`` or ``voltage``, see
             `alpha5_model.actuators`.
@@ -40,6 +44,8 @@ class Motors:
     current_limits: tuple[float | None, ...] = _UNKNOWN
     rotor_inertias: tuple[float | None, ...] = _UNKNOWN
     constants: str = "printed"
+    backward_frictions: tuple[float | None, ...] = _UNKNOWN
+    viscous_frictions: tuple[float | None, ...] = _UNKNOWN
 
     def __post_init__(self) -> None:
         choice("motor constants", self.constants, CONSTANTS)
@@ -49,12 +55,22 @@ class Motors:
             object.__setattr__(self, "supply_voltage", supply)
         limits = _per_joint("current_limits", self.current_limits, strict=True)
         inertias = _per_joint("rotor_inertias", self.rotor_inertias, strict=False)
+        backward = _per_joint(
+            "backward_frictions", self.backward_frictions, strict=False
+        )
+        viscous = _per_joint("viscous_frictions", self.viscous_frictions, strict=False)
+        for friction in filter(None, backward):
+            plausibility.check(
+                "backward_frictions", friction, plausibility.MOTOR_FRICTION
+            )
         for limit in filter(None, limits):
             plausibility.check("current_limits", limit, plausibility.CURRENT_LIMIT)
         for inertia in filter(None, inertias):
             plausibility.check("rotor_inertias", inertia, plausibility.ROTOR_INERTIA)
         object.__setattr__(self, "current_limits", limits)
         object.__setattr__(self, "rotor_inertias", inertias)
+        object.__setattr__(self, "backward_frictions", backward)
+        object.__setattr__(self, "viscous_frictions", viscous)
 
 
 def _per_joint(

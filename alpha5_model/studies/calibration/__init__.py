@@ -4,7 +4,8 @@
 `efforts`. `plan_excitation` proposes a motion for the last two. `session` holds their
 readings, and `fit` makes an arm file of them, with the covariance of its numbers, and
 names what is wrong with the readings. A plan is written by `session_text`, and read
-with its readings by `read_session`.
+with its readings by `read_session`. `motors` estimates friction and torque per ampere
+of the motors from recorded currents.
 """
 
 from alpha5_model.studies.calibration.calibration import Calibration, fit
@@ -12,6 +13,12 @@ from alpha5_model.studies.calibration.excitation import (
     Excitation,
     plan_excitation,
 )
+from alpha5_model.studies.calibration.motor_currents import (
+    MotorCalibration,
+    Payload,
+    motors,
+)
+from alpha5_model.studies.calibration.motor_record import JointMotor
 from alpha5_model.studies.calibration.plan_file import read_session, session_text
 from alpha5_model.studies.calibration.poses import plan_poses
 from alpha5_model.studies.calibration.problems import Problem
@@ -31,12 +38,16 @@ from alpha5_model.studies.calibration.sessions import (
 __all__ = [
     "Calibration",
     "Excitation",
+    "JointMotor",
+    "MotorCalibration",
+    "Payload",
     "Problem",
     "Sensor",
     "Session",
     "efforts",
     "fit",
     "force_torque",
+    "motors",
     "plan_excitation",
     "plan_poses",
     "read_session",
