@@ -51,16 +51,16 @@ ELSEWHERE: dict[str, dict[str, str]] = {
             "tests/studies/test_model_fit.py::test_coverage_of_predicted_torques"
         ),
     },
-    "docs/guides/motors.md": {
-        words: "scripts/identification/motor_trials.py"
-        for words in (
+    "docs/guides/motors.md": dict.fromkeys(
+        (
             "ripples by 5 % and drifts by 4 %",
             "| friction forward | 1.1 / 1.0 % | 3.5 / 3.2 %",
             "| friction backward | 0.5 / 1.3 % | 3.3 / 3.8 %",
             "| K_t times gear ratio | 9.2 / 4.3 % | 5.0 / 4.3 %",
             "the printed digits know gravity's torque to 0.4 %",
-        )
-    },
+        ),
+        "scripts/identification/motor_trials.py",
+    ),
     "docs/concepts/dexterity.md": {
         "as 3600 orientations": (
             "tests/documentation/test_statements_concepts.py::test_the_page_says_what_is_computed"
