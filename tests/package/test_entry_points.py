@@ -33,6 +33,7 @@ ENTRY_POINTS = {
     "kinematics.solver": "which arm the kernels solve",
     "kinematics.workspace": "the published region",
     "numbers.arm_file": "arm_file; what a file leaves out is the catalogue's",
+    "numbers.joint_losses": "a friction that is not the catalogue's was measured",
     "numbers.record_writing": "a file says what differs from the catalogue's arm",
     "numbers.chosen_arm": "chosen_arm without an arm; is_catalogue compares",
     "proofs.audit.run": "audit",
