@@ -71,9 +71,9 @@ def kernel_rows(
 
     out = None
     given: list[Any] = [*states.values()]
-    if type(given[0]) is np.ndarray and given[0].ndim == 2:
+    if type(given[0]) is np.ndarray and given[0].ndim == 2 and len(given[0]):
         # The kernel refuses what is not plainly rows. Then `rows` converts it, or says
-        # what is wrong.
+        # what is wrong. Of no row, a kernel checks nothing.
         with suppress(KernelError):
             out = _run_kernel(kernel, parameters, columns, given)
     if out is None:
