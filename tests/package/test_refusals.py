@@ -37,7 +37,7 @@ UNCHECKED = (
     "Segment.",
 )
 #: Where NaN is what was not measured, as documented.
-NOT_MEASURED = ("session(readings)",)
+NOT_MEASURED = ("session(readings)", "with_readings(readings)")
 #: What is wrong with an array -> what makes it so.
 SPOILT: dict[str, Callable[[np.ndarray], Any]] = {
     "a text": lambda array: "x",
