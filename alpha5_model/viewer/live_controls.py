@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 
 from alpha5_model._support.checks import real
 from alpha5_model.errors import InputError
@@ -32,7 +31,6 @@ def curve_name(name: object) -> str:
     return name
 
 
-@dataclass
 class Curve:
     """The latest samples of a curve.
 
@@ -41,10 +39,9 @@ class Curve:
         samples: Time [s] and value, in order of time.
     """
 
-    name: str
-    samples: deque[tuple[float, float]] = field(
-        default_factory=lambda: deque(maxlen=SAMPLES)
-    )
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.samples: deque[tuple[float, float]] = deque(maxlen=SAMPLES)
 
     def command(self) -> Command:
         """The command that draws all samples."""
@@ -52,22 +49,29 @@ class Curve:
         return Command(type="curve", name=self.name, samples=samples, whole=True)
 
 
-@dataclass
 class Slider:
     """A slider of the pages.
 
     Attributes:
         name: On the page.
         low, high: Its ends.
-        value: Where it is.
+        value: Where it is; pages move it.
         on_change: Called with the value if a page has moved it, or None.
     """
 
-    name: str
-    low: float
-    high: float
-    value: float
-    on_change: Callable[[float], object] | None = None
+    def __init__(
+        self,
+        name: str,
+        low: float,
+        high: float,
+        value: float,
+        on_change: Callable[[float], object] | None = None,
+    ) -> None:
+        self.name = name
+        self.low = low
+        self.high = high
+        self.value = value
+        self.on_change = on_change
 
     def command(self) -> Command:
         """The command that shows the slider."""

@@ -72,6 +72,16 @@ ELSEWHERE: dict[str, dict[str, str]] = {
             "::test_the_page_says_what_is_computed"
         ),
     },
+    "docs/guides/calibration.md": {
+        "5 % from the rated speeds": (
+            "tests/studies/test_calibration.py::test_an_exciting_motion_can_be_made"
+        ),
+    },
+    "alpha5_model/studies/calibration/excitation.py": {
+        "within 95 % of the rated speeds": (
+            "tests/studies/test_calibration.py::test_an_exciting_motion_can_be_made"
+        ),
+    },
     "docs/guides/compare.md": {
         "100 levels of elements or 10 000 links": (
             "tests/description/test_hostile_urdf.py::test_the_bounds_are_said"
@@ -127,6 +137,12 @@ MEANING = {
     "a 95 % interval",
     "95 % intervals, (38,) each",
     "(1, 50 and 99 %)",
+    "masses and volumes are known to 10 %",
+    "standard deviation of masses and volumes is 10 %",
+    "that of moments of inertia 10 % of the largest",
+    "force-torque sensor in sea water, 3 mN·m, gain 1 %",
+    "efforts without friction in sea water, 3 mN·m, gain 1 %",
+    "at steps of 1 ms",
 }
 
 

@@ -824,14 +824,14 @@ def bounds_in_motion() -> Sequence[Figure]:
     "| efforts | 3 mN·m | {} % | | load on the mount | 10 mN and mN·m | {} % |",
 )
 def coverage() -> Sequence[Figure]:
-    """The page has 500 trials, here are 8 of each kind.
+    """The page has 60 trials, here are 8 of each kind.
 
     The hits within one trial depend on each other, so the error of the mean comes from
-    the spread of the trials.
+    the spread of the trials. If all of them hit, it is not below 5 %.
     """
     u = a5.uncertainty
     time = np.arange(0.0, 12.0, 0.02)
-    phase = np.outer(time, [1.9, 1.3, 2.3, 1.1])
+    phase = np.outer(time, [1.25, 1.0, 1.3, 1.1])
     swing = a5.named_pose("reach") + [0, 0.5, -0.6, 0] + 0.4 * np.sin(phase)
     motion = a5.trajectory.motion(time, swing)
     smooth = a5.trajectory.smooth(motion, "interpolate")
@@ -856,7 +856,10 @@ def coverage() -> Sequence[Figure]:
             inside = (found.lower <= truth) & (truth <= found.upper)
             hits.append(100 * float(inside[found.supported].mean()))
     return [
-        Near(float(np.mean(hits)), 4 * float(np.std(hits)) / np.sqrt(trials))
+        Near(
+            float(np.mean(hits)),
+            max(4 * float(np.std(hits)) / np.sqrt(trials), 5.0),
+        )
         for hits in kinds
     ]
 

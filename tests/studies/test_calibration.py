@@ -235,7 +235,7 @@ def test_an_exciting_motion_can_be_made(kind: str, tmp_path: Path) -> None:
         assert angle.min() > joint.lower + 0.05
         assert angle.max() < joint.upper - 0.05
         assert 0.5 * joint.velocity < np.abs(planned.velocity[:, k]).max()
-        assert np.abs(planned.velocity[:, k]).max() < joint.velocity
+        assert np.abs(planned.velocity[:, k]).max() <= 0.95 * joint.velocity + 1e-9
     assert np.allclose(planned.position[0], planned.position[-1])
     assert np.allclose(planned.velocity[[0, -1]], 0.0, atol=1e-12)
     dense = np.linspace(0.0, planned.time[-1], 4001)
