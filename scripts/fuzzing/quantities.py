@@ -65,7 +65,7 @@ QUANTITIES = {
         lambda x: _payload(mass=x), (0.01, 1.5), (500.0, 250.0, 1e4), (-0.1, -500.0)
     ),
     "payload volume": Quantity(
-        lambda x: _payload(volume=x), (0.0, 1e-3), (1.0, 200.0), (-1e-4,)
+        lambda x: _payload(volume=x), (1e-5, 1e-3), (1.0, 200.0), (-1e-4,)
     ),
     "payload centre of mass": Quantity(
         lambda x: _payload(com=(0.0, 0.0, x)), (-0.1, 0.1), (20.0, 50.0, -20.0)
