@@ -441,6 +441,7 @@ COMMANDS = {
     ),
     "ik": (["ik", "0.2", "0", "0.1", "--arm", "{}"], {}),
     "move": (["move", "home", "reach", "--obstacles", "{}"], {"--output": ".csv"}),
+    "calibrate": (["calibrate", "fit", "{}"], {"--output": ".toml"}),
     "fk": (["fk", "3", "1", "1", "0", "--arm", "{}"], {}),
 }
 
@@ -452,7 +453,16 @@ def takes_path(annotation: Any) -> bool:
 
 
 def test_no_command_has_a_path_that_is_not_tested_here() -> None:
-    read = {"file", "motion", "other", "urdf", "study", "arm_file", "obstacles"}
+    read = {
+        "file",
+        "files",
+        "motion",
+        "other",
+        "urdf",
+        "study",
+        "arm_file",
+        "obstacles",
+    }
     for command in application(*COMMAND_NAMES).registered_commands:
         assert command.callback is not None
         parameters = inspect.signature(command.callback, eval_str=True).parameters

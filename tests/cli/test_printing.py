@@ -12,7 +12,7 @@ def test_progress_is_drawn_on_stderr(
 ) -> None:
     # Rich takes it for a terminal then.
     monkeypatch.setenv("FORCE_COLOR", "1")
-    assert list(progress_over(["one", "two"], "Drawing")) == ["one", "two"]
+    assert list(progress_over(["one", "two"], "Drawing", 2)) == ["one", "two"]
     with progress_bars() as progress:
         progress("Reading", 0.5)
     written = capsys.readouterr()

@@ -97,7 +97,8 @@ def _motor(motor: a5.actuators.Actuator) -> np.ndarray:
     current = motor.current(0.5, 0.2, turning)
     ends = motor.current_interval(0.5, 0.2, turning)
     voltage = motor.voltage(current, 0.2, 3.0)
-    return np.array([current, *ends, voltage])
+    backward = motor.current(-0.5, -0.2, turning and -turning)
+    return np.array([current, *ends, voltage, backward])
 
 
 def concerned(key: str) -> set[str]:

@@ -484,6 +484,8 @@ def described(arm: Alpha5Parameters) -> dict[str, Any]:
 
 #: Those with bodies and joints.
 ROBOTS = {"urdf", "xacro", "mjcf", "sdf"}
+#: Keys of motors that joints have in descriptions; SDF has no such element here.
+LOSSES = {"friction", "friction_backward", "viscous_friction", "rotor_inertia"}
 
 
 def concerned(key: str) -> set[str]:
@@ -491,8 +493,11 @@ def concerned(key: str) -> set[str]:
     table, _, name = key.partition(".")
     if key == "name":
         return {*ROBOTS, "srdf"}
-    if table == "motors" or key == "attached.name":
-        # Descriptions have no motors, and attached bodies are part of their links.
+    if table == "motors":
+        # Joints have the losses and the rotor's inertia of motors, and nothing else.
+        return ROBOTS - {"sdf"} if name.split(".")[0] in LOSSES else set()
+    if key == "attached.name":
+        # Attached bodies are part of their links.
         return set()
     if name.endswith(("volume", "cob")):
         return {"mjcf", "sdf"}

@@ -34,6 +34,14 @@ LONG = {
         "studies/test_sweep.py",
         "cluster.scheduler_address",
     ),
+    r"alpha5 calibrate fit": (
+        "cli/test_calibrate.py",
+        '["calibrate", "fit", str(plan), "--output", str(made)',
+    ),
+    r"alpha5 calibrate motors": (
+        "studies/test_motor_calibration.py",
+        '["calibrate", "motors", str(recording), "--fluid", "sea"]',
+    ),
     r"alpha5 demo": ("cli/test_demo.py", 'main(["demo"'),
     r"alpha5 check$": ("description/test_verification.py", 'main(["check"]) == 0'),
     r"alpha5 workspace --self-collision": (

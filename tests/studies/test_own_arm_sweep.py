@@ -45,6 +45,9 @@ WITHOUT_EFFECT = {
         for joint in "edcba"
     ),
     "motors.rotor_inertia.axis_a",
+    "motors.viscous_friction.axis_a",
+    # All joints turn forward in this study.
+    *(f"motors.friction_backward.axis_{joint}" for joint in "edcba"),
     *(f"joint_limits.axis_a.{key}" for key in arm_schema.JOINT_LIMITS["axis_a"]),
     *(
         f"joint_limits.axis_{joint}.{key}"

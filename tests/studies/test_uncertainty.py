@@ -898,7 +898,7 @@ WRONG: dict[str, Callable[[], Any]] = {
     ),
     "motion: expected a Motion": lambda: u.identify(np.zeros((5, 4))),
     "got Arm(axis_e, axis_d, axis_c, axis_b; floating": lambda: u.identify(
-        swing(50)[0], a5.load(floating_base=True)
+        swing(50)[0], a5.load(floating_base=True), wrench=np.zeros((50, 6))
     ),
     "fluid_density: expected": lambda: u.sample(1).base_parameters(-1.0),
     "gravity: expected": lambda: u.sample(1).base_parameters(1.0, [1, 2]),

@@ -131,7 +131,7 @@ BAD = {
         ",",
         "axis_c_pos",
     ),
-    "no time": (["t", *HEADER[1:]], table(), ",", "no column for the time"),
+    "no time": (["tt", *HEADER[1:]], table(), ",", "no column for the time"),
     "two times": (
         ["time", "time_secs", *HEADER[2:]],
         table(),
