@@ -5,18 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike
-from alpha5_model._support.outputs import output_format
-from alpha5_model._support.writing import atomic_write
+from alpha5_model.planning.motion_table import write_motion_table
 from alpha5_model.planning.replay import Peak
 from alpha5_model.trajectory.analysis import Analysis
 from alpha5_model.trajectory.motions import Motion
-
-#: Of the table of a motion.
-FORMATS = (".csv",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,17 +70,11 @@ class PlannedMotion:
             UnknownNameError: Another suffix.
             OutputError: The file cannot be written.
         """
-        output_format("motion format", path, FORMATS)
-        names = ["time_secs"]
-        columns = [self.time]
-        for k, joint in enumerate(self.motion.joints):
-            names += [f"{joint}_pos", f"{joint}_vel", f"{joint}_acc"]
-            columns += [
-                self.position[:, k],
-                self.velocity[:, k],
-                self.acceleration[:, k],
-            ]
-        # All digits: a replay of the file is that of the motion.
-        rows = np.stack(columns, axis=1).tolist()
-        lines = [",".join(map(repr, row)) for row in rows]
-        return atomic_write(Path(path), "\n".join([",".join(names), *lines]) + "\n")
+        return write_motion_table(
+            path,
+            self.motion.joints,
+            time=self.time,
+            position=self.position,
+            velocity=self.velocity,
+            acceleration=self.acceleration,
+        )

@@ -25,13 +25,12 @@ from alpha5_model._support.checks import (
     real,
 )
 from alpha5_model._support.files import PathLike
-from alpha5_model._support.outputs import output_format
-from alpha5_model._support.writing import atomic_write
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.planning.motion_table import write_motion_table
 from alpha5_model.planning.surroundings import Surroundings
 from alpha5_model.studies.calibration.equations import Equations
 from alpha5_model.studies.calibration.poses import FROM_LIMITS, TILT
@@ -84,19 +83,14 @@ class Excitation:
             UnknownNameError: Another suffix.
             OutputError: The file cannot be written.
         """
-        output_format("motion format", path, (".csv",))
-        names = ["time_secs"]
-        columns = [self.time]
-        for k, joint in enumerate(JOINT_NAMES[:4]):
-            names += [f"{joint}_pos", f"{joint}_vel", f"{joint}_acc"]
-            columns += [
-                self.position[:, k],
-                self.velocity[:, k],
-                self.acceleration[:, k],
-            ]
-        rows = np.stack(columns, axis=1).tolist()
-        lines = [",".join(map(repr, row)) for row in rows]
-        return atomic_write(Path(path), "\n".join([",".join(names), *lines]) + "\n")
+        return write_motion_table(
+            path,
+            JOINT_NAMES[:4],
+            time=self.time,
+            position=self.position,
+            velocity=self.velocity,
+            acceleration=self.acceleration,
+        )
 
 
 def plan_excitation(
