@@ -40,7 +40,9 @@ _PICTURE_SIZE = (1400, 1000)
 
 
 def demo(
-    output: Annotated[Path, Option(help="Folder to write into.")] = Path("demo"),
+    output: Annotated[
+        Path, Option("--output", "-o", help="Folder to write into.")
+    ] = Path("demo"),
 ) -> int:
     """Generate the arm, check it, solve it, compute with water, and draw it.
 

@@ -144,7 +144,10 @@ MESH_URIS = {
 }
 
 # The options of this command.
-_Output = Annotated[Path | None, Option(help="File; for mjcf, sdf and c a folder.")]
+_Output = Annotated[
+    Path | None,
+    Option("--output", "-o", help="File; for mjcf, sdf and c a folder."),
+]
 _DescriptionFormat = Annotated[
     str,
     Option(

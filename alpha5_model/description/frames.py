@@ -35,7 +35,7 @@ def own_mount(parameters: Alpha5Parameters, taken: Iterable[str]) -> Placement |
     if mount is None:
         return None
     if mount.parent in taken:
-        expected = "a name that no link of the arm has"
+        expected = "a name that no link of the arm has; a prefix renames the arm's"
         raise InputError("mount.parent", mount.parent, expected)
     return mount_placement(mount)
 

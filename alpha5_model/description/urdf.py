@@ -147,7 +147,8 @@ def urdf(variant: Variant | None = None) -> str:
     mount = arm.mount
     parent = chosen.parent or (mount.parent if mount is not None else "")
     if parent and text.count(f'<link name="{parent}"') > 1:
-        raise InputError("parent", parent, "a name that no link of the arm has")
+        expected = "a name that no link of the arm has; a prefix renames the arm's"
+        raise InputError("parent", parent, expected)
     return text
 
 

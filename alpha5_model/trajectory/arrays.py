@@ -12,6 +12,7 @@ from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory.checks import ArrayOrigin, checked
+from alpha5_model.trajectory.current_units import refuse_milliamperes
 from alpha5_model.trajectory.motions import Motion
 
 
@@ -39,7 +40,7 @@ def motion(
 
     Raises:
         InputError: Time runs back, a joint is missing or named twice, too few samples,
-            not finite.
+            not finite, angles in degrees, currents in milliamperes.
     """
     t = float_array("time", time, ())
     if t.ndim != 1:
@@ -68,7 +69,10 @@ def motion(
         effort=None if tau is None else tau[:, order],
         current=None if amperes is None else amperes[:, order],
     )
-    return checked(raw, chosen_arm(arm), ArrayOrigin())
+    parameters = chosen_arm(arm)
+    if raw.current is not None:
+        refuse_milliamperes(raw.current, parameters)
+    return checked(raw, parameters, ArrayOrigin())
 
 
 def _listed_joints(joints: Sequence[str]) -> tuple[str, ...]:

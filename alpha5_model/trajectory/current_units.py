@@ -9,6 +9,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray, frozen
 from alpha5_model.dynamics.actuators import Actuator
+from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.trajectory.motions import Motion
 from alpha5_model.trajectory.warning import MotionWarning
@@ -34,8 +35,7 @@ def in_amperes(
         parameters: The arm, for the resistances of its motors.
         head: Where the names of the columns are in the file.
     """
-    least = min(actuator.resistance for actuator in parameters.actuators)
-    most = _SUPPLY / least
+    most = _most_amperes(parameters)
     too_large = int(np.count_nonzero(np.abs(current) > most))
     if not too_large:
         return current, []
@@ -47,6 +47,33 @@ def in_amperes(
         kind="current_unit", count=too_large, first=head or _EVERYWHERE, text=text
     )
     return current * _MILLI, [warning]
+
+
+def refuse_milliamperes(current: FloatArray, parameters: Alpha5Parameters) -> None:
+    """Refuse currents of the caller's arrays that no motor of the arm takes.
+
+    Args:
+        current: (N, n) [A], NaN if unknown.
+        parameters: The arm, for the resistances of its motors.
+
+    Raises:
+        InputError: A current beyond what the largest motor takes when it stalls at
+            24 V.
+    """
+    most = _most_amperes(parameters)
+    too_large = np.abs(current) > most
+    if too_large.any():
+        expected = (
+            f"currents [A] up to the {most:.3g} A of a stalled motor; "
+            "divide milliamperes by 1000"
+        )
+        raise InputError("current", float(current[too_large][0]), expected)
+
+
+def _most_amperes(parameters: Alpha5Parameters) -> float:
+    """What the largest motor takes when it stalls [A]."""
+    least = min(actuator.resistance for actuator in parameters.actuators)
+    return _SUPPLY / least
 
 
 class Recorded(NamedTuple):

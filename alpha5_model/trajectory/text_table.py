@@ -139,7 +139,12 @@ def widths(lines: list[str], separator: str) -> Iterable[int]:
 
 
 def is_number(text: str) -> bool:
-    """Whether a text is a number, finite or not."""
+    """Whether a text is a number, finite or not.
+
+    Python also reads ``1_0`` and digits of other scripts; a table has neither.
+    """
+    if "_" in text or not text.isascii():
+        return False
     try:
         float(text)
     except ValueError:

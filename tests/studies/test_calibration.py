@@ -383,6 +383,8 @@ def test_weight_alone_tells_the_whole_mass() -> None:
     assert found.problems == ()
     total = sum(link.mass for link in found.arm.links)
     assert np.isclose(total, heavy[0, 0], atol=0.003)
+    with pytest.raises(InputError, match="pulls somewhere"):
+        calibrate.weight(gravity=[5e-324, 0.0, 0.0])
 
 
 # --- problems -------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli.program import main
-from alpha5_model.errors import ShapeError
+from alpha5_model.errors import InputError, ShapeError
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
 TIME = np.arange(0.0, 6.0, 0.05)
@@ -160,6 +160,8 @@ def test_currents_of_arrays_and_of_the_jaw_rod() -> None:
 
     with pytest.raises(ShapeError, match="current"):
         a5.trajectory.motion(TIME, position, current=recorded[:, :4])
+    with pytest.raises(InputError, match=r"up to the .* A of a stalled motor; divide"):
+        a5.trajectory.motion(TIME, position, current=1e3 * recorded)
 
 
 def test_a_written_table_returns_what_was_recorded(tmp_path: Path) -> None:

@@ -439,6 +439,8 @@ def test_quoted_cells_and_unused_columns(tmp_path: Path) -> None:
             '"a",0.3,1.0,"1,5",2,3',
             r"line 5, column 4 \(axis_d\): expected a finite number, got '1,5'",
         ),
+        ('"a",0.3,1.0,1_0,2,3', "line 5, column 4 .* finite number, got '1_0'"),
+        ('"a",0.3,1.0,١,2,3', "line 5, column 4 .* finite number, got '١'"),
         (f'"a",0.3,1.0,{"?" * 90},2,3', r"got '\?{40}'$"),
     ):
         path.write_text("\n".join([header, *rows[:3], bad, bad, *rows[5:]]))

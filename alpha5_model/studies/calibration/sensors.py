@@ -120,11 +120,12 @@ def weight(
         InputError: No gravity, or numbers not above 0.
     """
     pull = array("gravity", gravity, 3)
-    if not pull.any():
+    strength = np.linalg.norm(pull)
+    if not strength > 0.0:
         raise InputError("gravity", pull.tolist(), "gravity that pulls somewhere")
     noise = real("noise", noise, minimum=0.0, strict=True)
     matrix = np.zeros((1, LOADS))
-    matrix[0, 4:7] = pull / np.linalg.norm(pull) / STANDARD_GRAVITY
+    matrix[0, 4:7] = pull / strength / STANDARD_GRAVITY
     return Sensor(
         kind="weight",
         channels=("scale",),
