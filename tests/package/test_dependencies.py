@@ -38,6 +38,7 @@ USED_WITHOUT_IMPORT = {
     "truerig": "run by scripts/conformance/linters.py",
     "example-robot-data": "the data that its loaders load",
     "mujoco-mjx": "imported as mujoco.mjx",
+    "newton-usd-schemas": "imported by newton, to read USD",
     "daqp": "pink's solver, chosen by name",
     "pytest-xdist": "make test",
     "ruff": "make lint",
