@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from prose import prose, words
+from checks.prose import prose, words
 
 REPOSITORY = Path(__file__).parents[2]
 PAGES = sorted(
