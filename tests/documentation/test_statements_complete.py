@@ -44,10 +44,10 @@ ELSEWHERE: dict[str, dict[str, str]] = {
         ),
     },
     "docs/concepts/uncertainty.md": {
-        "did the 95 % intervals hold": (
+        "did the 95 % intervals contain the true value": (
             "tests/studies/test_uncertainty.py::test_identification_finds_the_truth"
         ),
-        "they held 95 % of static torques": (
+        "the intervals contained 95 % of static torques": (
             "tests/studies/test_model_fit.py::test_coverage_of_predicted_torques"
         ),
     },

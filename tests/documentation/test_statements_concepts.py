@@ -210,9 +210,9 @@ def gaps_are_small(points: np.ndarray) -> np.ndarray:
 
 @statement(
     DEXTERITY,
-    "tries {} orientations unless told otherwise. It misses gaps narrower than one "
-    "degree. Of {} random points of the arm below, it calls {} dexterous that are "
-    "not, as 3600 orientations show",
+    "tries {} orientations unless you give another number. It misses gaps narrower "
+    "than one degree: of {} random points of the arm below, it wrongly calls {} "
+    "dexterous, as 3600 orientations show",
 )
 def dexterity_with_limits() -> Sequence[Figure]:
     import inspect
@@ -291,7 +291,7 @@ def test_approach_directions_are_circles_on_the_yaw_axis_and_four_at_most_off_it
 
 @statement(
     "docs/concepts/inertia.md",
-    "change as well, by up to {} % for the links of this arm",
+    "change, too, by up to {} % for the links of this arm",
 )
 def copied_products() -> Sequence[Figure]:
     changes = []
@@ -334,8 +334,8 @@ def test_copied_products_are_no_mirror_image() -> None:
 
 @statement(
     "docs/concepts/branches.md",
-    "each of {} random positions within the limits "
-    "is among the solutions of its own tcp",
+    "Each of {} random positions within the limits is among the solutions of its "
+    "own tcp",
 )
 def branches() -> Sequence[Figure]:
     q = sample(200_000, seed=77)

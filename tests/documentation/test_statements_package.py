@@ -44,7 +44,7 @@ START = "docs/start.md"
 # --- installation --------------------------------------------------------------------
 
 
-@statement("README.md", "They need Python {}, make and the network")
+@statement("README.md", "They need only Python {}, make and the network")
 def python_of_the_readme() -> Sequence[Figure]:
     return [Near(float(PROJECT["requires-python"].removeprefix(">=")))]
 
@@ -97,8 +97,8 @@ def test_a_wheel_fits_one_platform_only_if_it_holds_compiled_kernels(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     words = (
-        "its name says which: `cp311-abi3-linux_x86_64`. "
-        "Built without a compiler it is `py3-none-any`"
+        "its name says which: `cp311-abi3-linux_x86_64`. Without a compiler the "
+        "wheel is `py3-none-any`"
     )
     assert Statement(START, words, list).found()
     platform = re.sub(r"[-.]", "_", sysconfig.get_platform())

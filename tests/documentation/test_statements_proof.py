@@ -319,11 +319,10 @@ def identified() -> dict[str, Any]:
 
 @statement(
     UNCERTAINTY,
-    "| link 2's moment across its length | {} % | "
-    "| the moment that links 2 and 3 have together | {} % | "
-    "| three more | {} to {} % | "
-    "| the wrist's moment across its axis | not known at all | The printed digits know "
-    "the five {} to {} times better",
+    "| link 2's moment across its length | {} % | | the moment that links 2 and 3 "
+    "have together | {} % | | three more | {} to {} % | | the wrist's moment "
+    "across its axis | not known | The printed digits know these five combinations "
+    "{} to {} times better",
     needs_recordings,
 )
 def combinations() -> Sequence[Figure]:
@@ -368,8 +367,8 @@ def turn_of_the_arm() -> Sequence[Figure]:
 
 @statement(
     UNCERTAINTY,
-    "With the angle, the best fit is at {} with a standard error of {}. So it **cannot "
-    "be told** from these recordings. The corrected point fits well, and the printed "
+    "With the angle, the best fit is at {} with a standard error of {}. So these "
+    "recordings **cannot tell**. The corrected point fits well, and the printed "
     "one is {} standard errors away",
     needs_recordings,
 )
@@ -765,7 +764,7 @@ def mass_of_link_2() -> Sequence[Figure]:
 
 @statement(
     UNCERTAINTY,
-    "is {} N·m with the gearbox's efficiency and {} N·m with the motor's",
+    "is {} N·m with the gearbox's efficiency, and {} N·m with the motor's",
 )
 def stall_torque() -> Sequence[Figure]:
     """Table 4 by hand: K_t U / R times the gear ratio, U what axis_b needs at its rated
@@ -781,9 +780,7 @@ def stall_torque() -> Sequence[Figure]:
     return [Near(motor * 0.86), Near(motor)]
 
 
-@statement(
-    UNCERTAINTY, "the interval at most {} times as wide as that of the best corner"
-)
+@statement(UNCERTAINTY, "the interval at most {} times as wide as the exact one")
 def bounds_in_motion() -> Sequence[Figure]:
     """For the torque of axis_d; corners are found by a walk along the edges by link."""
     q, v, a = states(6, 8)
