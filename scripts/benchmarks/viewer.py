@@ -54,7 +54,7 @@ _RUN = """async ([duration, poses]) => {
   }
   return (performance.now() - began) / frames;
 }"""
-_MOVE_OURS = '(q) => alpha5.setPose(q, "motion")'
+_MOVE_OURS = '(q) => alpha5.setPose(q, "travel")'
 _MOVE_MESHCAT = """(places) => {
     for (const [path, matrix] of places) viewer.set_transform(path, matrix);
     viewer.set_dirty();

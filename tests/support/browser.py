@@ -100,19 +100,27 @@ class Tab:
     def project(self, points: np.ndarray) -> np.ndarray:
         """Pixels (N, 2) of points (N, 3) in the world, by the camera's own matrices."""
         clip = np.column_stack([points, np.ones(len(points))]) @ self.projection().T
-        return (clip[:, :2] / clip[:, 3:] * [1, -1] + 1) / 2 * self.size()
+        corner, size = self.stage()
+        return corner + (clip[:, :2] / clip[:, 3:] * [1, -1] + 1) / 2 * size
 
     def shifted(self, point: np.ndarray, pixels: tuple[float, float]) -> np.ndarray:
         """The point (3,) some pixels beside another, at the same depth."""
         matrix = self.projection()
         clip = matrix @ [*point, 1.0]
-        clip[:2] += clip[3] * 2 * np.array([1, -1]) * pixels / self.size()
+        _, size = self.stage()
+        clip[:2] += clip[3] * 2 * np.array([1, -1]) * pixels / size
         found = np.linalg.solve(matrix, clip)
         return found[:3] / found[3]
 
     def size(self) -> np.ndarray:
         """Width and height of the window, in pixels."""
         return np.array([self.page.viewport_size[side] for side in ("width", "height")])
+
+    def stage(self) -> tuple[np.ndarray, np.ndarray]:
+        """Corner (2,) and size (2,) of the canvas in the window, in pixels."""
+        box = self.page.locator("#pane canvas").bounding_box()
+        corner = np.array([box["x"], box["y"]])
+        return corner, np.array([box["width"], box["height"]])
 
     def projection(self) -> np.ndarray:
         """World to clip coordinates, (4, 4)."""

@@ -30,6 +30,11 @@ function added(parent, tag, properties = {}) {
   return Object.assign(parent.appendChild(document.createElement(tag)), properties);
 }
 
+// Write a text, unless it is there already: a text that is written is laid out and painted again.
+function write(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 // A number as text, with a true minus sign and without minus zero.
 function fixed(value, digits) {
   const text = value.toFixed(digits);

@@ -38,14 +38,19 @@ const lastFree = () => freePart ??= free();
 const covers = new ResizeObserver(() => { freePart = null; viewer.set_dirty(); });
 for (const id of ["panel", "views", "strip"]) covers.observe(byId(id));
 
+// The part of the window in which the scene is drawn: all that is right of the panel. Every pixel costs time.
+let stage = { left: 0, width: 1, height: 1 };
+// Pixels of the window to the camera's coordinates, which are 1 at the right and upper edges of the stage.
+const inCamera = (x, y) => ({ x: 2 * (x - stage.left) / stage.width - 1, y: 1 - 2 * y / stage.height });
+
 // A point of the world to pixels (from the window's corner) and depth, and back. meshcat's scene is turned, too.
 function onScreen(point) {
   const at = point.clone().applyMatrix4(viewer.scene.matrixWorld).project(viewer.camera);
-  return [(at.x + 1) / 2 * window.innerWidth, (1 - at.y) / 2 * window.innerHeight, at.z];
+  return [stage.left + (at.x + 1) / 2 * stage.width, (1 - at.y) / 2 * stage.height, at.z];
 }
 function fromScreen(x, y, depth) {
-  const at = new THREE.Vector3(2 * x / window.innerWidth - 1, 1 - 2 * y / window.innerHeight, depth);
-  return at.unproject(viewer.camera).applyMatrix4(viewer.scene.matrixWorld.clone().invert());
+  const at = inCamera(x, y);
+  return new THREE.Vector3(at.x, at.y, depth).unproject(viewer.camera).applyMatrix4(viewer.scene.matrixWorld.clone().invert());
 }
 
 // ---- what the camera frames: the bodies at the poses to come, and everything else that is shown
@@ -94,14 +99,22 @@ function moveCamera(eye, target) {
   viewer.scene.updateMatrixWorld();
   viewer.set_dirty();
 }
-// Centre the picture in the free part of the window.
+// Lay the stage beside the panel, and centre the picture in the free part of the window.
 function center() {
   const folded = byId("panel").classList.contains("folded");
   document.documentElement.style.setProperty("--left", folded ? "12px" : "352px");
   const [left, top, right, bottom] = freePart = free();
   const [w, h] = [window.innerWidth, window.innerHeight];
   document.documentElement.style.setProperty("--floor", `${h - bottom + 10}px`);
-  viewer.camera.setViewOffset(w, h, (w - left - right) / 2, (h - top - bottom) / 2, w, h);
+  setStage({ left, width: w - left, height: h });
+  viewer.camera.setViewOffset(w, h, (w + left - right) / 2, (h - top - bottom) / 2, w - left, h);
+}
+function setStage(part) {
+  if (["left", "width", "height"].every((edge) => part[edge] === stage[edge])) return;
+  stage = part;
+  viewer.renderer.setSize(part.width, part.height);
+  viewer.renderer.domElement.style.left = `${part.left}px`;
+  viewer.set_dirty();
 }
 // The nearest camera that looks one way and sees all points in the free part of the window.
 function framing(points, back) {
@@ -159,9 +172,7 @@ function keepInSight() {
   if (seen.some(([x, y]) => x < left || x > right || y < top || y > bottom)) glide(framing(pointsToFrame(true), backwards()));
 }
 
-const resize = viewer.set_3d_pane_size.bind(viewer);
-viewer.set_3d_pane_size = (...size) => {
-  resize(...size);
+viewer.set_3d_pane_size = () => {
   center();
   if (state.view && poses[root]) look(state.view, false);
   viewer.set_dirty();

@@ -24,6 +24,9 @@ viewer.handle_command = (command) => {
     Object.assign(each, { polygonOffset: each.opacity < 1, polygonOffsetFactor: -1, polygonOffsetUnits: -4 });
   }
   handle(command);
+  if (command.type === "set_object" && split(command.path)[2] === "bodies") {
+    for (const part of meshes(command.path)) part.material = litAtVertices(part.material);
+  }
   if (command.type === "set_property" && command.property === "visible") {
     const group = split(command.path)[2];
     if (group in shown) setGroup(group, command.value);

@@ -5,12 +5,10 @@ const download = (name, address) => Object.assign(document.createElement("a"), {
 // Copy the free part of the window, as it was drawn last, to a canvas.
 function compose(canvas) {
   const [left, top] = canvas.frame;
-  const drawn = viewer.renderer.domElement;
-  const dots = drawn.width / window.innerWidth;
+  const dots = dotsPerPixel();
   const pen = canvas.getContext("2d");
-  pen.setTransform(1, 0, 0, 1, 0, 0);
-  pen.drawImage(drawn, left * dots, top * dots, canvas.width, canvas.height, 0, 0, canvas.width, canvas.height);
   pen.setTransform(dots, 0, 0, dots, -left * dots, -top * dots);
+  paintScene(pen);
   for (const line of document.querySelectorAll("#leaders i")) {
     if (line.style.display === "none" || !line.ends) continue;
     const [x1, y1, x2, y2] = line.ends;
@@ -29,9 +27,28 @@ function compose(canvas) {
     pen.fillText(element.textContent, box.left + parseFloat(style.paddingLeft), box.top + box.height / 2);
   }
 }
+const dotsPerPixel = () => viewer.renderer.domElement.width / stage.width;
+// The backdrop and the scene, in pixels of the window.
+function paintScene(pen) {
+  const { top_color: top, bottom_color: bottom, visible } = viewer.scene_tree.find(["Background"]).object;
+  if (visible) {
+    pen.fillStyle = pen.createLinearGradient(0, 0, 0, stage.height);
+    pen.fillStyle.addColorStop(0, `rgb(${top})`);
+    pen.fillStyle.addColorStop(1, `rgb(${bottom})`);
+    pen.fillRect(0, 0, window.innerWidth, window.innerHeight);
+  }
+  pen.drawImage(viewer.renderer.domElement, stage.left, 0, stage.width, stage.height);
+}
+// What meshcat's programs in Python ask for: the window with the scene alone.
+viewer.capture_image = () => {
+  viewer.render();
+  const canvas = Object.assign(document.createElement("canvas"), { width: window.innerWidth, height: window.innerHeight });
+  paintScene(canvas.getContext("2d"));
+  return canvas.toDataURL();
+};
 function sheet() {
   const frame = free();
-  const dots = viewer.renderer.domElement.width / window.innerWidth;
+  const dots = dotsPerPixel();
   const even = (size) => 2 * Math.floor(size * dots / 2); // video encoders need even sizes
   return Object.assign(document.createElement("canvas"), { width: even(frame[2] - frame[0]), height: even(frame[3] - frame[1]), frame });
 }

@@ -2,7 +2,7 @@
 const GHOSTS = ["#0d8c80", "#d9730d", "#734dbf", "#8c801a"];
 const ghosts = data.branches.map((name, i) => {
   const solid = { color: GHOSTS[i], transparent: true, depthWrite: true, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
-  return { material: new THREE.MeshPhongMaterial(solid), group: new THREE.Group(), links: {}, label: null, open: false };
+  return { material: litAtVertices(new THREE.MeshPhongMaterial(solid)), group: new THREE.Group(), links: {}, label: null, open: false };
 });
 
 // Poses of all links at angles of the arm, with the jaws as they are.
@@ -54,8 +54,7 @@ byId("pane").addEventListener("click", (event) => {
 });
 function ghostAt(x, y) {
   const caster = new THREE.Raycaster();
-  const pane = byId("pane");
-  caster.setFromCamera({ x: 2 * x / pane.clientWidth - 1, y: 1 - 2 * y / pane.clientHeight }, viewer.camera);
+  caster.setFromCamera(inCamera(x, y), viewer.camera);
   const seen = ghosts.map((ghost, i) => {
     const hit = ghost.group.visible && ghost.open && caster.intersectObject(ghost.group, true).find((each) => each.object.parent.visible);
     return hit ? hit.distance : Infinity;

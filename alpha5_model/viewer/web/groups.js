@@ -40,5 +40,12 @@ function backdrop() {
 for (const [name, strength] of [["AmbientLight", 0.75], ["PointLightNegativeX", 0.5], ["PointLightPositiveX", 0.5], ["FillLight", 0.5]]) {
   viewer.set_property(["Lights", name, "<object>"], "intensity", strength);
 }
+// meshcat draws its backdrop anew in every frame; the browser does so once.
+viewer.show_background = () => {
+  const { top_color: top, bottom_color: bottom } = viewer.scene_tree.find(["Background"]).object;
+  byId("pane").style.background = `linear-gradient(rgb(${top}), rgb(${bottom}))`;
+};
+viewer.hide_background = () => { byId("pane").style.background = "none"; };
+viewer.scene.background = null;
 for (const name of ["Grid", "Axes"]) viewer.set_property([name], "visible", false);
 dark.addEventListener("change", backdrop);

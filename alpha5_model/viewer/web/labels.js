@@ -37,8 +37,8 @@ function drawLine(line, x1, y1, x2, y2) {
 
 // Write a text into a label, and measure each text once.
 const widths = {};
-function write(label, text) {
-  if (label.element.textContent !== text) label.element.textContent = text;
+function writeLabel(label, text) {
+  write(label.element, text);
   label.width = widths[text] = widths[text] || label.element.offsetWidth;
 }
 // What no label may cover: handles, messages and scale bars.
@@ -57,15 +57,14 @@ function placeFor({ width }, x, y, placed) {
 }
 
 function drawLabels() {
-  const [left, top, right, bottom] = free();
+  const [left, top, right, bottom] = lastFree();
   const points = [];
   for (const label of labels) {
     const where = shown.labels && shown[label.group] && label.where();
     const [x, y, depth] = where ? onScreen(where) : [0, 0, 2];
     const seen = depth < 1 && x > left && x < right && y > top && y < bottom;
-    label.element.style.display = seen ? "" : "none";
-    label.line.style.display = "none";
     if (seen) points.push({ label, x, y });
+    else hide(label);
   }
   const placed = obstacles();
   points.sort((a, b) => b.y - a.y);
@@ -76,13 +75,14 @@ function drawLabels() {
 function drawLabel(label, x, y, placed) {
   const text = label.words ? label.words() : label.text;
   let place;
+  label.element.style.display = ""; // what is hidden has no width
   for (const each of [text, text.split(",")[0]]) {
-    write(label, each);
+    writeLabel(label, each);
     place = placeFor(label, x, y, placed);
     if (place) break;
   }
   if (!place) {
-    label.element.style.display = "none";
+    hide(label);
     return;
   }
   const [at, row] = place;
@@ -90,6 +90,11 @@ function drawLabel(label, x, y, placed) {
   moveElement(label.element, at, row);
   const end = [clamp(x, at, at + label.width), clamp(y, row + 2, row + ROW - 4)];
   if (Math.hypot(end[0] - x, end[1] - y) > GAP + 3) drawLine(label.line, x, y, ...end);
+  else label.line.style.display = "none";
+}
+function hide(label) {
+  label.element.style.display = "none";
+  label.line.style.display = "none";
 }
 
 function drawFlowHandle() {

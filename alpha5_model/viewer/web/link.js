@@ -23,6 +23,12 @@ function linkWords(name, text, known) {
   if (other !== undefined) throw new RangeError(`${name} takes ${known.join(", ")}`);
   return words;
 }
+// Limits of torques, null for "none".
+function linkLimits(name, text) {
+  const parts = text.split(",");
+  const numbers = linkNumbers(name, parts.map((part) => part === "none" ? "0" : part).join(","), state.limits.map(() => [0, STRONGEST]));
+  return numbers.map((limit, i) => parts[i] === "none" ? null : limit);
+}
 const within = (end, count = 3) => Array.from({ length: count }, () => [-end, end]);
 // Limits of joints are written with all digits, but an angle of a link may be rounded.
 const withinLimits = () => joints.map((joint) => [joint.lower - 1e-9, joint.upper + 1e-9]);
@@ -36,6 +42,11 @@ const LINKED = {
     (name, text) => linkNumbers(name, text, [[0, HEAVIEST], ...within(FARTHEST), [0, LARGEST]]),
     ([mass, x, y, z, volume]) => change({ payload: { mass, com: [x, y, z], volume } }),
   ],
+  limits: [
+    () => state.limits.some((limit) => limit !== null) ? state.limits.map((limit) => limit ?? "none") : null,
+    linkLimits,
+    (limits) => change({ limits }),
+  ],
   mount: [
     () => data.fixed ? state.attitude : null,
     (name, text) => linkNumbers(name, text, within(Math.PI, data.fixed ? 2 : 0)),
@@ -47,6 +58,7 @@ const LINKED = {
     (words) => { for (const name in shown) setGroup(name, words.includes(name)); },
   ],
   units: [() => [state.degrees ? "deg" : "rad"], (name, text) => linkWords(name, text, ["deg", "rad"])[0], (word) => change({ degrees: word !== "rad" })],
+  guard: [() => [state.guard ? "stop" : "warn"], (name, text) => linkWords(name, text, ["stop", "warn"])[0], (word) => change({ guard: word === "stop" })],
   q: [() => joints.map((joint) => q[joint.name]), (name, text) => linkNumbers(name, text, withinLimits()), (values) => setPose(values, "page")],
   target: [
     () => state.aim,

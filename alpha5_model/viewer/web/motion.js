@@ -44,6 +44,7 @@ function play() {
 const pause = () => start(null);
 function start(clock) {
   started = clock;
+  if (started === null) showPanelNow();
   byId("play").textContent = started === null ? "\u25b6" : "\u275a\u275a";
   byId("play").setAttribute("aria-label", started === null ? "Play" : "Pause");
 }

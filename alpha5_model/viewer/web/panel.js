@@ -82,12 +82,12 @@ function showJoints() {
     slider.value = q[joint.name];
     slider.setAttribute("aria-valuetext", amount(joint, q[joint.name]));
     if (value !== document.activeElement) value.value = shownValue(joint);
-    sign.textContent = unit(joint);
+    write(sign, unit(joint));
     row.classList.toggle("beyond", limit(joint) !== undefined);
   }
   for (const button of units) button.setAttribute("aria-pressed", state.degrees === (button.value === "deg"));
   const [x, y, z] = tcpInBase();
-  byId("readout").textContent = `tcp  x ${mm(x)}  y ${mm(y)}  z ${mm(z)} mm`;
+  write(byId("readout"), `tcp  x ${mm(x)}  y ${mm(y)}  z ${mm(z)} mm`);
 }
 // Show the torque that each joint holds; there is none for the jaws' rod.
 function showTorques() {
@@ -95,9 +95,30 @@ function showTorques() {
     const ends = [low, high].map((end) => fixed(end, 3));
     const interval = ends[0] === ends[1] ? "" : ` (${ends.join(" to ")})`;
     rows[i].torque.dataset.value = value;
-    rows[i].torque.textContent = `holds ${fixed(value, 3)}${interval} N\u00b7m`;
+    write(rows[i].torque, `holds ${fixed(value, 3)}${interval} N\u00b7m`);
   });
   showCapacity();
+}
+// While the arm moves by itself the panel follows ten times a second, and in every third frame of a slow browser:
+// nobody reads faster, and painting the panel costs as much as drawing a body. It ends with what is shown.
+const LEAST_FRAMES = 3;
+const LEAST_WAIT = 100; // ms
+const LONGEST_WAIT = 500; // ms
+let skipped = { frames: 0, since: 0, timer: null };
+function showPanel(by) {
+  const isOn = by === "travel" || (by === "motion" && started !== null);
+  skipped.frames++;
+  if (isOn && (skipped.frames < LEAST_FRAMES || performance.now() - skipped.since < LEAST_WAIT)) {
+    skipped.timer ??= setTimeout(showPanelNow, LONGEST_WAIT);
+  } else {
+    showPanelNow();
+  }
+}
+function showPanelNow() {
+  clearTimeout(skipped.timer);
+  skipped = { frames: 0, since: performance.now(), timer: null };
+  showJoints();
+  showTorques();
 }
 
 // ---- joints beyond their limits, and links that touch: a message, a red row, a red body
@@ -114,7 +135,7 @@ function showLimits() {
   }
 }
 const spoken = (pairs) => pairs.map((pair) => pair.join(" with ")).join(", ");
-for (const show of [showJoints, showTorques, showLimits]) onPose(show);
+for (const show of [showPanel, showLimits]) onPose(show);
 onChange((part) => { if ("degrees" in part) showJoints(); });
 
 // ---- if it is wanted, a hand does not move the arm from a free position into itself

@@ -21,7 +21,7 @@ function drawScale() {
     element.hidden = !groups.some((name) => shown[name]);
     const size = round(120 / (pixels * each));
     element.dataset.size = size;
-    element.firstChild.textContent = `${Number(size.toPrecision(1))} ${unit}`;
+    write(element.firstChild, `${Number(size.toPrecision(1))} ${unit}`);
     element.lastChild.style.width = `${(size * each * pixels).toFixed(2)}px`;
   }
 }

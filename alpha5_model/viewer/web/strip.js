@@ -146,7 +146,7 @@ function showStrip() {
     for (const { rows, output } of curves) {
       const [value] = between(rows, now);
       output.dataset.value = value;
-      output.textContent = Number.isFinite(value) ? fixed(value, digits) : "\u2013";
+      write(output, Number.isFinite(value) ? fixed(value, digits) : "\u2013");
     }
   }
 }

@@ -26,6 +26,7 @@ function keepMoving(step) {
 }
 function stay() {
   moving = null;
+  showPanelNow();
   showSolutions();
   keepInSight();
 }
