@@ -54,9 +54,10 @@ ELSEWHERE: dict[str, dict[str, str]] = {
     "docs/guides/motors.md": dict.fromkeys(
         (
             "ripples by 5 % and drifts by 4 %",
-            "| friction forward | 1.1 / 1.0 % | 3.5 / 3.2 %",
-            "| friction backward | 0.5 / 1.3 % | 3.3 / 3.8 %",
-            "| K_t times gear ratio | 9.2 / 4.3 % | 5.0 / 4.3 %",
+            "| 280 mA, `axis_d` | 1.1 % | 0.5 % | 9.2 %",
+            "| 280 mA, `axis_c` | 1.0 % | 1.3 % | 4.3 %",
+            "| 43 mA, `axis_d` | 3.5 % | 3.3 % | 5.0 %",
+            "| 43 mA, `axis_c` | 3.2 % | 3.8 % | 4.3 %",
             "the printed digits know gravity's torque to 0.4 %",
         ),
         "scripts/identification/motor_trials.py",

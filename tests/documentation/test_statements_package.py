@@ -152,7 +152,7 @@ def test_every_extra_has_its_line() -> None:
 
 @statement(
     "docs/guides/studies.md",
-    "the two ends of the bin that the quantile lies in, at most {} % apart",
+    "the two ends of its bin, which are at most {} % apart",
 )
 def bins_of_quantiles() -> Sequence[Figure]:
     edges = QUANTILE_EDGES
@@ -178,7 +178,7 @@ def bandwidth() -> Sequence[Figure]:
 
 @statement(
     "docs/guides/recordings.md",
-    "So is a bag that expands to more than {} times its size, as no recording does",
+    "a bag that expands to more than {} times its size, as no recording does",
 )
 def expansion_of_bags() -> Sequence[Figure]:
     """How far an arm at rest expands: tests/trajectory/test_trajectory_limits.py."""
@@ -189,7 +189,7 @@ def expansion_of_bags() -> Sequence[Figure]:
 
 @statement(
     "docs/public-models.md",
-    "- Dummy links of {} g with {} kg m²: a radius of gyration of a metre",
+    "- Dummy links of {} g with {} kg m², which is a radius of gyration of one metre",
 )
 def dummies() -> Sequence[Figure]:
     mass, inertia = 1e-4, 1e-4

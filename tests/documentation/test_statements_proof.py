@@ -281,7 +281,11 @@ def two_untidy_recordings() -> Sequence[Figure]:
     return [Near(x) for x in r2(untidy)]
 
 
-@statement(PROOF, "it is {} in pitch and {} in roll", needs_recordings)
+@statement(
+    PROOF,
+    "is predicted from the other half, R² is {} in pitch and {} in roll",
+    needs_recordings,
+)
 def four_recordings() -> Sequence[Figure]:
     return [
         Near(x)
@@ -291,7 +295,7 @@ def four_recordings() -> Sequence[Figure]:
 
 @statement(
     PROOF,
-    "Of 26 more recordings, predicted from those four, R² is {} in roll and {} in "
+    "For 26 more recordings, predicted from those four, R² is {} in roll and {} in "
     "pitch",
     needs_recordings,
 )
@@ -432,10 +436,10 @@ def at_rated_speed() -> tuple[np.ndarray, np.ndarray]:
 
 @statement(
     WATER,
-    "either way, at {} random positions and without acceleration (median): "
-    "| | axis_e | axis_d | axis_c | axis_b | "
-    "|---|---|---|---|---| | share of the torque | {} % | {} % | {} % | {} % | | "
-    "error [mN m] | {} | {} | {} | {} |",
+    "in either direction, at {} random positions and without acceleration. These "
+    "are medians: | | axis_e | axis_d | axis_c | axis_b | |---|---|---|---|---| | "
+    "share of the torque | {} % | {} % | {} % | {} % | | error [mN m] | {} | {} | "
+    "{} | {} |",
 )
 def still_water() -> Sequence[Figure]:
     wet, dry = at_rated_speed()
@@ -477,12 +481,13 @@ def added_diagonals() -> np.ndarray:
 
 @statement(
     WATER,
-    "larger by {} % ({}–{}) on axis_e, {} % ({}–{}) on axis_d, {} % ({}–{}) on "
-    "axis_c, {} % ({}–{}) on axis_b (medians)",
+    "| joint | low | nominal | high | |---|---|---|---| | axis_e | {} % | {} % | "
+    "{} % | | axis_d | {} % | {} % | {} % | | axis_c | {} % | {} % | {} % | | "
+    "axis_b | {} % | {} % | {} % |",
 )
 def added_inertia() -> Sequence[Figure]:
     low, nominal, high = added_diagonals()
-    triples = zip(nominal, low, high, strict=True)
+    triples = zip(low, nominal, high, strict=True)
     return [Near(x, 0.6) for triple in triples for x in triple]
 
 
@@ -543,7 +548,7 @@ def moment_of_a_current_on_axis_b() -> Sequence[Figure]:
 
 
 @statement(
-    WATER, "across goes from {} (narrow side) to {} (wide side), over their mean width"
+    WATER, "across, for their mean width, goes from {} (narrow side) to {} (wide side)"
 )
 def drag_of_the_fingers() -> Sequence[Figure]:
     found = []
@@ -560,8 +565,8 @@ def drag_of_the_fingers() -> Sequence[Figure]:
 
 @statement(
     WATER,
-    "The longest cylinder has {} of the displaced mass, by panels and by rings of "
-    "sources, where the handbook prints 0.90",
+    "For the longest cylinder, panels and rings of sources both give {} of the "
+    "displaced mass, where the handbook prints 0.90",
 )
 def longest_cylinder() -> Sequence[Figure]:
     return [Near(cylinder_across(5.0))]
