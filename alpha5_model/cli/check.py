@@ -27,7 +27,7 @@ _MORE = "\n--verbose adds the rows in agreement, the claims' words and all reaso
 
 def check(
     urdf: Annotated[
-        Path | None, Option(help="Check this file alone.", metavar="FILE")
+        Path | None, Option(help="Check only this file.", metavar="FILE")
     ] = None,
     arm_file: options.Arm = None,
     corrections: Annotated[str | None, Option(help=options.HELP["corrections"])] = None,
@@ -38,10 +38,10 @@ def check(
 ) -> int:
     """Check the manufacturer's document against itself and the generated files against it.
 
-    Where the document differs from itself that is a finding: an error, a matter
-    of reading, or one of transcription. The exit status is 1 only if a generated
-    file (or the one given) fails. --verbose also shows what agrees, and the
-    claims' words. --arm compares the file given with the arm of an arm file.
+    If the document contradicts itself, that is a finding: an error, a matter of
+    reading, or a matter of transcription. The exit status is 1 only if a file
+    fails. --verbose also shows what agrees, and what the documents say. With
+    --arm the file is compared with your own arm.
 
     Example: alpha5 check --urdf my_arm.urdf
     """  # noqa: E501 (a line of the help)

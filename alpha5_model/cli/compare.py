@@ -41,17 +41,20 @@ _Other = Annotated[
 def compare(
     other: _Other = None,
     joints: Annotated[
-        str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")
+        str,
+        Option("--map", help="Names of its joints: axis_e=NAME,axis_d=NAME and so on."),
     ] = "",
     base: Annotated[
-        str | None, Option(help="First link of an arm on a vehicle.")
+        str | None, Option(help="First link of the arm, if a vehicle carries it.")
     ] = None,
     xacro: Annotated[bool, Option("--xacro", help="Run the xacro file.")] = False,
     package: Annotated[
         list[str] | None, Option(help="With --xacro: NAME=FOLDER.")
     ] = None,
     arg: Annotated[list[str] | None, Option(help="With --xacro: NAME:=VALUE.")] = None,
-    samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
+    samples: Annotated[
+        int, Option(help="How many random positions.", min=1, max=100_000)
+    ] = 500,
     arm_file: options.Arm = None,
     write_arm: Annotated[
         Path | None, Option(help="Write the model as an arm file, .toml.")
@@ -68,8 +71,8 @@ def compare(
     """Compare another URDF of this arm with the tables, or with your own arm.
 
     A URDF is only read. A xacro file is a program: --xacro runs it, with your
-    rights, so use it only on files that you trust. --write-arm writes what an arm
-    file can say of the model, and lists what it cannot. Each finding ends with
+    rights, so use it only on files that you trust. --write-arm writes the model
+    as an arm file, and lists what such a file cannot say. Each finding ends with
     its id in round brackets; --explain ID says what it means.
 
     Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot

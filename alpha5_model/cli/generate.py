@@ -146,7 +146,7 @@ MESH_URIS = {
 # The options of this command.
 _Output = Annotated[
     Path | None,
-    Option("--output", "-o", help="File; for mjcf, sdf and c a folder."),
+    Option("--output", "-o", help="File to write; for mjcf, sdf and c a folder."),
 ]
 _DescriptionFormat = Annotated[
     str,
@@ -154,39 +154,52 @@ _DescriptionFormat = Annotated[
         "--format", help="urdf, srdf, xacro, mjcf, sdf, usd, c, water or lighthill."
     ),
 ]
-_Prefix = Annotated[str, Option(help="Before every link and joint name.")]
-_Parent = Annotated[str, Option(help="Link to mount on; made if given.")]
-_Xyz = Annotated[str, Option(help="Mount in the parent, x y z (m).")]
-_Rpy = Annotated[str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")]
+_Prefix = Annotated[str, Option(help="Prefix of every link and joint name.")]
+_Parent = Annotated[str, Option(help="Link that carries the arm; it is added.")]
+_Xyz = Annotated[str, Option(help="Mount in the parent: x y z (m).")]
+_Rpy = Annotated[str, Option(help="Mount: roll, pitch, yaw (rad; or 180 0 0 deg).")]
 _MeshUri = Annotated[str, Option(help=options.HELP["meshes"])]
-_Collision = Annotated[str, Option(help="primitives or none; mjcf: or capsules.")]
-_DhFrames = Annotated[bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")]
-_Ros2Control = Annotated[bool, Option("--ros2-control", help="Interfaces, device ids.")]
+_Collision = Annotated[str, Option(help="primitives or none; for mjcf also capsules.")]
+_DhFrames = Annotated[
+    bool, Option("--dh-frames", help="Add the DH frames dh_1 to dh_5.")
+]
+_Ros2Control = Annotated[
+    bool, Option("--ros2-control", help="Add hardware interfaces.")
+]
 _Ros2ControlHardware = Annotated[
     str, Option(help="mock, alpha_hardware, blue_reach_5, or a YAML file.")
 ]
 _Ros2ControlParam = Annotated[
-    list[str] | None, Option(help="Of the hardware: NAME=VALUE.")
+    list[str] | None, Option(help="Parameter of the hardware: NAME=VALUE.")
 ]
-_Ros2ControlPlugin = Annotated[str, Option(help="Another than the hardware's.")]
-_Corrections = Annotated[str | None, Option(help="With commas; '' is to the letter.")]
-_Fluid = Annotated[str, Option(help=f"Not urdf: {options.FLUID}")]
-_Gravity = Annotated[str, Option(help="c: in base_link (m/s^2).")]
+_Ros2ControlPlugin = Annotated[str, Option(help="Plugin in place of the layout's.")]
+_Corrections = Annotated[
+    str | None, Option(help="Corrections, with commas; '' for none.")
+]
+_Fluid = Annotated[str, Option(help=f"Formats with water: {options.FLUID}")]
+_Gravity = Annotated[str, Option(help="c: gravity in base_link (m/s^2).")]
 _Real = Annotated[str, Option(help="c: double or float.")]
-_Parameters = Annotated[str, Option(help="c: masses and water folded, or a struct.")]
+_Parameters = Annotated[
+    str, Option(help="c: masses and water as numbers (folded) or struct.")
+]
 _Actuators = Annotated[str, Option(help="mjcf: position, velocity or motor.")]
-_Buoyancy = Annotated[str, Option(help="mjcf: bodies, or none, for brax.")]
+_Buoyancy = Annotated[str, Option(help="mjcf: bodies, or none (for brax).")]
 _SdfVersion = Annotated[str, Option(help="sdf: 1.9, or 1.11 (fingers follow).")]
 _Controllers = Annotated[
-    bool, Option("--controllers", help="sdf: position controllers, joint states.")
+    bool,
+    Option("--controllers", help="sdf: add position controllers and joint states."),
 ]
-_Drag = Annotated[bool, Option("--drag", help="mjcf: MuJoCo's own, not published.")]
+_Drag = Annotated[
+    bool, Option("--drag", help="mjcf: add MuJoCo's own drag; not published.")
+]
 _Hydrodynamics = Annotated[
     bool, Option("--hydrodynamics", help=options.HELP["moving_water"])
 ]
 _Level = Annotated[str, Option(help="lighthill: low, nominal or high drag.")]
-_Check = Annotated[bool, Option("--check", help="Compare the committed files.")]
-_Update = Annotated[bool, Option("--update", help="Write the committed files anew.")]
+_Check = Annotated[bool, Option("--check", help="Compare the repository's files.")]
+_Update = Annotated[
+    bool, Option("--update", help="Write the repository's files again.")
+]
 
 
 def generate(
@@ -223,22 +236,21 @@ def generate(
 ) -> int:
     """Write the description of any variant of the arm.
 
-    urdf, srdf, xacro (numbers for plain xacro, parameters:=FILE), mjcf (a folder
-    for MuJoCo), sdf (a folder for Gazebo), usd (a file for Isaac Sim and Newton),
-    c (a C99 library), water (a table of volume, centre of buoyancy, added mass
-    and drag of each link, in JSON) or lighthill (the same for Isaac Lab, in
-    YAML); without --output the main file goes to standard output. --arm describes
-    the arm of a file.
-    Meshes are copied beside a URDF unless --mesh-uri says where they are. mjcf
-    without gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers follow
-    the jaw rod by mimic. C holds masses and water as numbers, or takes them in a
-    struct.
-    --ros2-control adds hardware interfaces: of mock hardware, of a public driver
-    (--ros2-control-hardware), or laid out by a file of yours.
-    --check ends with status 1 if a committed file is stale.
+    Formats: urdf, srdf, xacro (numbers for plain xacro, parameters:=FILE), mjcf
+    (a folder for MuJoCo), sdf (a folder for Gazebo), usd (a file for Isaac Sim
+    and Newton), c (a C99 library), water (a table of volume, centre of buoyancy,
+    added mass and drag of each link, in JSON) or lighthill (the same for Isaac
+    Lab, in YAML). Without --output the main file goes to standard output.
 
-    At joint position 0, where many tools start, it is out of its limits and in
-    collision: start at home of the SRDF, the first key frame of mjcf.
+    Meshes are copied beside a URDF unless --mesh-uri says where they are. With
+    --sdf-version 1.11 the fingers follow the jaw rod. --ros2-control adds the
+    interfaces of mock hardware, of a public driver (--ros2-control-hardware), or
+    of a layout in a file of yours. --check ends with status 1 if a file of the
+    repository is out of date.
+
+    At joint position 0, where many tools start, the arm is out of its limits and
+    in collision. Start at home: it is in the SRDF and is the first key frame of
+    mjcf.
 
     Examples:
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf

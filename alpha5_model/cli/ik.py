@@ -20,9 +20,11 @@ _SAME = 1e-6
 
 
 def ik(
-    x: Annotated[float, Argument(help="tcp in base_link (m).", parser=values.metres)],
-    y: Annotated[float, Argument(help="(m)", parser=values.metres)],
-    z: Annotated[float, Argument(help="(m)", parser=values.metres)],
+    x: Annotated[
+        float, Argument(help="x of the tcp in base_link (m).", parser=values.metres)
+    ],
+    y: Annotated[float, Argument(help="y (m).", parser=values.metres)],
+    z: Annotated[float, Argument(help="z (m).", parser=values.metres)],
     wrist: Annotated[float, Option(help="theta_3 (rad).", parser=values.radians)] = 0.0,
     arm_file: options.Arm = None,
     as_json: options.Json = False,

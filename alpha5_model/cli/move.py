@@ -26,23 +26,32 @@ _EXPECTED = (
 
 # The options of this command.
 _Places = Annotated[list[str], Argument(metavar="FROM TO", help=options.HELP["places"])]
-_Output = Annotated[Path | None, Option("--output", "-o", help="The motion, .csv.")]
+_Output = Annotated[
+    Path | None, Option("--output", "-o", help="Write the motion, .csv.")
+]
 _Obstacles = Annotated[Path | None, Option(help=options.HELP["obstacles"])]
 _Speed = Annotated[
-    float | None, Option(help="Of each joint at most (rad/s); rated if left out.")
+    float | None, Option(help="Highest speed of a joint (rad/s). Default: rated.")
 ]
-_Acceleration = Annotated[float, Option(help="Of each joint at most (rad/s^2).")]
-_Margin = Annotated[float, Option(help="Kept to obstacles (m).", parser=values.metres)]
+_Acceleration = Annotated[
+    float, Option(help="Highest acceleration of a joint (rad/s^2).")
+]
+_Margin = Annotated[
+    float, Option(help="Distance to obstacles (m).", parser=values.metres)
+]
 _Wrist = Annotated[
-    float | None, Option(help="theta_3 at a point (rad).", parser=values.radians)
+    float | None,
+    Option(help="theta_3 at the target point (rad).", parser=values.radians),
 ]
 _Line = Annotated[
     bool,
-    Option("--line", help="Lead the tcp along a straight line to a point; by toppra."),
+    Option("--line", help="Move the tcp along a straight line to a point, by toppra."),
 ]
-_SupplyVoltage = Annotated[float | None, Option(help="For limits (V); not published.")]
+_SupplyVoltage = Annotated[
+    float | None, Option(help="Supply of the motors (V); not published.")
+]
 _CurrentLimit = Annotated[
-    float | None, Option(help="Of each motor (A); not published.")
+    float | None, Option(help="Limit of each motor (A); not published.")
 ]
 
 

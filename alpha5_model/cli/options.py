@@ -17,7 +17,7 @@ DOWN = "0 0 -9.81"
 Arm = Annotated[Path | None, Option("--arm", help=HELP["arm"])]
 Fluid = Annotated[str, Option(help=FLUID)]
 Gravity = Annotated[
-    str, Option(help="In base_link (m/s^2); with --mount in the world.")
+    str, Option(help="Gravity in base_link (m/s^2); with --mount, in the world.")
 ]
 Gripper = Annotated[
     str, Option(help="locked (4 joints) or jaws (adds the jaw rod axis_a).")
@@ -28,4 +28,4 @@ Current = Annotated[str | None, Option(help=HELP["current"])]
 Constants = Annotated[str | None, Option(help=HELP["constants"])]
 Efficiency = Annotated[str, Option(help=HELP["efficiency"])]
 Plot = Annotated[Path | None, Option(help="Write a picture: .png, .pdf or .svg.")]
-Json = Annotated[bool, Option("--json", help="Everything as JSON, in SI units.")]
+Json = Annotated[bool, Option("--json", help="Print everything as JSON, in SI units.")]

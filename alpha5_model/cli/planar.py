@@ -20,12 +20,15 @@ _ANSWER = {True: "yes", False: "no", None: "for 3R only"}
 def planar(
     lengths: Annotated[list[float], Argument(help="Link lengths, base to tip (m).")],
     joints: Annotated[
-        str | None, Option(help="R (turns) or P (slides) per link; all R.")
+        str | None,
+        Option(help="R (turns) or P (slides) for each link. Default: all R."),
     ] = None,
     limits: Annotated[
         list[str] | None, Option("--limits", "-l", help=options.HELP["limits"])
     ] = None,
-    radius: Annotated[float | None, Option(help="Of the pinned tip, l_4 (m).")] = None,
+    radius: Annotated[
+        float | None, Option(help="Distance of the pinned tip, l_4 (m).")
+    ] = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
 ) -> None:

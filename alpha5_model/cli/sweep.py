@@ -31,16 +31,17 @@ def sweep(
         Path, Argument(help="TOML: axes and outputs; see the guide on studies.")
     ],
     output: Annotated[
-        Path, Option("--output", "-o", help="Folder; goes on with what is there.")
+        Path,
+        Option("--output", "-o", help="Folder of results; a study there is continued."),
     ],
     workers: Annotated[
-        int, Option(help="Processes here; 0 for this one alone.", min=0)
+        int, Option(help="Processes on this machine; 0 is this one alone.", min=0)
     ] = 0,
     scheduler: Annotated[
-        str | None, Option(help="Of a Dask cluster: tcp://host:8786.")
+        str | None, Option(help="Scheduler of a Dask cluster: tcp://host:8786.")
     ] = None,
     yes: Annotated[
-        bool, Option("--yes", help="Start a study of any size: a billion rows, 10 GB.")
+        bool, Option("--yes", help="Start even more than a billion rows or 10 GB.")
     ] = False,
     arm_file: options.Arm = None,
     as_json: options.Json = False,

@@ -26,7 +26,7 @@ def torque(
     v: Annotated[str, Option("--v", help="Velocities (rad/s).")] = "0 0 0 0",
     a: Annotated[str, Option("--a", help="Accelerations (rad/s^2).")] = "0 0 0 0",
     degrees: Annotated[
-        bool, Option("--degrees", help="--q, --v, --a in degrees.")
+        bool, Option("--degrees", help="--q, --v and --a are in degrees.")
     ] = False,
     fluid: options.Fluid = "sea",
     gravity: options.Gravity = options.DOWN,
@@ -42,9 +42,8 @@ def torque(
 ) -> None:
     """Joint torques by cause, motor currents and the load on the mount.
 
-    With --gripper jaws a fifth number is the jaw rod's; left out, the jaws are
-    closed and at rest. Table 4's K_t and K_v of one motor should agree and do
-    not: --constants printed takes K_t for torque and K_v for voltage.
+    With --gripper jaws, a fifth number is the position of the jaw rod; without
+    it, the jaws are closed and at rest.
 
     Examples:
     alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh

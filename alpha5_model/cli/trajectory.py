@@ -27,11 +27,17 @@ _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 
 # The options of this command.
 _File = Annotated[Path, Argument(help=options.HELP["file"])]
-_Topic = Annotated[str | None, Option(help="Of a bag with several arms.")]
-_Prefix = Annotated[str | None, Option(help="Before the joints' names: left_.")]
-_Map = Annotated[str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")]
+_Topic = Annotated[
+    str | None, Option(help="Topic of the joint states, if a bag has several.")
+]
+_Prefix = Annotated[
+    str | None, Option(help="Prefix of the joints' names, such as left_.")
+]
+_Map = Annotated[
+    str, Option("--map", help="Names of the joints: axis_e=NAME,axis_d=NAME and so on.")
+]
 _Degrees = Annotated[
-    bool, Option("--degrees", help="Angles in degrees, if columns name no unit.")
+    bool, Option("--degrees", help="Angles are in degrees, if columns name no unit.")
 ]
 _Output = Annotated[
     Path | None, Option("--output", "-o", help="Table: .csv, .json or .mcap.")
@@ -40,15 +46,18 @@ _Gripper = Annotated[str, Option(help=options.HELP["gripper"])]
 _Smoothing = Annotated[str, Option(help="spline, savgol or interpolate (no noise).")]
 _Bandwidth = Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")]
 _Velocities = Annotated[str, Option(help="file, positions (their slope) or auto.")]
-_SupplyVoltage = Annotated[float | None, Option(help="For limits (V); not published.")]
+_SupplyVoltage = Annotated[
+    float | None, Option(help="Supply of the motors (V), for limits; not published.")
+]
 _CurrentLimit = Annotated[
-    float | None, Option(help="Of each motor (A); not published.")
+    float | None, Option(help="Limit of each motor (A); not published.")
 ]
 _Verbose = Annotated[
-    bool, Option("--verbose", "-v", help="Also the assumptions behind the figures.")
+    bool,
+    Option("--verbose", "-v", help="Also print the assumptions behind the figures."),
 ]
 _ScrewLead = Annotated[
-    float | None, Option(help="Jaw rod (m per turn); not published.")
+    float | None, Option(help="Screw lead of the jaw rod (m per turn); not published.")
 ]
 
 
@@ -81,13 +90,12 @@ def trajectory(
     """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
 
     Recorded efforts are compared with the torques. The table (--output) has every
-    quantity over time. Planned motions without noise need no smoothing but
-    interpolate; velocities are those of the file if it has any (auto), or the
-    slope of its positions. With --supply-voltage and --current-limit the answer
-    says what is left to the motors' limits, with --screw-lead the jaw rod's
-    current. Table 4's K_t and K_v of one motor should agree and do not: printed
-    takes K_t for torque and K_v for voltage, and powers do not balance. With
-    --arm, limits, motors and mount are those of your arm; options win over them.
+    quantity over time. For a planned motion without noise, use --smoothing
+    interpolate. Velocities are those of the file if it has any (auto), or the
+    slope of its positions. With --supply-voltage and --current-limit, the answer
+    says what is left to the motors' limits; with --screw-lead, the current of the
+    jaw rod. With --arm, limits, motors and mount are those of your arm; options
+    override them.
 
     Example: alpha5 trajectory recording.csv --output torques.csv --plot page.png
     """  # noqa: E501 (a line of the help)

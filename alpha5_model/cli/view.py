@@ -41,7 +41,7 @@ _FRAMED_POSES = 24
 
 # The options of this command.
 _Pose = Annotated[str | None, Option(help="stow, home, reach, or positions (rad).")]
-_Target = Annotated[str | None, Option(help="x y z (m): show all solutions of its IK.")]
+_Target = Annotated[str | None, Option(help="Point x y z (m); show its solutions.")]
 _Motion = Annotated[Path | None, Option(help="Recording (CSV, Parquet, ROS bag).")]
 _Show = Annotated[str | None, Option(help=options.HELP["groups"])]
 _Current = Annotated[str | None, Option(help=options.HELP["arrow"])]
@@ -51,10 +51,12 @@ _Video = Annotated[
     Path | None, Option(help="Write the motion as .mp4 or .gif, 20 frames/s.")
 ]
 _Size = Annotated[
-    str | None, Option(help="Pixels; by default 1600x1000, of a video 1280x720.")
+    str | None, Option(help="In pixels. Default: 1600x1000, for a video 1280x720.")
 ]
-_Port = Annotated[int, Option(help="Of the live viewer; 0 for a free one.")]
-_Serve = Annotated[bool, Option("--serve", help="Do not open a browser.")]
+_Port = Annotated[int, Option(help="Port of the live viewer; 0 takes a free one.")]
+_Serve = Annotated[
+    bool, Option("--serve", help="Serve the page without opening a browser.")
+]
 
 
 def view(
@@ -77,8 +79,8 @@ def view(
 ) -> None:
     """Look at the arm: live in a browser, or as a page or a picture.
 
-    With --html, --image or --video it writes these and ends; else it serves the
-    live viewer.
+    With --html, --image or --video it writes a file and ends. Otherwise it serves
+    the live viewer.
 
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """  # noqa: E501 (a line of the help)

@@ -29,14 +29,15 @@ def workspace(
         bool, Option("--self-collision", help=options.HELP["touching"])
     ] = False,
     samples: Annotated[
-        int, Option(help="Points that --self-collision tries.")
+        int, Option(help="How many points --self-collision tries.")
     ] = 20_000,
     arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> None:
     """The exact workspace, and how much of the published one is wrong.
 
-    Nothing is published about an arm of your own: it gets the exact one alone.
+    With --arm only the exact workspace is printed, because nothing is published
+    about your own arm.
 
     Example: alpha5 workspace --self-collision --plot collision.pdf
     """
@@ -134,7 +135,7 @@ def _text(record: dict[str, Any]) -> printing.Lines:
     value = 1e3 * record["reach"]["value"]
     digits = 1e3 * record["reach"]["digits"]
     yield (
-        f"The tcp gets {value:.1f} mm ±{digits:.1f} from the shoulder, "
+        f"The tcp reaches {value:.1f} mm ±{digits:.1f} from the shoulder, "
         "by the digits of Table 1."
     )
     yield from _boundary(record["boundary"]["both"])

@@ -247,7 +247,7 @@ def _effort(joints: Mapping[str, _Record]) -> list[str]:
     recorded = {name: joint for name, joint in joints.items() if joint.get("effort")}
     if not recorded:
         return []
-    title = "recorded effort, and what it has more than the torque"
+    title = "recorded effort, and recorded minus computed"
     return _joint_table(title, recorded, _EFFORT)
 
 
@@ -258,7 +258,7 @@ def _recorded_current(joints: Mapping[str, _Record]) -> list[str]:
     }
     if not recorded:
         return []
-    title = "recorded current, and what it has more than the computed one"
+    title = "recorded current, and recorded minus computed"
     return _joint_table(title, recorded, _CURRENT)
 
 
