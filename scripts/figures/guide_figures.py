@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from figures.concept_figures import ALONG_Y, side_view
 
 import alpha5_model as a5
 from alpha5_model.viewer.figures import Color, new_figure, number, style
@@ -88,4 +89,52 @@ def current_figure() -> Any:
     return page
 
 
-FIGURES = {"uncertainty.png": uncertainty_figure, "current.png": current_figure}
+#: Devices 5, 4, 3, 2 in the poses by which a reader checks an arm [rad], and from
+#: where each is seen: from the side, or from above.
+TURN = np.pi / 2
+ABOVE = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+CHECK_POSES = (
+    ((2 * TURN, TURN, TURN, 0.0), ALONG_Y),
+    ((2 * TURN, TURN, 2 * TURN, 0.0), ALONG_Y),
+    ((3 * TURN, TURN, TURN, TURN), ABOVE),
+)
+
+
+def check_position(devices: tuple[float, ...]) -> np.ndarray:
+    """The joint position of devices 5, 4, 3, 2, (4,) [rad]."""
+    return a5.q_from_devices(dict(zip((5, 4, 3, 2), devices, strict=True)))
+
+
+@style()
+def check_poses_figure() -> Any:
+    """The three poses of the guide "From the arm to q", each with its tip."""
+    arm = a5.load()
+    page = new_figure(10.0, 3.2)
+    panels = page.subplots(1, len(CHECK_POSES))
+    for number_of, (axes, (devices, view)) in enumerate(
+        zip(panels, CHECK_POSES, strict=True), start=1
+    ):
+        q = check_position(devices)
+        side_view(axes, q, view)
+        tip = 1e3 * view @ arm.forward_kinematics(q, "tcp").translation
+        axes.plot(0.0, 0.0, "+", color=Color.BLACK, markersize=10)
+        axes.plot(*tip, "o", color=Color.VERMILION)
+        text = f"tip {tip[0]:z.0f}, {tip[1]:z.0f}"
+        side = "right" if tip[0] > 250 else "left"
+        axes.annotate(text, tip, (8, 8), textcoords="offset points", ha=side)
+        across = "z" if view is ALONG_Y else "y"
+        seen = "from the side" if view is ALONG_Y else "from above"
+        axes.set_title(f"pose {number_of}, seen {seen}")
+        axes.set_xlabel("x [mm]")
+        axes.set_ylabel(f"{across} [mm]")
+        axes.set_aspect("equal")
+        axes.set_xlim(-200, 460)
+        axes.set_ylim(-160, 340)
+    return page
+
+
+FIGURES = {
+    "uncertainty.png": uncertainty_figure,
+    "current.png": current_figure,
+    "check_poses.png": check_poses_figure,
+}
