@@ -182,7 +182,7 @@ def test_the_command_prints_and_draws_recorded_currents(
     path = table(tmp_path / "m.csv", "_effort", 1e3 * COMPUTED.current)
     assert main(["trajectory", str(path), "--plot", str(tmp_path / "p.png")]) == 0
     out = capsys.readouterr().out
-    title = "recorded current, and what it has more than the computed one"
+    title = "recorded current, and recorded minus computed"
     rows = out.partition(title)[2].splitlines()[3:7]
     assert [row.split()[0] for row in rows] == [*JOINTS]
     assert [row.split()[-1] for row in rows] == ["1"] * 4

@@ -589,7 +589,7 @@ def test_recorded_effort_is_a_table_of_the_text(
     record = a5.trajectory.summary(effort_recording.analysis)
     e = record["joints"]["axis_c"]["effort"]
     text = a5.trajectory.text(record)
-    table = text.partition("recorded effort, and what it has more than the torque")[2]
+    table = text.partition("recorded effort, and recorded minus computed")[2]
     assert [line.split()[0] for line in table.splitlines()[2:7]] == [
         "N·m",
         *("axis_e", "axis_d", "axis_c"),
