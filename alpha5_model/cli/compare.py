@@ -72,8 +72,8 @@ def compare(
 
     A URDF is only read. A xacro file is a program: --xacro runs it, with your
     rights, so use it only on files that you trust. --write-arm writes the model
-    as an arm file, and lists what such a file cannot say. Each finding ends with
-    its id in round brackets; --explain ID says what it means.
+    as an arm file, and lists what such a file cannot say. Findings end with their
+    id in round brackets; --explain ID says what it means.
 
     Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot
     be read.
