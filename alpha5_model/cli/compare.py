@@ -41,20 +41,17 @@ _Other = Annotated[
 def compare(
     other: _Other = None,
     joints: Annotated[
-        str,
-        Option("--map", help="Names of its joints: axis_e=NAME,axis_d=NAME and so on."),
+        str, Option("--map", help="Joints: axis_e=NAME,axis_d=NAME and so on.")
     ] = "",
     base: Annotated[
-        str | None, Option(help="First link of the arm, if a vehicle carries it.")
+        str | None, Option(help="First link of an arm on a vehicle.")
     ] = None,
     xacro: Annotated[bool, Option("--xacro", help="Run the xacro file.")] = False,
     package: Annotated[
         list[str] | None, Option(help="With --xacro: NAME=FOLDER.")
     ] = None,
     arg: Annotated[list[str] | None, Option(help="With --xacro: NAME:=VALUE.")] = None,
-    samples: Annotated[
-        int, Option(help="How many random positions.", min=1, max=100_000)
-    ] = 500,
+    samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
     arm_file: options.Arm = None,
     write_arm: Annotated[
         Path | None, Option(help="Write the model as an arm file, .toml.")
