@@ -40,7 +40,14 @@ HEAD = [
     "matched [mm]",
     "findings",
 ]
-BODIES = ["model", "body", "mass [kg]", "COM off by [mm]", "inertia off by [kg mm²]"]
+BODIES = [
+    "model",
+    "body",
+    "mass [kg]",
+    "Table 2 [kg]",
+    "COM off by [mm]",
+    "inertia off by [kg mm²]",
+]
 #: Findings of a model that are told in words, the costliest first.
 TOLD = 4
 
@@ -69,10 +76,15 @@ def tables(compared: dict[str, Comparison]) -> str:
             ]
         )
         for body in found.bodies:
-            mass = f"{body.mass:.3g} for {body.ours.mass:g}"
-            inertia = f"{body.inertia_error * 1e6:.0f}"
             bodies.append(
-                [f"`{name}`", body.name, mass, f"{body.com_error * 1e3:.1f}", inertia]
+                [
+                    f"`{name}`",
+                    body.name,
+                    f"{body.mass:.3g}",
+                    f"{body.ours.mass:g}",
+                    f"{body.com_error * 1e3:.1f}",
+                    f"{body.inertia_error * 1e6:.0f}",
+                ]
             )
         words += [f"\n`{name}`, the costliest of {len(serious)}:\n"]
         words += [f"- {f.where}: {f.text} ({f.cost:.2g} N m)" for f in serious[:TOLD]]
