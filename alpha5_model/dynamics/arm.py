@@ -268,8 +268,8 @@ class Arm(ArmModel):
         """Whether the arm touches itself.
 
         The bodies are primitives that enclose the drawn ones within 3 mm; links that
-        turn against each other at a joint are not compared. A payload has no body, and
-        neither has what is attached to the arm's record. With other lengths, the bodies
+        turn against each other at a joint are not compared. Payloads and
+        attached bodies have no shape. With other lengths, the bodies
         of the links stay in their frames; a spacer moves those of the jaws.
 
         The answer is exact for these bodies: an overlap deeper than a nanometre is
@@ -576,8 +576,8 @@ class Arm(ArmModel):
             current: Velocity of the water, uniform, in the world, (3,) [m/s]. The world
                 is base_link if the base is fixed, also with a mount.
             level: ``low``, ``nominal`` or ``high`` end of the numbers' interval.
-            numbers: ``estimated`` (our own), or ``supplementary`` (strip theory that
-                circulates; worse).
+            numbers: ``estimated`` (our own), or ``supplementary`` (strip theory of
+                public repositories; worse).
 
         Raises:
             UnknownNameError: No such level or numbers, or a model without the arm's

@@ -69,16 +69,14 @@ def load(
             forces.
         arm: Record of an arm of your own, such as from `alpha5_model.arm_file`; None
             for the catalogue's. Its URDF is generated in memory. It has its own
-            corrections. Single calls by kernels need the catalogue's lengths, zeros
-            and tool.
+            corrections.
 
     Returns:
         An arm, independent of every other one.
 
     Raises:
-        InputError: A density below 0, gravity that is not three finite numbers, an
-            ``arm`` together with corrections that it does not have, or kernels for
-            joints or a tool elsewhere than the catalogue's.
+        InputError: A density below 0, gravity that is not three finite numbers, or an
+            ``arm`` together with corrections that it does not have.
         UnknownNameError: No such gripper, correction or backend.
 
     Warns:

@@ -66,15 +66,15 @@ def plan(
 ) -> PlannedMotion:
     """A motion from a joint position to a target, free of collision, within limits.
 
-    The way is a straight joint line to the branch that it reaches first. If that is
+    The path is a straight joint line to the branch that it reaches first. If that is
     not free, it leads to another branch, or by retracted poses. Each line is proved
     free between its ends, not sampled (`alpha5_model.planning.surroundings`). Joints
     move by S-curves and rest where two lines meet. The motion is replayed through
     `alpha5_model.trajectory.analyse`; if a torque, a current or a voltage is beyond
     its limit, the motion is slowed down.
 
-    This is no general planner: there may be a way if none is found. Bodies that are
-    attached to links, and what the jaws hold, are not compared with obstacles.
+    This is no general planner: there may be a path although none is found. Attached
+    bodies, and what the jaws hold, are not compared with obstacles.
 
     Args:
         q0: Where the arm is, (4,) [rad].
@@ -93,7 +93,7 @@ def plan(
             itself as it can without touching.
         wrist: theta_3 at the point [rad]; None for that of ``q0``, or another one if
             that is not free. Only for a point.
-        line: Lead the tcp along a straight line, in the least time that speeds and
+        line: Move the tcp along a straight line, in the least time that speeds and
             accelerations allow. The branch changes on the yaw axis only. Only to a
             point; it needs toppra. theta_3 stays, or changes evenly to ``wrist``.
         supply_voltage: Of the motors [V]; None for that of the arm's record.
