@@ -12,8 +12,8 @@ steps() {
 The steps of a release, in order. Steps 1 to 6 are commits; each can be tried again.
   1. package.xml: a maintainer address that somebody reads.
   2. pyproject.toml: the repository's address in [project.urls], "Development Status :: 5 - Production/Stable".
-  3. README.md and docs/start.md: "pip install alpha5-model" in place of "on no package index yet". The index shows README.md:
-     make its links and pictures absolute, https://.../blob/vVERSION/docs/start.md.
+  3. README.md and docs/start.md: "pip install alpha5-model" in place of "on no package index yet". The index shows README.md
+     without its pictures and without links to files.
   4. CHANGELOG.md: read the section Unreleased as a user would, and shorten it.
   5. python scripts/releasing/set_version.py VERSION, then alpha5 generate --update and python hatch_build.py.
   6. Commit and push. .ci/run passes in a fresh checkout, and so does the workflow .github/workflows/checks.yml.

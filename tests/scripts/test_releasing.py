@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-import tomllib
 import xml.etree.ElementTree as ET
 from datetime import date
 from pathlib import Path
@@ -130,8 +129,6 @@ def test_the_steps_name_what_is_there() -> None:
     numbers = [int(n) for n in re.findall(r"(?m)^ *(\d+)\. ", told)]
     assert numbers == list(range(1, len(numbers) + 1))
     files = re.findall(r"[\w./]+\.(?:py|sh|yml|toml|xml|md|cff)\b", told)
-    ours = {name for name in files if "vVERSION" not in name and "..." not in name}
+    ours = set(files)
     assert {"package.xml", "scripts/releasing/set_version.py"} <= ours
     assert [name for name in ours if not (ROOT / name).exists()] == []
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
-    assert project["project"]["readme"] == "README.md"
