@@ -15,7 +15,7 @@ The steps of a release, in order. Steps 1 to 6 are commits; each can be tried ag
   3. README.md and docs/start.md: "pip install alpha5-model" in place of "on no package index yet". The index shows README.md
      without its pictures and without links to files.
   4. CHANGELOG.md: read the section Unreleased as a user would, and shorten it.
-  5. python scripts/releasing/set_version.py VERSION, then alpha5 generate --update and python hatch_build.py.
+  5. python scripts/releasing/set_version.py VERSION, then pip install --editable . and alpha5 generate --update.
   6. Commit and push. .ci/run passes in a fresh checkout, and so does the workflow .github/workflows/checks.yml.
   7. scripts/releasing/release.sh builds and audits what this machine can build, into dist/.
   8. Put the wheels of macOS, musl and ARM64 from that workflow's artifacts into dist/ too, then: cd dist && sha256sum alpha5_model-* >SHA256SUMS
