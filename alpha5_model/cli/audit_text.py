@@ -19,27 +19,30 @@ _CLAIMS = {
     "reading": "readings",
     "transcription": "matters of transcription",
 }
+#: Kind of the other rows -> what the summary calls them.
+_OTHERS = {"observation": "observations", "outside": "outside evidence"}
 _RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
 
 
 def heading(row: AuditRow) -> str:
     """The heading under which a row is shown, a key of the command's words."""
-    if row.kind == "observation":
-        return "observation"
+    if row.kind != "claim":
+        return row.kind
     if row.verdict == "agrees":
         return "agrees"
     return str(row.category)
 
 
 def counts(rows: Sequence[AuditRow]) -> str:
-    """How many claims and how many observations agree, and how the others differ."""
+    """How many rows of each kind agree, and how the others differ."""
     claims = Counter(heading(row) for row in rows if row.kind == "claim")
     found = [f"{claims[key]} {words}" for key, words in _CLAIMS.items()]
-
-    observed = Counter(row.verdict for row in rows if row.kind == "observation")
-    differing = observed["differs"] + observed["impossible"]
-    noted = f"observations {observed['agrees']} agree, {differing} differ"
-    return f"documents {', '.join(found)}; {noted}"
+    parts = [f"documents {', '.join(found)}"]
+    for kind, words in _OTHERS.items():
+        agreeing = [row.verdict == "agrees" for row in rows if row.kind == kind]
+        differing = len(agreeing) - sum(agreeing)
+        parts.append(f"{words} {sum(agreeing)} agree, {differing} differ")
+    return "; ".join(parts)
 
 
 def grouped(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[Row]]:
@@ -78,6 +81,8 @@ def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
         words.append(f"We use {row.used}.")
     if row.effect:
         words.append(f"It costs {row.effect:.3g} {row.effect_unit}: {row.cost}.")
+    if row.source:
+        words.append(f"Source: {row.source}.")
     return " ".join(words)
 
 

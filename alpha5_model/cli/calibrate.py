@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 _ACTIONS = ("plan", "fit", "motors")
 _FORMATS = (".toml",)
+#: Bytes of a file with the facts of a vehicle, at most.
+_LARGEST = 1 << 16
 
 # The options of this command.
 _Action = Annotated[str, Argument(help="plan, fit or motors.")]
@@ -31,11 +33,26 @@ _Files = Annotated[
     ),
 ]
 _SensorKind = Annotated[
-    str, Option("--sensor", help="plan: scales, weight, force-torque or efforts.")
+    str,
+    Option(
+        "--sensor",
+        help="plan: scales, weight, force-torque, efforts or vehicle-tilt.",
+    ),
+]
+_Vehicle = Annotated[
+    Path | None,
+    Option(
+        "--vehicle",
+        help="plan, vehicle-tilt: TOML with mass, com, volume, cob, xyz, rpy (SI).",
+        metavar="FILE",
+    ),
 ]
 _Poses = Annotated[int, Option(help="plan: how many.", min=1)]
 _Fluid = Annotated[str, Option(help="plan, motors: " + options.FLUID)]
-_Gravity = Annotated[str, Option(help="plan, motors: in base_link (m/s^2).")]
+_Gravity = Annotated[
+    str | None,
+    Option(help="plan, motors: in base_link (m/s^2), 0 0 -9.81 if not given."),
+]
 _Positions = Annotated[
     str | None, Option(help="plan: where three scales carry the plate, X Y Z each (m).")
 ]
@@ -63,8 +80,9 @@ def calibrate(
     sensor: _SensorKind = "scales",
     poses: _Poses = 12,
     fluid: _Fluid = "air",
-    gravity: _Gravity = options.DOWN,
+    gravity: _Gravity = None,
     positions: _Positions = None,
+    vehicle: _Vehicle = None,
     noise: _Noise = None,
     ballast: _Ballast = 0.0,
     zeroed: _Zeroed = False,
@@ -80,17 +98,23 @@ def calibrate(
 
     plan writes a file with the poses in which a sensor tells the most. Fill in
     the readings. A file .csv gets a motion instead, for a force-torque sensor
-    or efforts. fit makes an arm file of one or several such files, for
-    example one in air and one in water, and names what is wrong with them.
-    motors estimates friction and torque per ampere from recorded currents.
+    or efforts. The tilt of a floating vehicle is a sensor, too: --vehicle names
+    a file with its mass, buoyancy and centres. fit makes an arm file of one or
+    several such files, for example one in air and one in water, and names what
+    is wrong with them. motors estimates friction and torque per ampere from
+    recorded currents.
 
     Exit status of fit: 1 if the readings contradict the model.
 
     Example: alpha5 calibrate plan scales.toml
     Example: alpha5 calibrate fit scales.toml --output my_arm.toml
+    Example: alpha5 calibrate plan a.toml --sensor vehicle-tilt --vehicle b.toml
     Example: alpha5 calibrate motors sway.csv --fluid sea --output my_arm.toml
     """
     choice("action", action, _ACTIONS)
+    down: Any = None
+    if gravity is not None:
+        down = values.numbers("gravity", gravity, (3,), "m/s^2")
     own = values.arm_record(arm_file)
     if action == "fit":
         check_outputs([*files, arm_file], output=(output, _FORMATS))
@@ -98,7 +122,7 @@ def calibrate(
 
     if action == "motors":
         check_outputs([*files, arm_file], output=(output, _FORMATS))
-        return _motors(files, fluid, gravity, payload, output, own, as_json)
+        return _motors(files, fluid, down, payload, output, own, as_json)
 
     if len(files) != 1:
         raise InputError("files", " ".join(map(str, files)), "one file to write")
@@ -106,8 +130,7 @@ def calibrate(
         raise OutputError(files[0], "it exists; name another file")
     from alpha5_model.studies.calibration import plan_poses, session_text
 
-    down: Any = values.numbers("gravity", gravity, (3,), "m/s^2")
-    chosen = _sensor(sensor, positions, noise, zeroed, down)
+    chosen = _sensor(sensor, positions, noise, zeroed, vehicle, down)
     density = values.fluid_density(fluid)
     if files[0].suffix == ".csv":
         _plan_motion(files[0], chosen, as_json, own, density, down, prior)
@@ -162,7 +185,7 @@ def _plan_motion(
 def _motors(
     files: list[Path],
     fluid: str,
-    gravity: str,
+    gravity: Any,
     payload: bool,
     output: Path | None,
     own: Any,
@@ -172,11 +195,12 @@ def _motors(
     if len(files) != 1:
         raise InputError("files", " ".join(map(str, files)), "one recording")
     from alpha5_model.dynamics.load import load
+    from alpha5_model.numbers.fluids import GRAVITY
     from alpha5_model.studies.calibration import motors
     from alpha5_model.trajectory import read_motion
 
-    down: Any = values.numbers("gravity", gravity, (3,), "m/s^2")
-    arm = load(values.fluid_density(fluid), gravity=down, arm=own)
+    pull = GRAVITY if gravity is None else gravity
+    arm = load(values.fluid_density(fluid), gravity=pull, arm=own)
     found = motors(read_motion(files[0], arm=own), arm, payload=payload)
     if output is not None:
         found.write(output)
@@ -195,6 +219,7 @@ def _sensor(
     positions: str | None,
     noise: float | None,
     zeroed: bool,
+    vehicle: Path | None,
     gravity: Any,
 ) -> Sensor:
     """The sensor that the options describe."""
@@ -209,13 +234,28 @@ def _sensor(
         given["torque_noise" if kind == "force-torque" else "noise"] = noise
     if zeroed:
         given["zeroed"] = True
+    if vehicle is not None:
+        given["vehicle"] = _tables(vehicle)
+    elif "vehicle" in names:
+        raise InputError("vehicle", None, f"--vehicle FILE, which {kind} needs")
     for name in given:
         if name not in names:
             expected = f"nothing: {kind} has no such option"
             raise InputError(name, given[name], expected)
-    if kind == "weight":
+    if kind == "weight" and gravity is not None:
         given["gravity"] = gravity
     return make(**given)
+
+
+def _tables(file: Path) -> dict[str, Any]:
+    """The tables of a TOML file."""
+    from alpha5_model._support.files import read_named
+    from alpha5_model._support.toml import toml_tables
+
+    text = read_named(file, "the facts of a vehicle (TOML)").decode(
+        "utf-8-sig", "replace"
+    )
+    return toml_tables(text, str(file))
 
 
 def _plan_text(planned: Session, degrees: Any) -> printing.Lines:

@@ -15,7 +15,7 @@ DECIMAL_SHIFT: dict[str, int] = {
     **dict.fromkeys(("", "kg", "m", "rad", "Nm", "N", "Ohm", "kg.m", "kg.m^2"), 0),
     **dict.fromkeys(("Nm/A", "V/rad/s", "kg/m^3", "rad/m"), 0),
     "%": -2,
-    **dict.fromkeys(("mm", "mm/s", "Nmm", "L"), -3),
+    **dict.fromkeys(("mm", "mm/s", "Nmm", "L", "mA"), -3),
     **dict.fromkeys(("uH", "kg.mm^2"), -6),
 }
 #: Units that need more than a shift of the decimal point.

@@ -316,7 +316,7 @@ def _source(head: _Node, node: _Node) -> t.Source:
 
 
 def _supplementary(root: _Node) -> t.Supplementary:
-    root.table("joints", "jaws", "bodies")
+    root.table("joints", "jaws", "bodies", "drivers")
     joints = root["joints"].table(*t.JOINT_NAMES)
     jaws = root["jaws"].table(*t.JAW_UNITS)
     rows = [_joint(name, joints[name]) for name in t.JOINT_NAMES]
@@ -336,7 +336,27 @@ def _supplementary(root: _Node) -> t.Supplementary:
                 source=source,
             )
         )
-    return t.Supplementary(joints=tuple(rows), jaws=quantities, bodies=tuple(bounds))
+    drivers = root["drivers"].table(*t.DRIVER_NAMES)
+    return t.Supplementary(
+        joints=tuple(rows),
+        jaws=quantities,
+        bodies=tuple(bounds),
+        drivers={name: _driver(name, drivers[name]) for name in t.DRIVER_NAMES},
+    )
+
+
+def _driver(name: str, node: _Node) -> t.Driver:
+    """The motor currents that a public driver assumes."""
+    turning = t.JOINT_NAMES[:4]
+    node.table("unit", "status", "source", *turning)
+    node["unit"].expect("mA")
+    joints = [_record(t.DriverCurrents, node[joint], name=joint) for joint in turning]
+    return t.Driver(
+        name=name,
+        joints=tuple(joints),
+        status=_status(node["status"]),
+        source=node["source"].text(),
+    )
 
 
 def _joint(name: str, node: _Node) -> t.JointRow:

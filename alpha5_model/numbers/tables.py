@@ -33,6 +33,8 @@ JAW_UNITS: dict[str, str] = {
     "finger_turn": "rad/m",
     "sdk_plane": "deg",
 }
+#: Public drivers of the arm whose motor currents the audit compares with Table 4.
+DRIVER_NAMES = ("uvms_simulator", "reach_alpha_sim")
 BODY_NAMES = ("link_0", "link_1", "link_2", "link_3", "link_4")
 HYDRODYNAMIC_NAMES = (*BODY_NAMES, "link_4_open", "wrist", "finger_1", "finger_2")
 #: Units of the blocks of an added mass: both indices linear, one angular, both angular.
@@ -265,18 +267,53 @@ class BodyBounds:
 
 
 @dataclass(frozen=True, slots=True)
+class DriverCurrents:
+    """Motor currents of a joint that a public driver assumes.
+
+    Attributes:
+        name: ``axis_e`` (base) to ``axis_b``.
+        forward, backward: That overcome friction, in each direction [mA].
+        cap: Largest that the driver commands [mA].
+    """
+
+    name: str
+    forward: Quantity = printed("mA")
+    backward: Quantity = printed("mA")
+    cap: Quantity = printed("mA")
+
+
+@dataclass(frozen=True, slots=True)
+class Driver:
+    """A public driver of the arm, and the motor currents that it assumes.
+
+    Attributes:
+        name: A key of `Supplementary.drivers`.
+        joints: Base to tip, without the jaw rod.
+        status: One of ``STATUSES``.
+        source: Its source, in words.
+    """
+
+    name: str
+    joints: tuple[DriverCurrents, ...]
+    status: str
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
 class Supplementary:
-    """Values that the document does not print: joints, jaw geometry, body bounds.
+    """Values that the document does not print: joints, jaws, body bounds, drivers.
 
     Attributes:
         joints: Base to tip, the jaw rod last.
         jaws: Name of a quantity -> its value.
         bodies: Base to tip.
+        drivers: Name -> currents; for the audit, the model does not use them.
     """
 
     joints: tuple[JointRow, ...]
     jaws: dict[str, SourcedQuantity]
     bodies: tuple[BodyBounds, ...]
+    drivers: dict[str, Driver]
 
 
 @dataclass(frozen=True, slots=True)

@@ -221,12 +221,18 @@ def averaged(
 ) -> FloatArray:
     """Moving average of values that are joined by straight lines, (M, K).
 
+    Before the first value and after the last one they stay as they are. A sum that ends
+    there would be taken for a tilt if the mean is not 0.
+
     Args:
         at: Middles of the averages, (M,).
         time: Of the values, (N,).
         values: (N, K).
         length: Of the average.
     """
+    beyond = length + max(time[0] - at.min(), at.max() - time[-1], 0.0)
+    time = np.concatenate([[time[0] - beyond], time, [time[-1] + beyond]])
+    values = np.vstack([values[:1], values, values[-1:]])
     areas = (values[1:] + values[:-1]) / 2 * np.diff(time)[:, None]
     integral = np.vstack([np.zeros(values.shape[1]), np.cumsum(areas, axis=0)])
     low = interpolated(at - length / 2, time, integral)
@@ -362,18 +368,42 @@ def _sums(signal: _Signal) -> _Sums:
 
 def _best(sums: Sequence[_Sums]) -> _Answer:
     """Delay, yaw and compliances with the least squares of what is left."""
+    total = _added(sums)
+    if total is None:
+        return _Answer(delay=0, yaw=np.nan, compliance=np.full(2, np.nan))
+
+    gains = np.array([_gain(total.moments, total.both, yaw) for yaw in _YAWS])  # (Y, D)
+    row, column = np.unravel_index(gains.argmax(), gains.shape)
+    delay = int(column)
+    moments = total.moments[delay]
+    both = total.both[delay]
+    yaw = _refined(moments[None], both[None], float(_YAWS[row]))
+    return _Answer(delay=delay, yaw=yaw, compliance=_compliance(moments, both, yaw))
+
+
+def _added(sums: Sequence[_Sums]) -> _Sums | None:
+    """The sums over all recordings; None if no arm moved."""
+    if not sums:
+        return None
     moments = np.sum([one.moments for one in sums], axis=0)
     both = np.sum([one.both for one in sums], axis=0)
-    if not sums or not np.trace(moments[0]) > _LEAST_MOMENT:
-        return _Answer(delay=0, yaw=np.nan, compliance=np.full(2, np.nan))
-    explained = np.array([_gain(moments, both, yaw) for yaw in _YAWS])  # (Y, D)
-    row, delay = np.unravel_index(explained.argmax(), explained.shape)
-    yaw = _refined(moments[[delay]], both[[delay]], float(_YAWS[row]))
+    undelayed = moments[0]
+    if not np.trace(undelayed) > _LEAST_MOMENT:
+        return None
+    return _Sums(moments=moments, both=both)
+
+
+def _compliance(moments: FloatArray, both: FloatArray, yaw: float) -> FloatArray:
+    """Tilt over moment by least squares, for roll and pitch; never negative, (2,).
+
+    Args:
+        moments, both: At one delay, (2, 2) each.
+        yaw: Of the arm.
+    """
     axes = _turn(yaw)
-    size = np.einsum("ij,jk,ik->i", axes, moments[delay], axes)
-    along = np.einsum("ij,ij->i", axes, both[delay])
-    compliance = np.maximum(along, 0.0) / size
-    return _Answer(delay=int(delay), yaw=yaw, compliance=compliance)
+    squares = np.diag(axes @ moments @ axes.T)
+    products = np.diag(both @ axes.T)
+    return np.asarray(np.maximum(products, 0.0) / squares)
 
 
 def _stiffness(answer: _Answer) -> FloatArray:

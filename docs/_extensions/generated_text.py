@@ -19,6 +19,7 @@ from typer.main import get_command
 
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, application
+from alpha5_model.cli.audit_text import heading
 from alpha5_model.numbers.corrections import CORRECTIONS
 from alpha5_model.proofs.audit.row import AuditRow
 
@@ -48,25 +49,24 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 COSTS = ("N m", "mm", "N m/A", "")
 
 
-def audit_table(category: str | None) -> str:
-    """The rows of a category that differ, by their cost; None: of the observations.
+def audit_table(of: str) -> str:
+    """The rows under a heading of `heading` that differ, by their cost.
 
     Neighbours with the same words and figures stand in one row.
     """
-    rows = [
-        row
-        for row in a5.audit()
-        if row.category == category and row.verdict != "agrees"
-    ]
+    rows = [row for row in a5.audit() if heading(row) == of and row.verdict != "agrees"]
     groups = [
         list(same)
         for _, same in groupby(rows, lambda r: (r.topic, r.says, r.measured, r.effect))
     ]
     groups.sort(key=lambda group: by_cost(group[0]))
-    return table(
-        ["where, and row", "printed", "what follows", "we use", "it costs"],
-        [audit_line(group) for group in groups],
-    )
+    heads = ["where, and row", "printed", "what follows", "we use", "it costs"]
+    lines = [audit_line(group) for group in groups]
+    if of == "outside":
+        heads.append("source")
+        for line, group in zip(lines, groups, strict=True):
+            line.append(plain(group[0].source))
+    return table(heads, lines)
 
 
 def by_cost(row: AuditRow) -> tuple[int, float]:
@@ -326,7 +326,8 @@ TEXTS: dict[str, Callable[[], str]] = {
     "errors": lambda: audit_table("error"),
     "readings": lambda: audit_table("reading"),
     "transcription": lambda: audit_table("transcription"),
-    "observations": lambda: audit_table(None),
+    "observations": lambda: audit_table("observation"),
+    "outside": lambda: audit_table("outside"),
     "corrections": corrections,
     "commands": commands,
     "torque_intervals": torque_intervals,

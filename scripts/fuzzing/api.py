@@ -355,6 +355,15 @@ def _calibrations() -> dict[str, Draw]:
             c.scales, positions=normal(0.3, 3, 3), placement=noise, **small
         ),
         "a5.calibrate.weight": of_function(c.weight, gravity=normal(9, 3), **small),
+        "a5.calibrate.vehicle_tilt": of_function(
+            _tilting,
+            mass=number(0, 50),
+            com=normal(0.1, 3),
+            volume=number(0, 0.05),
+            cob=normal(0.1, 3),
+            noise=noise,
+            yaw=noise,
+        ),
         "a5.calibrate.plan_poses": of_function(
             _planned,
             sensor=sensors,
@@ -381,6 +390,11 @@ def _calibrations() -> dict[str, Draw]:
             gravity=always((0.0, 0.0, -9.81)),
         ),
     }
+
+
+def _tilting(noise: Any, yaw: Any, **vehicle: Any) -> Any:
+    """What the tilt of a vehicle depends on."""
+    return a5.calibrate.vehicle_tilt(vehicle, noise=noise, yaw=yaw).carrier
 
 
 def _planned(sensor: Any, poses: Any, gravity: Any, prior: Any, ballast: Any) -> Any:

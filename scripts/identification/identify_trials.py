@@ -2,11 +2,15 @@
 
     python scripts/identification/identify_trials.py coverage --noise ar --trials 200
     python scripts/identification/identify_trials.py faults --noise white --trials 12
+    python scripts/identification/identify_trials.py limits --noise ar
 
 Truths are drawn from the printed intervals, lengths included. A recording has 25 s at
 20 Hz, with noise of 3 mN m. Coverage is the share of 95 % intervals that hold the
 truth: of static torques in 20 poses, and of the base parameters that a recording with
 another seed supports.
+
+The limits are those of a test that knows the noise: how often it notices a fault of one
+size, and how often the fault explains more than another cause, which looks alike.
 """
 
 from __future__ import annotations
@@ -14,12 +18,15 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from dataclasses import replace
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 
 import alpha5_model as a5
 from alpha5_model.codegen.regrouping import base_parameters
+from alpha5_model.studies.uncertainty.fitting import System
+from alpha5_model.studies.uncertainty.misfit import SIGNIFICANCE
 
 u = a5.uncertainty
 SAMPLES = 500
@@ -169,17 +176,85 @@ def faults(kind: str, trials: int) -> None:
         )
 
 
+#: Faults that are near the limit: cause, what they belong to, and size.
+NEAR = (
+    ("fluid", "density", 25.0),
+    ("mass of link_2", "link_2", 0.05),
+    ("mass of link_2", "link_2", 0.2),
+    ("scale", "recording", 0.05),
+)
+
+
+class KnownNoise(System):
+    """A recording whose noise is known."""
+
+    def columns(self, kind: str) -> dict[tuple[str, str], np.ndarray]:
+        """Cause of one size -> its column that numbers within the digits leave."""
+        coefficients = np.zeros((CHANNELS["efforts"], 3))
+        deviation = DEVIATION
+        if kind == "ar":
+            coefficients[:, 0] = CORRELATION
+            deviation *= np.sqrt(1 - CORRELATION**2)
+        weights = self._weights(suspected=True)._replace(
+            correlation=coefficients,
+            deviation=np.full(len(coefficients), deviation),
+        )
+        equations = self._equations(self._triangle(weights), independent=1.0)
+        basis, _ = np.linalg.qr(equations.restricted)
+        columns = equations.of_suspects
+        left = columns - basis @ (basis.T @ columns)
+        ends = np.cumsum([len(cause.of) for cause in self.causes])
+        return {
+            (cause.name, cause.of[0]): left[:, end - 1]
+            for cause, end in zip(self.causes, ends, strict=True)
+            if len(cause.of) == 1
+        }
+
+
+def limits(kind: str) -> None:
+    """Print what a test could do at best that knows the noise."""
+    made: list[KnownNoise] = []
+
+    def fitted(self: System) -> Any:
+        made.append(KnownNoise(self.recording, self.unknowns, self.known, self.causes))
+        return System_fitted(self)
+
+    System_fitted = System.fitted
+    System.fitted = fitted  # type: ignore[method-assign]
+    try:
+        fit(recorded(exact_values(u.arm(a5.parameters()), "efforts"), kind, seed=1))
+    finally:
+        System.fitted = System_fitted  # type: ignore[method-assign]
+    columns = made[0].columns(kind)
+    threshold = NormalDist().inv_cdf(1 - SIGNIFICANCE / 2)
+    for name, of, size in NEAR:
+        fault = size * columns[name, of]
+        strength = float(np.linalg.norm(fault))
+        noticed = NormalDist().cdf(strength - threshold)
+        print(f"{kind}, {name} {size:g}: noticed at best {noticed:.0%}")
+        for other, column in columns.items():
+            length = float(np.linalg.norm(column))
+            if other == (name, of) or not length:
+                continue
+            alike = abs(float(fault @ column)) / (strength * length)
+            first = NormalDist().cdf(strength * np.sqrt((1 - alike) / 2))
+            if first < 0.95:
+                print(f"  more than {other[0]}: {first:.0%} (correlation {alike:.3f})")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("task", choices=("coverage", "faults"))
+    parser.add_argument("task", choices=("coverage", "faults", "limits"))
     parser.add_argument("--noise", choices=("white", "ar", "quantised"), default="ar")
     parser.add_argument("--recorded", choices=tuple(CHANNELS), default="efforts")
     parser.add_argument("--trials", type=int, default=200)
     given = parser.parse_args()
     if given.task == "coverage":
         coverage(given.recorded, given.noise, given.trials)
-    else:
+    elif given.task == "faults":
         faults(given.noise, given.trials)
+    else:
+        limits(given.noise)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
 """How well `a5.calibrate.motors` finds motors, from simulated currents.
 
-    python scripts/identification/motor_trials.py --trials 40
+    python scripts/identification/motor_trials.py --trials 40 --seconds 240
 
 The torques are Pinocchio's; the currents are made here, by motors with more friction
 at low speed (Stribeck), a ripple over the joint's angle, friction and a zero that
-drift, and noise of 5 mA. The sway has 60 s at 20 Hz, below the rated speeds.
+drift, and noise of 5 mA. The sway has 20 Hz and stays below the rated speeds.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ class Sway(NamedTuple):
     torque: np.ndarray
 
 
-def sway(payload: float = 0.0) -> Sway:
-    """All joints sway for a minute; the tool point may carry a mass [kg]."""
-    time = np.arange(0.0, 60.0, 0.05)
+def sway(payload: float = 0.0, seconds: float = 60.0) -> Sway:
+    """All joints sway for some seconds; the tool point may carry a mass [kg]."""
+    time = np.arange(0.0, seconds, 0.05)
     rate = 2 * np.pi * np.array([0.11, 0.07, 0.13, 0.17])
     size = np.minimum([0.6, 0.9, 0.55, 0.6], 0.45 / rate)
     slow = np.outer(time, rate)
@@ -116,8 +116,11 @@ def errors(calibration: Any, static: np.ndarray) -> np.ndarray:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--trials", type=int, default=40)
-    trials = parser.parse_args().trials
-    bare, heavy = sway(), sway(MASS)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    given = parser.parse_args()
+    trials = given.trials
+    bare = sway(seconds=given.seconds)
+    heavy = sway(MASS, given.seconds)
     for name, static in (("Table 4, 280 mA", TABLE_4), ("driver, 43 mA", DRIVER)):
         fits = [found(bare, currents(bare, static, k)) for k in range(trials)]
         squares = np.square([errors(one, static) for one in fits])

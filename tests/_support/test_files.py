@@ -462,6 +462,7 @@ def test_no_command_has_a_path_that_is_not_tested_here() -> None:
         "study",
         "arm_file",
         "obstacles",
+        "vehicle",
     }
     for command in application(*COMMAND_NAMES).registered_commands:
         assert command.callback is not None

@@ -506,8 +506,10 @@ def test_the_report_fits_its_width(
     assert max(map(len, lines)) <= columns
     claims = [row for row in a5.audit() if row.kind == "claim"]
     observed = [row for row in a5.audit() if row.kind == "observation"]
-    agree, observed_agree = (
-        sum(row.verdict == "agrees" for row in rows) for rows in (claims, observed)
+    outside = [row for row in a5.audit() if row.kind == "outside"]
+    agree, observed_agree, outside_agree = (
+        sum(row.verdict == "agrees" for row in rows)
+        for rows in (claims, observed, outside)
     )
     errors, readings, transcription = (
         sum(row.category == category and row.verdict != "agrees" for row in claims)
@@ -517,7 +519,9 @@ def test_the_report_fits_its_width(
         f"Documents {agree} agree, {errors} errors, {readings} readings, "
         f"{transcription} matters of transcription; "
         f"observations {observed_agree} agree, "
-        f"{len(observed) - observed_agree} differ; files "
+        f"{len(observed) - observed_agree} differ; "
+        f"outside evidence {outside_agree} agree, "
+        f"{len(outside) - outside_agree} differ; files "
     )
     assert " ".join("\n".join(lines).split()).startswith(summary)
     text = " ".join(" ".join(lines).split())

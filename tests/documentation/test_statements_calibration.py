@@ -19,6 +19,14 @@ from alpha5_model.studies.calibration.unknowns import NAMES, arm_unknowns
 calibrate = a5.calibrate
 GUIDE = (DOCS / "guides" / "calibration.md").read_text("utf-8")
 PRIORS = ("digits", "loose")
+#: The vehicle of the guide, whose arm hangs before it.
+VEHICLE = {
+    "mass": 11.5,
+    "com": [0.0, 0.0, -0.02],
+    "volume": 0.0115,
+    "cob": [0.0, 0.0, 0.03],
+    "xyz": [0.2, 0.0, -0.1],
+}
 #: First cell of the table -> sensor and fluid; None before any reading.
 ROWS: dict[str, tuple[Any, float]] = {
     "before, in air": (None, a5.AIR),
@@ -36,6 +44,10 @@ ROWS: dict[str, tuple[Any, float]] = {
     ),
     "efforts without friction in sea water, 3 mN·m, gain 1 %": (
         calibrate.efforts(),
+        a5.SEA_WATER,
+    ),
+    "tilt of a vehicle in sea water, 0.1°, its stiffness known to 2 %": (
+        calibrate.vehicle_tilt(VEHICLE, noise=np.radians(0.1)),
         a5.SEA_WATER,
     ),
 }

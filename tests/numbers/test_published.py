@@ -14,7 +14,13 @@ import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, PublishedDataError
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.reading import parse
-from alpha5_model.numbers.tables import STATUSES, BodyBounds, Source, SourcedQuantity
+from alpha5_model.numbers.tables import (
+    STATUSES,
+    BodyBounds,
+    Driver,
+    Source,
+    SourcedQuantity,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 SEEDS = Path(os.environ.get("ALPHA5_SEEDS", ROOT.parent / "shared" / "seeds"))
@@ -204,8 +210,9 @@ def test_every_table_names_document_version_date_section() -> None:
 
 def test_every_supplementary_value_has_unit_status_source() -> None:
     extra = a5.published().supplementary
-    sourced = [x for x in walk(extra) if isinstance(x, SourcedQuantity | BodyBounds)]
-    assert len(sourced) == 5 * 4 + len(extra.jaws) + 5
+    kinds = SourcedQuantity | BodyBounds | Driver
+    sourced = [x for x in walk(extra) if isinstance(x, kinds)]
+    assert len(sourced) == 5 * 4 + len(extra.jaws) + 5 + len(extra.drivers)
     for value in sourced:
         assert value.status in STATUSES
         assert len(value.source) > 10
@@ -361,6 +368,18 @@ MALFORMED_SUPPLEMENTARY = {
         "[bodies]\n",
         "[jaws.bodies]\n",
         "supplementary.toml: bodies",
+        "missing",
+    ),
+    "a current that is no number": (
+        'axis_b = { forward = "10"',
+        'axis_b = { forward = "ten"',
+        "supplementary.toml: drivers.uvms_simulator.axis_b.forward",
+        "expected a printed decimal number, got 'ten'",
+    ),
+    "unknown driver": (
+        "[drivers.reach_alpha_sim]",
+        "[drivers.somebody]",
+        "supplementary.toml: drivers.reach_alpha_sim",
         "missing",
     ),
 }

@@ -24,7 +24,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import parameters_from_tables
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.reading import parse
-from alpha5_model.proofs.audit import frames, motors, tori
+from alpha5_model.proofs.audit import frames, motors, outside_evidence, tori
 from alpha5_model.proofs.audit.planar_arms import PRINTED_TABLE
 from alpha5_model.proofs.audit.rounding import figure, sampled_share
 from alpha5_model.proofs.audit.row import AuditRow
@@ -89,8 +89,9 @@ def test_each_verdict_follows_from_its_figures(row: AuditRow) -> None:
     assert (row.used == "") == (row.verdict == "agrees")
     assert (row.effect is None) == (row.effect_unit == "") == (row.cost == "")
     assert row.effect_unit in ("", "N m", "N m/A", "mm")
-    assert row.kind in ("claim", "observation")
-    assert (row.category is None) == (row.kind == "observation")
+    assert row.kind in ("claim", "observation", "outside")
+    assert (row.category is None) == (row.kind != "claim")
+    assert (row.source != "") == (row.kind == "outside")
     assert row.standard_error >= 0
 
 
@@ -1231,6 +1232,52 @@ def test_a_stall_torque_below_the_joints_effort_has_no_effect() -> None:
     supply = motors._least_supply(printed)
     strong = dataclasses.replace(joint, effort=200.0)
     assert motors._stall(row, strong, supply).effect == 0.0
+
+
+def test_outside_evidence_against_table_4(rows: dict[str, AuditRow]) -> None:
+    """By hand: F / K_t [N mm over N m/A is mA], torques K_t Gr I."""
+    outside = [row for row in rows.values() if row.kind == "outside"]
+    assert len(outside) == 8
+    needed = 3.752 / 0.0134
+    slack = 0.1 * needed + 0.0005 / 0.0134 + (3.752 / 0.01335 - needed)
+    for i in range(3):
+        row = rows[f"static_current.actuator_{i}"]
+        assert (row.measured, row.expected) == (pytest.approx(needed), 43.0)
+        assert row.bound == pytest.approx(slack)
+        assert row.verdict == "differs"
+        lost = 0.0134 * 1754.4 * (needed - 43) / 1000
+        assert row.effect == pytest.approx(lost)
+        assert f"{0.0134 * 1754.4 * 0.043:.2f} N m, where F Gr is 6.58" in row.finding
+        assert "edxmorgan/uvms-simulator" in row.source
+    caps = {0: 300.0, 1: 200.0, 2: 200.0, 3: 200.0}
+    for i, cap in caps.items():
+        row = rows[f"current_cap.actuator_{i}"]
+        assert (row.expected, row.relation) == (cap, "<=")
+        assert row.verdict == ("differs" if i in (1, 2) else "agrees")
+        assert ("never move" in row.finding) == (i in (1, 2))
+        assert "RKinDLab" in row.source
+    assert rows["current_cap.actuator_2"].effect == pytest.approx(
+        0.0134 * 1754.4 * (needed - 200) / 1000
+    )
+
+
+def test_a_current_between_those_of_the_directions_agrees(
+    rows: dict[str, AuditRow],
+) -> None:
+    row = rows["static_current.actuator_3"]
+    assert row.verdict == "agrees"
+    assert row.measured == row.expected == pytest.approx(0.469 / 0.0271, abs=1e-9)
+    assert 10 < row.measured < 20
+    assert row.effect == 0.0
+    # A driver with Table 4's friction would agree, and one beyond it would not.
+    for forward, verdict in (("280", "agrees"), ("252", "agrees"), ("250", "differs")):
+        supplementary = SUPPLEMENTARY.replace(
+            'axis_d = { forward = "43", backward = "43", cap = "400" }',
+            f'axis_d = {{ forward = "{forward}", backward = "43", cap = "400" }}',
+        )
+        printed = parse(DOCUMENT, supplementary)
+        turned = {one.claim: one for one in outside_evidence.audit(printed)}
+        assert turned["static_current.actuator_1"].verdict == verdict
 
 
 def test_no_effect_is_negative(rows: dict[str, AuditRow]) -> None:

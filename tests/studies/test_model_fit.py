@@ -17,6 +17,7 @@ import alpha5_model as a5
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
+from alpha5_model.studies.uncertainty.misfit import Suspect, _gain, _Score
 from alpha5_model.studies.uncertainty.noise import (
     noise_of_channel,
     stationary,
@@ -130,6 +131,47 @@ def test_each_fault_is_named_first_with_its_size(fault: str, exact: np.ndarray) 
     assert str(found).startswith(f"problem 1: {problem}")
     gains = [one.gain for one in found.problems]
     assert gains == sorted(gains, reverse=True)
+
+
+def test_fresh_water_comes_before_a_scale_that_explains_as_much() -> None:
+    """For sea water: a scale of 1.6 % gives almost the same efforts."""
+    found = fit(torques(0, density=1000.0) + noise(5))
+    fluid = next(one for one in found.problems if one.name == "fluid")
+    scale = next(one for one in found.problems if one.of == ("recording",))
+    assert found.problems[0] is fluid
+    # By a free density the scale would come first: it explains more.
+    off = (1000.0 - fluid.size[0]) / fluid.deviation[0]
+    samples = 4 * SAMPLES
+    explained = fluid.gain + off**2 + 2.0 * np.log(2)
+    assert explained - np.log(samples) < scale.gain < fluid.gain
+    assert abs(off) < 3
+
+
+def test_the_gain_of_a_usual_size_is_the_misfit_that_it_takes_away() -> None:
+    rng = np.random.default_rng(2)
+    column = rng.normal(size=40)
+    rest = -25.0 * column + rng.normal(size=40)
+    size = column @ rest / (column @ column)
+    score = _Score(
+        kept=np.array([0]),
+        size=np.array([size]),
+        deviation=np.array([1 / np.linalg.norm(column)]),
+        squared=float((column @ rest) ** 2 / (column @ column)),
+    )
+    cause = Suspect(
+        name="fluid",
+        of=("density",),
+        unit="kg/m^3",
+        columns=column,
+        without=1025.0,
+        usual=(1.2, 1000.0),
+    )
+    left = rest + 25.0 * column
+    expected = rest @ rest - left @ left - 2.0 * np.log(2)
+    assert _gain(cause, score, 40) == pytest.approx(expected)
+    free = rest @ rest - np.sum((rest - size * column) ** 2) - np.log(40)
+    assert _gain(cause._replace(usual=()), score, 40) == pytest.approx(free)
+    assert free < expected
 
 
 @pytest.mark.parametrize("fault", ["millinewton", "sign", "mass of link_2"])

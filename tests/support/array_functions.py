@@ -687,6 +687,12 @@ def _fitted() -> Any:
     return a5.identify(motion).fitted
 
 
+def _tilted_mount(xyz: Any, rpy: Any) -> Any:
+    """Pose of the arm on a vehicle that tilts, by rows of any layout."""
+    facts = {"mass": 9.0, "com": xyz, "volume": 0.009, "cob": rpy}
+    return a5.calibrate.vehicle_tilt(facts | {"xyz": xyz, "rpy": rpy}).carrier.mount
+
+
 def _calibration_calls(rows: _TheoryRows) -> list[_Row]:
     """Of plans and readings, (name, call)."""
     c = a5.calibrate
@@ -704,6 +710,7 @@ def _calibration_calls(rows: _TheoryRows) -> list[_Row]:
         ("FittedNumbers.torque", _fitted().torque, state, {}),
         ("scales", lambda **g: c.scales(**g).matrix, {"positions": triangle}, {}),
         ("weight", lambda **g: c.weight(**g).matrix, {"gravity": down}, {}),
+        ("vehicle_tilt", _tilted_mount, {"xyz": down / 50, "rpy": down / 10}, {}),
         (
             "plan_poses",
             lambda **g: c.plan_poses(c.efforts(), 2, **g).motion.q,

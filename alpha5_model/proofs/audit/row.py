@@ -13,7 +13,7 @@ from alpha5_model.numbers.tables import ActuatorRow, BuoyancyRow, InertialRow
 
 Relation = Literal["=", "<=", ">="]
 Verdict = Literal["agrees", "differs", "impossible"]
-Kind = Literal["claim", "observation"]
+Kind = Literal["claim", "observation", "outside"]
 Category = Literal["error", "reading", "transcription"]
 
 #: Bound of a figure that follows from no printed digits, in the unit of its row: what
@@ -24,6 +24,7 @@ EXACT = 1e-9
 PER_SI = {
     "mm": 1e3,
     "kg mm^2": 1e6,
+    "mA": 1e3,
     "L": 1e3,
     "kg/L": 1e-3,
     "%": 1e2,
@@ -57,14 +58,15 @@ class AuditRow:
         cost: What ``effect`` is the size of; empty if it is None.
         kind: ``claim``: the documents say so. ``observation``: they do not; their
             numbers are compared with something else, and a difference is not their
-            error.
+            error. ``outside``: somebody else says otherwise, and who is right is open.
         standard_error: Of ``measured`` if it was sampled, in ``unit``; 0 if it was
             computed.
-        category: What a difference means, None for an observation. ``error``: the claim
+        category: What a difference means, None unless the row is a claim. ``error``: it
             is wrong in every reading. ``reading``: it is wrong in the reading that was
             measured; the finding names one in which it is right. ``transcription``: it
             depends on a sign, an index or a letter of a formula. We have only a
             transcription of the document, so the original may be right.
+        source: Of ``expected`` if the kind is ``outside``; else empty.
     """
 
     claim: str
@@ -85,6 +87,7 @@ class AuditRow:
     kind: Kind = "claim"
     standard_error: float = 0.0
     category: Category | None = "error"
+    source: str = ""
 
     @property
     def topic(self) -> str:
@@ -166,6 +169,7 @@ def audited(
         kind=kind,
         standard_error=float(standard_error * per_si),
         category=category if kind == "claim" else None,
+        source=text.get("source", ""),
     )
 
 

@@ -12,6 +12,7 @@ from alpha5_model.proofs.audit import (
     circulating_water,
     frames,
     motors,
+    outside_evidence,
     planar_arms,
     printed_formulas,
     relative_pose,
@@ -30,7 +31,8 @@ def audit() -> tuple[AuditRow, ...]:
     rounding of printed digits allows, a verdict, and the effect of the difference. The
     rows judge the documents, not this package: a row that differs is a finding. Rows of
     the kind ``observation`` compare numbers with something that the document does not
-    claim.
+    claim. Rows of the kind ``outside`` compare them with what somebody else says, and
+    name that source.
 
     Returns:
         Frozen rows, in the order of the topics; computed once.
@@ -60,4 +62,5 @@ def audit_of_document(
         *bodies.audit(printed, parameters),
         *motors.audit(printed, parameters),
         *circulating_water.audit(parameters),
+        *outside_evidence.audit(printed),
     ]

@@ -1,7 +1,8 @@
 """Calibration from your own measurements: which poses to take, and what they say.
 
-`plan_poses` proposes poses for a sensor: `scales`, `weight`, `force_torque` or
-`efforts`. `plan_excitation` proposes a motion for the last two. `session` holds their
+`plan_poses` proposes poses for a sensor: `scales`, `weight`, `force_torque`, `efforts`
+or `vehicle_tilt`. `plan_excitation` proposes a motion for a force-torque sensor or
+efforts. `session` holds their
 readings, and `fit` makes an arm file of them, with the covariance of its numbers, and
 names what is wrong with the readings. A plan is written by `session_text`, and read
 with its readings by `read_session`. `motors` estimates friction and torque per ampere
@@ -34,6 +35,7 @@ from alpha5_model.studies.calibration.sessions import (
     session,
     with_readings,
 )
+from alpha5_model.studies.calibration.tilt_sensor import vehicle_tilt
 
 __all__ = [
     "Calibration",
@@ -54,6 +56,7 @@ __all__ = [
     "scales",
     "session",
     "session_text",
+    "vehicle_tilt",
     "weight",
     "with_readings",
 ]

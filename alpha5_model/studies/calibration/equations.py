@@ -1,7 +1,8 @@
 """Readings as a function of all unknowns: the arm's, and those of each session.
 
 The unknowns of a session are the tilt of its mount, the sensor's gains and offsets, the
-places of its scales and, for efforts of joints that move, friction.
+places of its scales or the yaw of an arm on a vehicle, and, for efforts of joints that
+move, friction.
 """
 
 from __future__ import annotations
@@ -12,7 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.studies.calibration.floating import (
+    Placement,
+    tilt_angles,
+    tilt_slopes,
+)
 from alpha5_model.studies.calibration.loads import (
     Motion,
     gravity_slopes,
@@ -34,7 +41,8 @@ class OfSession(NamedTuple):
         tilt: Turn of gravity about two axes across it, (2,) [rad].
         gain: Of each channel, less 1, (k,).
         offset: Of each channel, (k,).
-        placement: Of the scales along two axes, (6,) [m]; of other sensors, (0,).
+        placement: Of the scales along two axes, (6,) [m]; the yaw of an arm on a
+            vehicle that tilts, (1,) [rad]; of other sensors, (0,).
         friction: Coulomb, then viscous, of joints that move, (8,); otherwise (0,).
     """
 
@@ -78,8 +86,7 @@ class Equations:
         session = self.sessions[number]
         own = self._own(values, number)
         arm = self.unknowns.record(values[: len(NAMES)])
-        load = loads(arm, session.density, _tilted(session, own.tilt))
-        clean = load @ _placed_matrix(session, own).T
+        clean = _clean(session, own, arm, session.density)
         read = (1.0 + own.gain) * clean + own.offset
         if own.friction.size:
             read = read + _friction_columns(session.motion) @ own.friction
@@ -89,30 +96,31 @@ class Equations:
         """Derivative of `predicted` by the unknowns, (N, k, K)."""
         session = self.sessions[number]
         own = self._own(values, number)
-        matrix = _placed_matrix(session, own)
         of_arm = values[: len(NAMES)]
-        arm = self.unknowns.record(of_arm)
-        motion = _tilted(session, own.tilt)
-        load = loads(arm, session.density, motion)
-        clean = load @ matrix.T
+        by = _clean_slopes(session, own, self.unknowns, of_arm)
 
-        count, size = clean.shape
+        count, size = by.clean.shape
         out = np.zeros((count, size, len(self.names)))
-        by_arm = load_slopes(self.unknowns, of_arm, session.density, motion)
         gains = (1.0 + own.gain)[:, None]
-        out[..., : len(NAMES)] = gains * (matrix @ by_arm)
-
-        turns = _tilt_slopes(session, own.tilt)
-        by_tilt = gravity_slopes(arm, session.density, motion.q, turns)
+        out[..., : len(NAMES)] = gains * by.arm
         ones = np.broadcast_to(np.eye(size), (count, size, size))
-        parts = [gains * (matrix @ by_tilt), clean[..., None] * ones, ones]
+        parts = [gains * by.tilt, by.clean[..., None] * ones, ones]
         if own.placement.size:
-            by_place = load @ placement_matrices(session.sensor).swapaxes(1, 2)
-            parts.append(gains * np.moveaxis(by_place, 0, -1))
+            parts.append(gains * by.placement)
         if own.friction.size:
             parts.append(_friction_columns(session.motion))
         out[..., self._places[number]] = np.concatenate(parts, axis=-1)
         return out
+
+    def by_density(self, values: FloatArray, number: int) -> FloatArray:
+        """Change of `predicted` with the fluid's density, (N, k) for each kg/m^3."""
+        session = self.sessions[number]
+        own = self._own(values, number)
+        arm = self.unknowns.record(values[: len(NAMES)])
+        denser = _clean(session, own, arm, session.density + 1.0)
+        return np.asarray(
+            (1.0 + own.gain) * (denser - _clean(session, own, arm, session.density))
+        )
 
     def residuals(self, values: FloatArray) -> FloatArray:
         """Read minus predicted, in standard deviations of the noise, (m,)."""
@@ -144,6 +152,69 @@ class Equations:
         )
 
 
+class _CleanSlopes(NamedTuple):
+    """Readings without gain and offset, and their derivatives.
+
+    Attributes:
+        clean: (N, k).
+        arm: By the arm's numbers, (N, k, 78).
+        tilt: By the mount's tilt, (N, k, 2).
+        placement: By `OfSession.placement`, (N, k, ...).
+    """
+
+    clean: FloatArray
+    arm: FloatArray
+    tilt: FloatArray
+    placement: FloatArray
+
+
+def _clean(
+    session: Session, own: OfSession, arm: Alpha5Parameters, density: float
+) -> FloatArray:
+    """What a sensor without gain and offset reads, (N, k)."""
+    carrier = session.sensor.carrier
+    if carrier is not None:
+        return tilt_angles(arm, density, session.motion.q, carrier, _on_vehicle(own))
+    load = loads(arm, density, _tilted(session, own.tilt))
+    return np.asarray(load @ _placed_matrix(session, own).T)
+
+
+def _clean_slopes(
+    session: Session, own: OfSession, unknowns: ArmUnknowns, of_arm: FloatArray
+) -> _CleanSlopes:
+    """The same with its derivatives."""
+    carrier = session.sensor.carrier
+    density = session.density
+    if carrier is not None:
+        by = tilt_slopes(
+            unknowns, of_arm, density, session.motion.q, carrier, _on_vehicle(own)
+        )
+        return _CleanSlopes(
+            clean=by.angles, arm=by.by_arm, tilt=by.by_tilt, placement=by.by_yaw
+        )
+    matrix = _placed_matrix(session, own)
+    arm = unknowns.record(of_arm)
+    motion = _tilted(session, own.tilt)
+    load = loads(arm, density, motion)
+    turns = _tilt_slopes(session, own.tilt)
+    by_tilt = gravity_slopes(arm, density, motion.q, turns)
+    by_place = np.zeros((*load.shape[:1], session.sensor.size, 0))
+    if own.placement.size:
+        moved = load @ placement_matrices(session.sensor).swapaxes(1, 2)
+        by_place = np.moveaxis(moved, 0, -1)
+    return _CleanSlopes(
+        clean=load @ matrix.T,
+        arm=matrix @ load_slopes(unknowns, of_arm, density, motion),
+        tilt=matrix @ by_tilt,
+        placement=by_place,
+    )
+
+
+def _on_vehicle(own: OfSession) -> Placement:
+    """How the arm stands on the vehicle that tilts."""
+    return Placement(tilt=own.tilt, yaw=float(own.placement[0]))
+
+
 def _placed_matrix(session: Session, own: OfSession) -> FloatArray:
     """The sensor's matrix, its scales moved to their places."""
     matrix = session.sensor.matrix
@@ -157,6 +228,8 @@ def _prior(session: Session, tilt: float) -> OfSession:
     """Standard deviations of the unknowns of a session."""
     sensor = session.sensor
     placed = 0 if sensor.positions is None else 6
+    if sensor.carrier is not None:
+        placed = 1
     rubs = sensor.kind == "efforts" and not session.motion.rests
     return OfSession(
         tilt=np.full(2, tilt),
@@ -174,7 +247,9 @@ def _names(session: Session) -> list[str]:
     names = ["tilt.1", "tilt.2"]
     names += [f"gain.{channel}" for channel in channels]
     names += [f"offset.{channel}" for channel in channels]
-    if prior.placement.size:
+    if session.sensor.carrier is not None:
+        names.append("yaw")
+    elif prior.placement.size:
         names += [f"placement.{channel}.{k}" for channel in channels for k in (1, 2)]
     if prior.friction.size:
         names += [f"Coulomb.{joint}" for joint in JOINT_NAMES[:4]]

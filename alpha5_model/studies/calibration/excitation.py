@@ -3,7 +3,9 @@
 References:
     [Swevers1997] Swevers, Ganseman, Tuekel, De Schutter, Van Brussel: Optimal robot
         excitation and identification, IEEE Transactions on Robotics and Automation
-        13(5) (finite Fourier series; D-optimal designs).
+        13(5) (finite Fourier series).
+    [Atkinson2007] Atkinson, Donev, Tobias: Optimum Experimental Designs, with SAS,
+        section 10.2 (designs that are best for some combinations of the unknowns).
 """
 
 from __future__ import annotations
@@ -27,24 +29,29 @@ from alpha5_model._support.checks import (
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
+from alpha5_model.numbers.fluids import SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.planning.motion_table import write_motion_table
 from alpha5_model.planning.surroundings import Surroundings
 from alpha5_model.studies.calibration.equations import Equations
+from alpha5_model.studies.calibration.loads import load_slopes
 from alpha5_model.studies.calibration.poses import FROM_LIMITS, TILT
 from alpha5_model.studies.calibration.sensors import Sensor
-from alpha5_model.studies.calibration.sessions import session
-from alpha5_model.studies.calibration.unknowns import ArmUnknowns, arm_unknowns
+from alpha5_model.studies.calibration.sessions import Session, session
+from alpha5_model.studies.calibration.unknowns import NAMES, ArmUnknowns, arm_unknowns
 
 #: Of the Fourier series.
-_HARMONICS = 5
+_HARMONICS = 3
 #: Samples of the motion per second, and readings of the sensor [Hz].
 _RATE = 20.0
 #: Samples that are looked at, and those of the motion that is checked.
 _SAMPLES = 40
 _CHECKED = 400
+#: Joints whose torques at rest should be known: axis_d and axis_c.
+_WANTED = slice(1, 3)
+#: Random positions at which torques should be known.
+_POSES = 100
 #: Share of the speed limit that is used.
 _OF_SPEED = 0.95
 #: Motions drawn at random before the best one is varied.
@@ -63,7 +70,8 @@ class Excitation:
         time: (N,) [s].
         position, velocity, acceleration: (N, 4) each [rad, rad/s, rad/s^2].
         evaluations: Motions that were compared.
-        information: Half the logarithm by which the volume of possible numbers shrinks.
+        information: Logarithm by which the standard deviation of the torque that holds
+            the arm still shrinks, over random positions, axis_d and axis_c together.
     """
 
     time: FloatArray
@@ -98,7 +106,7 @@ def plan_excitation(
     *,
     arm: Alpha5Parameters | None = None,
     fluid_density: float = SEA_WATER,
-    gravity: ArrayLike = GRAVITY,
+    gravity: ArrayLike | None = None,
     prior: str = "digits",
     duration: float = 20.0,
     evaluations: int = 400,
@@ -106,16 +114,17 @@ def plan_excitation(
 ) -> Excitation:
     """A motion in which a sensor tells the most about an arm [Swevers1997].
 
-    Each joint follows a Fourier series of five harmonics. The one is taken that shrinks
-    the volume of possible numbers the most, among random ones and variations of the
-    best. All stay within the limits with a margin of 3 deg, within 95 % of the rated
-    speeds, and are proved free of self-collision. Lengths count as known.
+    Each joint follows a Fourier series of three harmonics. The one is taken after which
+    the torques at rest of axis_d and axis_c are known best [Atkinson2007], among random
+    ones and variations of the best. All stay within the limits with a margin of 3 deg,
+    within 95 % of the rated speeds, and are proved free of self-collision. Lengths
+    count as known.
 
     Args:
         sensor: From `force_torque` or `efforts`; scales need an arm at rest.
         arm: Record of an arm of your own; None for the catalogue's.
         fluid_density: [kg/m^3].
-        gravity: In base_link, (3,) [m/s^2].
+        gravity: In base_link, (3,) [m/s^2]; None for that of a level mount.
         prior: As of `fit`.
         duration: Of one period [s].
         evaluations: Motions to compare; more find better ones.
@@ -135,6 +144,13 @@ def plan_excitation(
         rng=generator(seed),
     )
     unknowns = _without_lengths(arm_unknowns(record, prior, moving=True))
+    still = session(
+        chosen,
+        search.random_positions(_POSES),
+        fluid_density=fluid_density,
+        gravity=gravity,
+    )
+    wanted = _Wanted(unknowns, still)
 
     def information(series: _Series) -> float:
         time = np.linspace(0.0, search.period, _SAMPLES, endpoint=False)
@@ -147,13 +163,8 @@ def plan_excitation(
             fluid_density=fluid_density,
             gravity=gravity,
         )
-        equations = Equations(unknowns=unknowns, sessions=[read], tilt=TILT)
-        slopes = equations.slopes(equations.middle, 0) / chosen.noise[:, None]
         # As if all readings were taken at these times.
-        repeated = np.sqrt(_RATE * search.period / _SAMPLES)
-        scaled = repeated * (slopes * equations.deviation).reshape(-1, slopes.shape[-1])
-        inner = np.eye(len(equations.deviation)) + scaled.T @ scaled
-        return float(np.linalg.slogdet(inner)[1]) / 2
+        return wanted.told(read, repeated=_RATE * search.period / _SAMPLES)
 
     best, told = search.best(information, count("evaluations", evaluations))
     samples = max(2, round(search.period * _RATE) + 1)
@@ -169,13 +180,48 @@ def plan_excitation(
     )
 
 
+class _Wanted:
+    """The torques of axis_d and axis_c that hold the arm still, which should be known.
+
+    Args:
+        unknowns: The numbers of the arm.
+        still: Positions at which the torques are wanted.
+    """
+
+    def __init__(self, unknowns: ArmUnknowns, still: Session) -> None:
+        self._unknowns = unknowns
+        slopes = load_slopes(unknowns, unknowns.middle, still.density, still.motion)
+        scaled = slopes[:, _WANTED] * unknowns.deviation
+        #: Mean squares of the slopes, for each joint, (2, 78, 78).
+        self._squares = np.einsum("njk,njl->jkl", scaled, scaled) / len(scaled)
+        self._before = np.trace(self._squares, axis1=1, axis2=2)
+
+    def told(self, read: Session, repeated: float) -> float:
+        """Logarithm by which the standard deviations shrink, over both joints.
+
+        Args:
+            read: A motion.
+            repeated: How often each of its readings is taken.
+        """
+        equations = Equations(unknowns=self._unknowns, sessions=[read], tilt=TILT)
+        slopes = equations.slopes(equations.middle, 0) / read.sensor.noise[:, None]
+        scaled = (slopes * equations.deviation).reshape(-1, slopes.shape[-1])
+        inner = np.eye(scaled.shape[1]) + repeated * scaled.T @ scaled
+        covariance = np.linalg.inv(inner)[: len(NAMES), : len(NAMES)]
+        after = np.einsum("jkl,kl->j", self._squares, covariance)
+        # Without gravity there are no torques at rest.
+        uncertain = self._before > 0
+        shrinking = self._before[uncertain] / after[uncertain]
+        return float(np.log(shrinking).sum()) / 2
+
+
 @dataclass(frozen=True, eq=False)
 class _Series:
     """Fourier series of the four joints, at rest at time 0.
 
     Attributes:
         middle: (4,) [rad].
-        sines, cosines: Of the harmonics, (5, 4) each [rad].
+        sines, cosines: Of the harmonics, (3, 4) each [rad].
         period: [s].
     """
 
@@ -218,6 +264,11 @@ class _Search:
         self._speed = _OF_SPEED * np.array([joint.velocity for joint in joints])
         self._surroundings = Surroundings(arm)
 
+    def random_positions(self, size: int) -> FloatArray:
+        """Positions within the limits, the same for all seeds, (size, 4)."""
+        fixed = np.random.default_rng(0)
+        return fixed.uniform(self._lower, self._upper, (size, 4))
+
     def best(
         self, information: Callable[[_Series], float], evaluations: int
     ) -> tuple[_Series, float]:
@@ -252,7 +303,7 @@ class _Search:
         """A series within limits and speeds, or None if it surely collides.
 
         Args:
-            genes: Of size 1: sines, cosines and the place in the range, (11, 4).
+            genes: Of size 1: sines, cosines and the place in the range, (7, 4).
         """
         number = np.arange(1, _HARMONICS + 1)[:, None]
         sines = genes[:_HARMONICS] / number

@@ -23,9 +23,10 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, read_named
+from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import Alpha5Error, FileFormatError
-from alpha5_model.numbers.fluids import AIR, FRESH_WATER, GRAVITY, SEA_WATER
+from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.studies.calibration.sensors import (
     Sensor,
@@ -35,6 +36,7 @@ from alpha5_model.studies.calibration.sensors import (
     weight,
 )
 from alpha5_model.studies.calibration.sessions import Session, session
+from alpha5_model.studies.calibration.tilt_sensor import vehicle_tilt
 
 #: The version of the keys.
 FORMAT = 1
@@ -44,6 +46,7 @@ SENSORS: Mapping[str, tuple[Callable[..., Sensor], tuple[str, ...]]] = {
     "weight": (weight, ("noise", "gain", "zeroed")),
     "force-torque": (force_torque, ("force_noise", "torque_noise", "gain")),
     "efforts": (efforts, ("noise", "gain", "offset")),
+    "vehicle-tilt": (vehicle_tilt, ("vehicle", "noise", "gain", "offset", "yaw")),
 }
 #: Unit of readings -> its size; the first is the one of a new file.
 UNITS: Mapping[str, Mapping[str, float]] = {
@@ -51,6 +54,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "weight": {"g": 1e-3, "kg": 1.0},
     "force-torque": {"N, N m": 1.0},
     "efforts": {"N m": 1.0, "mN m": 1e-3},
+    "vehicle-tilt": {"deg": np.pi / 180, "rad": 1.0},
 }
 #: Name of a fluid -> its density [kg/m^3].
 FLUIDS = {"air": AIR, "fresh": FRESH_WATER, "sea": SEA_WATER}
@@ -74,6 +78,11 @@ _HEAD = {
         "Write the torques of the joints, without friction: the mean of those after",
         "coming from above and from below.",
     ),
+    "vehicle-tilt": (
+        "Let the vehicle float without thrust. Move to each pose, wait until it is",
+        "still, and write its roll and pitch: turns about fixed axes, x forward, y to",
+        "the left, z up.",
+    ),
 }
 
 
@@ -88,7 +97,7 @@ def session_text(planned: Session) -> str:
         f"format = {FORMAT}",
         f'sensor = "{kind}"',
         f"fluid = {_fluid(planned.density)}  # air, fresh, sea or kg/m^3",
-        f"gravity = {_list(planned.motion.gravity)}  # in base_link (m/s^2)",
+        *_gravity(planned),
         f'unit = "{unit}"  # of the readings',
         "",
         "[settings]  # SI units; noise, gain and so on are standard deviations",
@@ -157,7 +166,7 @@ class _Reader:
                 np.radians(angles),
                 readings * units[unit],
                 fluid_density=self._density(),
-                gravity=given.get("gravity", GRAVITY),
+                gravity=given.get("gravity"),
                 name=str(self._path),
             )
         except Alpha5Error as error:
@@ -170,6 +179,8 @@ class _Reader:
         own = dict(settings)
         if kind == "weight" and "gravity" in self._given:
             own["gravity"] = self._given["gravity"]
+        if kind == "vehicle-tilt" and "vehicle" not in own:
+            raise self._error("settings: vehicle", "missing")
         try:
             return make(**own)
         except Alpha5Error as error:
@@ -266,9 +277,37 @@ def _settings(sensor: Sensor) -> list[str]:
         case "force-torque":
             lines[0] = f"force_noise = {float(noise):g}"
             lines.append(f"torque_noise = {float(sensor.noise[3]):g}")
+        case "vehicle-tilt":
+            lines += _vehicle(sensor)
         case _:
             lines.append(f"offset = {float(sensor.offset[0]):g}")
     return lines
+
+
+def _vehicle(sensor: Sensor) -> list[str]:
+    """The lines of a vehicle that tilts."""
+    carrier = sensor.carrier
+    assert carrier is not None
+    rpy = np.array(rpy_from_rotation(carrier.mount[:3, :3]))
+    return [
+        f"offset = {float(sensor.offset[0]):g}",
+        f"yaw = {sensor.placement:g}",
+        "",
+        "[settings.vehicle]  # without the arm; base_link stands at xyz, rpy",
+        f"mass = {float(carrier.mass)!r}",
+        f"com = {_list(carrier.com)}",
+        f"volume = {float(carrier.volume)!r}",
+        f"cob = {_list(carrier.cob)}",
+        f"xyz = {_list(carrier.mount[:3, 3])}",
+        f"rpy = {_list(rpy)}",
+    ]
+
+
+def _gravity(planned: Session) -> list[str]:
+    """The line of gravity, which a tilting vehicle does not have."""
+    if planned.sensor.carrier is not None:
+        return []
+    return [f"gravity = {_list(planned.motion.gravity)}  # in base_link (m/s^2)"]
 
 
 def _is_zeroed(sensor: Sensor) -> str:

@@ -16,7 +16,7 @@ from alpha5_model._support.checks import FloatArray, count, generator, instance,
 from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.fluids import AIR, GRAVITY
+from alpha5_model.numbers.fluids import AIR
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.planning.obstacles import Obstacle
 from alpha5_model.planning.surroundings import Surroundings
@@ -47,7 +47,7 @@ def plan_poses(
     *,
     arm: Alpha5Parameters | None = None,
     fluid_density: float = AIR,
-    gravity: ArrayLike = GRAVITY,
+    gravity: ArrayLike | None = None,
     prior: str = "digits",
     ballast: float = 0.0,
     seed: int = 0,
@@ -62,11 +62,11 @@ def plan_poses(
     between them are not checked.
 
     Args:
-        sensor: From `scales`, `weight`, `force_torque` or `efforts`.
+        sensor: From `scales`, `weight`, `force_torque`, `efforts` or `vehicle_tilt`.
         poses: How many.
         arm: Record of an arm of your own; None for the catalogue's.
         fluid_density: [kg/m^3].
-        gravity: In base_link, (3,) [m/s^2].
+        gravity: In base_link, (3,) [m/s^2]; None as of `session`.
         prior: As of `fit`.
         ballast: Mass that rests on the scales beside the arm, evenly [kg].
         seed: Of the random poses.

@@ -25,7 +25,6 @@ from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER
 from alpha5_model.numbers.tables import BODY_NAMES, JOINT_NAMES
 from alpha5_model.studies.calibration.equations import Equations
 from alpha5_model.studies.calibration.fitting import Estimate
-from alpha5_model.studies.calibration.loads import density_slopes
 from alpha5_model.studies.calibration.sessions import Session
 from alpha5_model.studies.calibration.unknowns import OF_BODIES, PER_BODY
 
@@ -204,7 +203,7 @@ class _Part:
         self._rows = rows
         self._number = number
         self._predicted = equations.predicted(equations.middle, number)
-        self._arm = equations.unknowns.arm
+        self._by_density = equations.by_density(equations.middle, number)
         self._read = np.isfinite(self.session.readings)
 
     def scale(self) -> Iterator[Problem]:
@@ -223,9 +222,7 @@ class _Part:
     def fluid(self) -> Iterator[Problem]:
         """Another fluid than the one that was given."""
         session = self.session
-        load = density_slopes(self._arm, session.density, session.motion)
-        column = (load @ session.sensor.matrix.T)[..., None]
-        sizes, gain = self._explained(column)
+        sizes, gain = self._explained(self._by_density[..., None])
         if gain < _limit(1):
             return
         density = session.density + float(sizes[0])

@@ -1,7 +1,7 @@
 """Sensors that weigh an arm: scales, a force-torque sensor, the joints' efforts.
 
 Each reads linear combinations of the joint torques and of the load on the mount, times
-an unknown gain, plus an unknown offset.
+an unknown gain, plus an unknown offset. The tilt of a vehicle is in `tilt_sensor.py`.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from alpha5_model._support.checks import FloatArray, array, flag, frozen, real
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.water.carrier import Carrier
 
 #: Joint torques and components of the load on the mount.
 LOADS = 10
@@ -33,18 +34,22 @@ _FLAT = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Sensor:
-    """A sensor; make one with `scales`, `weight`, `force_torque` or `efforts`.
+    """A sensor; make one with `scales`, `weight`, `force_torque`, `efforts` or
+    `vehicle_tilt`.
 
     Attributes:
-        kind: ``scales``, ``weight``, ``force-torque`` or ``efforts``.
+        kind: ``scales``, ``weight``, ``force-torque``, ``efforts`` or ``vehicle-tilt``.
         channels: Names of the readings, (k,).
         unit: Of the readings in the package, one for each, (k,).
-        matrix: Readings by joint torques and load on the mount in base_link, (k, 10).
+        matrix: Readings by joint torques and load on the mount in base_link, (k, 10);
+            zeros for a vehicle's tilt, which is not linear in them.
         noise: Standard deviation of the readings, (k,).
         gain: That of the gains about 1, (k,).
         offset: That of the offsets, (k,).
         positions: Of scales in base_link, (3, 3) [m]; None for other kinds.
-        placement: Standard deviation of each of their coordinates [m].
+        placement: Standard deviation of each of their coordinates [m], or of the arm's
+            turn about the z axis of a vehicle that tilts [rad].
+        carrier: The vehicle that tilts; None for other kinds.
     """
 
     kind: str
@@ -56,6 +61,7 @@ class Sensor:
     offset: FloatArray
     positions: FloatArray | None = None
     placement: float = 0.0
+    carrier: Carrier | None = None
 
     @property
     def size(self) -> int:

@@ -21,6 +21,10 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.fluids import AIR, GRAVITY, density_of
 from alpha5_model.studies.calibration.loads import Motion
 from alpha5_model.studies.calibration.sensors import STANDARD_GRAVITY, Sensor
+from alpha5_model.studies.calibration.tilt_sensor import (
+    check_floats,
+    check_readings,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +59,7 @@ def session(
     fluid_density: float = AIR,
     v: ArrayLike | None = None,
     a: ArrayLike | None = None,
-    gravity: ArrayLike = GRAVITY,
+    gravity: ArrayLike | None = None,
     name: str = "session",
 ) -> Session:
     """Readings of one sensor in one fluid.
@@ -67,18 +71,19 @@ def session(
             poses that are only planned.
         fluid_density: [kg/m^3]; air by default.
         v, a: Rates of joints that move, (N, 4); None for an arm at rest.
-        gravity: In base_link, (3,) [m/s^2].
+        gravity: In base_link, (3,) [m/s^2]. None for that of a level mount, or of a
+            level vehicle, whose tilt leaves no other.
         name: For messages.
 
     Raises:
-        InputError: Not such numbers, or scales that do not lie level.
+        InputError: Not such numbers, scales that do not lie level, or an arm that moves
+            on a vehicle whose tilt is read.
     """
     chosen = instance("sensor", sensor, Sensor)
     positions = _rows("q", q)
     count = len(positions)
     still = np.zeros_like(positions)
-    pull = array("gravity", gravity, 3)
-    plausibility.check_gravity(gravity, pull)
+    pull = _gravity(chosen, gravity)
     empty = np.full((count, chosen.size), np.nan)
     found = empty if readings is None else _with_gaps(readings, empty.shape)
     made = Session(
@@ -94,6 +99,7 @@ def session(
         name=name,
     )
     _check_level(made)
+    _check_floats(made)
     return made
 
 
@@ -105,7 +111,33 @@ def with_readings(planned: Session, readings: FloatArray) -> Session:
     """
     poses = instance("planned", planned, Session)
     found = _with_gaps(readings, poses.readings.shape)
-    return replace(poses, readings=frozen(found))
+    made = replace(poses, readings=frozen(found))
+    _check_floats(made)
+    return made
+
+
+def _gravity(sensor: Sensor, given: ArrayLike | None) -> FloatArray:
+    """Gravity in base_link."""
+    if sensor.carrier is not None:
+        if given is not None:
+            expected = "none: the vehicle's tilt says where gravity pulls"
+            raise InputError("gravity", np.asarray(given).tolist(), expected)
+        return np.asarray(sensor.carrier.mount[:3, :3].T @ GRAVITY)
+    chosen = GRAVITY if given is None else given
+    pull = array("gravity", chosen, 3)
+    plausibility.check_gravity(chosen, pull)
+    return pull
+
+
+def _check_floats(made: Session) -> None:
+    """Refuse a vehicle that cannot float upright, or whose arm moves."""
+    carrier = made.sensor.carrier
+    if carrier is None:
+        return
+    check_floats(carrier, made.density)
+    check_readings(made.readings)
+    if not made.motion.rests:
+        raise InputError("v, a", "an arm that moves", "an arm at rest")
 
 
 def _rows(name: str, value: ArrayLike) -> FloatArray:

@@ -26,7 +26,8 @@ from alpha5_model.studies.sweep.axes import (
 )
 from alpha5_model.studies.sweep.named_axes import CATALOGUE
 from alpha5_model.studies.sweep.outputs import Output, read_output
-from alpha5_model.studies.sweep.vehicles import Carrier, read_vehicles
+from alpha5_model.studies.sweep.vehicles import read_vehicles
+from alpha5_model.water.carrier import Carrier
 
 #: Axis of a case -> plausible range of the value farthest from 0.
 _PLAUSIBLE = {

@@ -14,7 +14,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.numbers.fluids import GRAVITY
-from alpha5_model.studies.sweep.vehicles import Carrier
+from alpha5_model.water.carrier import Carrier
 from alpha5_model.water.vehicle import trim_angles
 
 if TYPE_CHECKING:
@@ -45,9 +45,7 @@ class TrimOfVehicle:
         self.vehicle = vehicle
         #: The arm with gravity along each axis of base_link.
         self.pulled = [arm_in(_G * axis) for axis in np.eye(3)]
-        displaced = density * vehicle.volume
-        #: Net mass times position of the vehicle, in its frame [kg m].
-        self._own_lever = vehicle.mass * vehicle.com - displaced * vehicle.cob
+        self._own_lever = vehicle.lever(density)
 
     def angles(self, q: FloatArray) -> FloatArray:
         """Roll and pitch of the vehicle, yaw 0, (N, 2) [rad].

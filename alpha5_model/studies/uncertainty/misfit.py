@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER
 from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: A misfit that is less probable than this without a cause is reported.
@@ -23,6 +24,8 @@ SIGNIFICANCE = 1e-4
 _CERTAIN = 4.0
 #: Parts of a column that the fit explains up to this share are not told apart.
 _UNSEEN = 1e-6
+#: Fluids that are taken for one another.
+_FLUIDS = (AIR, FRESH_WATER, SEA_WATER)
 _COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 
@@ -42,7 +45,8 @@ class Problem(NamedTuple):
         unit: Of size, "" for none.
         gain: Squared misfit, in standard deviations of the noise, that the cause takes
             away, less ``k log(samples)`` [Schwarz1978]; -inf for tables and untested.
-            The largest is rank 1.
+            A fluid that has a name costs less than a free density. The largest is rank
+            1.
         rank: From 1. Only the first is likely to be the cause: others often explain a
             part of the same misfit.
     """
@@ -80,6 +84,7 @@ class Suspect(NamedTuple):
         name, of, unit: As of `Problem`.
         columns: Change of the recorded channels by a size of 1, (N, n, k).
         without: Size if the cause is absent: 1 for a factor, or the fluid's density.
+        usual: Sizes that a single cause often has: the densities of other fluids.
     """
 
     name: str
@@ -87,6 +92,7 @@ class Suspect(NamedTuple):
     unit: str
     columns: FloatArray
     without: float = 0.0
+    usual: tuple[float, ...] = ()
 
 
 def suspects(
@@ -134,7 +140,14 @@ def suspects(
         each("scale", "", computed, without=1.0),
         each("offset", units, ones),
         single("delay", "recording", "s", later),
-        single("fluid", "density", "kg/m^3", by_density_column, without=density),
+        Suspect(
+            name="fluid",
+            of=("density",),
+            unit="kg/m^3",
+            columns=by_density_column,
+            without=density,
+            usual=tuple(other for other in _FLUIDS if other != density),
+        ),
     ]
     if efforts:
         found.append(each("Coulomb", "N m", np.sign(velocity)))
@@ -219,9 +232,23 @@ def named_causes(
             size=size,
             deviation=best.deviation,
             unit=cause.unit,
-            gain=best.squared - best.kept.size * np.log(likely[0].samples),
+            gain=_gain(cause, best, likely[0].samples),
             rank=0,
         )
+
+
+def _gain(cause: Suspect, score: _Score, samples: int) -> float:
+    """What a cause explains, less what as many free sizes do by chance [Schwarz1978].
+
+    A usual size is not free, only one of some. Without this, water of another kind
+    could not be told from a scale that is off by as much.
+    """
+    free = score.squared - score.kept.size * np.log(samples)
+    gains = [float(free)]
+    for usual in cause.usual:
+        off = (usual - cause.without - score.size[0]) / score.deviation[0]
+        gains.append(float(score.squared - off**2 - 2.0 * np.log(len(cause.usual))))
+    return max(gains)
 
 
 def _scores(equations: Equations, causes: tuple[Suspect, ...]) -> list[_Score]:

@@ -265,17 +265,22 @@ def _with_likely(
 ) -> FloatArray:
     """A basis with the likely columns' combinations that stand out, (N, r)."""
     present = np.isfinite(measured)
-    inside = basis[present]
-    beyond = likely - basis @ (inside.T @ likely[present])
+    beyond = likely - basis @ (basis[present].T @ likely[present])
     left, singular, directions = np.linalg.svd(beyond[present], full_matrices=False)
-    values = measured[present] - inside @ (inside.T @ measured[present])
-    whole = singular > _RANK * singular.max(initial=0.0)
-    rest = values - left[:, whole] @ (left[:, whole].T @ values)
-    freedom = max(values.size - basis.shape[1] - int(whole.sum()), 1)
-    size = np.linalg.norm(rest) / np.sqrt(freedom)
-    outstanding = whole & (singular > _LOST * size)
+    independent = singular > _RANK * singular.max(initial=0.0)
+
+    everything = np.column_stack([basis[present], left[:, independent]])
+    noise = _rest_deviation(everything, measured[present])
+    outstanding = independent & (singular > _LOST * noise)
     weights = directions[outstanding].T / singular[outstanding]
     return np.column_stack([basis, beyond @ weights])
+
+
+def _rest_deviation(basis: FloatArray, values: FloatArray) -> float:
+    """Standard deviation of what an orthonormal basis leaves of values (N,)."""
+    rest = values - basis @ (basis.T @ values)
+    freedom = max(values.size - basis.shape[1], 1)
+    return float(np.linalg.norm(rest) / np.sqrt(freedom))
 
 
 def _lagged(rows: FloatArray) -> FloatArray:
