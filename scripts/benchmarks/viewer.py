@@ -16,6 +16,8 @@ import shutil
 import statistics
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,9 @@ from alpha5_model.viewer.page import static_page
 
 #: Width and height of the window.
 SIZE = (1280, 800)
+#: Width and height of a video, and its pictures per second, as the command has them.
+VIDEO_SIZE = (1280, 720)
+FRAME_RATE = 20.0
 #: Chromium's options: WebGL in software, as fast as it can draw.
 ARGUMENTS = (
     "--no-sandbox",
@@ -54,6 +59,19 @@ _RUN = """async ([duration, poses]) => {
   }
   return (performance.now() - began) / frames;
 }"""
+#: Takes pictures of meshcat's page, each after a move; gives the milliseconds for one.
+_TAKE = """async (poses) => {
+  const move = MOVE;
+  const began = performance.now();
+  for (const pose of poses) {
+    move(pose);
+    viewer.capture_image();
+    await new Promise(requestAnimationFrame);
+  }
+  return (performance.now() - began) / poses.length;
+}"""
+#: Pictures of meshcat's page that are timed.
+_PICTURES = 20
 _MOVE_OURS = '(q) => alpha5.setPose(q, "travel")'
 _MOVE_MESHCAT = """(places) => {
     for (const [path, matrix] of places) viewer.set_transform(path, matrix);
@@ -108,37 +126,54 @@ def frames_of(page: Page, move: str, poses: list[Any], seconds: float) -> float:
     return float(page.evaluate(script, [1e3 * seconds, poses]))
 
 
-def page_times(rounds: int, seconds: float) -> dict[str, float]:
-    """Median milliseconds for a frame, of our page and of meshcat's."""
-    arm = a5.load()
-    theirs, moves = meshcat_page()
-    ours = our_page(arm)
+@contextmanager
+def opened(size: tuple[int, int], **texts: str) -> Iterator[dict[str, Page]]:
+    """Pages in one browser, by name, once they are drawn."""
     program = os.environ.get("ALPHA5_CHROMIUM") or shutil.which("chromium")
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=[*ARGUMENTS])
         pages = {}
-        for name, text in (("ours", ours), ("meshcat", theirs)):
+        for name, text in texts.items():
             file = Path(folder, f"{name}.html")
             file.write_text(text, encoding="utf-8")
-            page = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]})
+            page = browser.new_page(viewport={"width": size[0], "height": size[1]})
             page.goto(file.as_uri())
             page.wait_for_timeout(1500)
             pages[name] = page
-        work = {
-            "ours": (_MOVE_OURS, sway().tolist()),
-            "meshcat": (_MOVE_MESHCAT, moves),
-        }
-        found: dict[str, list[float]] = {name: [] for name in pages}
+        yield pages
+        browser.close()
+
+
+def page_times(rounds: int, seconds: float) -> dict[str, float]:
+    """Median milliseconds for a frame, of our page and of meshcat's."""
+    theirs, moves = meshcat_page()
+    work = {
+        "ours": (_MOVE_OURS, sway().tolist()),
+        "meshcat": (_MOVE_MESHCAT, moves),
+    }
+    found: dict[str, list[float]] = {name: [] for name in work}
+    with opened(SIZE, ours=our_page(a5.load()), meshcat=theirs) as pages:
         for _ in range(rounds):
             for name, page in pages.items():
                 page.bring_to_front()
                 found[name].append(frames_of(page, *work[name], seconds))
-        browser.close()
     return {name: statistics.median(times) for name, times in found.items()}
 
 
+def meshcat_picture() -> float:
+    """Seconds for a picture of a moving arm from meshcat's page, of a video's size."""
+    theirs, moves = meshcat_page()
+    with opened(VIDEO_SIZE, meshcat=theirs) as pages:
+        script = _TAKE.replace("MOVE", _MOVE_MESHCAT)
+        return 1e-3 * float(pages["meshcat"].evaluate(script, moves[:_PICTURES]))
+
+
 def video_times(seconds: float) -> dict[str, float]:
-    """Seconds that the command takes for an MP4, and of the processors."""
+    """Seconds that the command takes for an MP4, and of the processors.
+
+    Beside them what meshcat's page needs for the pictures alone, without the film.
+    """
+    one = meshcat_picture()
     time_secs = np.arange(0.0, seconds, 0.05)
     q = sway(len(time_secs))
     with tempfile.TemporaryDirectory() as folder:
@@ -158,6 +193,7 @@ def video_times(seconds: float) -> dict[str, float]:
             "motion": seconds,
             "elapsed": time.perf_counter() - wall,
             "processor": time.process_time() - cpu,
+            "pictures_of_meshcat": one * seconds * FRAME_RATE,
         }
 
 

@@ -151,6 +151,7 @@ def printed(tab: Tab, q: np.ndarray) -> list[dict[str, str]]:
             bars: texts('#bars output'),
             payload: texts('#payload summary span')[0],
             forces: texts('#water p')[0],
+            carrier: texts('#rest-load')[0],
           };
         })""",
         q.tolist(),
@@ -181,6 +182,7 @@ def expected(one: Case, q: np.ndarray) -> Iterator[dict[str, str]]:
             "bars": " ".join(_digits(np.abs(each).max(), 3) for each in torques.T[:4]),
             "payload": _payload(one),
             "forces": _forces(one),
+            "carrier": _carrier(one, row),
         }
 
 
@@ -228,6 +230,25 @@ def _forces(one: Case) -> str:
         text += f", buoyancy {_digits(9.81 * lift * scale, 2)} N"
         return text + ". The load of a current is estimated, with its interval."
     return text + ". In air a current has no load here."
+
+
+def _carrier(one: Case, q: np.ndarray) -> str:
+    """Force and moment on the mount, at rest and without a current."""
+    still = np.zeros_like(q)
+    load = one.arm.base_wrench(q, still, still)
+    force = _components(load.linear, 2)
+    moment = _components(load.angular, 3)
+    but = "" if one.current is None else ", without what the current adds"
+    return (
+        f"Load on the carrier at rest: force {force} N, moment {moment} N\u00b7m{but}."
+    )
+
+
+def _components(values: np.ndarray, count: int) -> str:
+    return " ".join(
+        f"{name} {_digits(value, count)}"
+        for name, value in zip("xyz", values, strict=True)
+    )
 
 
 def _digits(value: float, count: int) -> str:

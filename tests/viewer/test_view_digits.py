@@ -19,7 +19,7 @@ def test_printed_digits_are_pythons(chromium: Any, name: str, tmp_path: Path) ->
     q = page_digits.poses(one, 5, seed=page_digits.PAGES.index(name))
     count, wrong = page_digits.differences(tab, one, q)
     assert wrong == []
-    assert count == 30
+    assert count == 35
     assert tab.complaints == []
     tab.page.close()
 

@@ -90,7 +90,7 @@ def test_a_field_refuses_what_cannot_be_and_is_filled_again(page: Tab) -> None:
     )
     assert type_into(page, "Density in kg/m³", "") == "1025"
     assert messages(page) == "Density needs a number."
-    assert type_into(page, "Current along x in m/s", "-7") == "1"
+    assert type_into(page, "Current along x in m/s", "-7") == "0"
     assert "between \u22125 and 5 m/s" in messages(page)
     assert type_into(page, "Density in kg/m³", "1000") == "1000"
     assert messages(page) == ""
@@ -118,7 +118,9 @@ def test_the_arrow_of_the_current_is_dragged_in_the_level_plane(page: Tab) -> No
 def test_keys_turn_the_current_and_a_typed_one_is_shown(page: Tab) -> None:
     type_into(page, "Current along y in m/s", "0.5")
     assert page.run("() => alpha5.state.shown.current")
-    assert heading(page, "water") == "sea, 1025 kg/m³, current 1.12 m/s"
+    assert heading(page, "water") == "sea, 1025 kg/m³, current 0.50 m/s"
+    assert state(page, "current") == [0, 0.5, 0], "what is not shown does not flow"
+    type_into(page, "Current along x in m/s", "1")
     type_into(page, "Current along y in m/s", "0")
     page.page.locator("#flow").press("ArrowLeft")
     turned = np.radians(5)

@@ -18,7 +18,9 @@ function setGroup(name, on) {
   document.querySelector(`#groups input[name="${name}"]`).checked = on;
   if (name === "current" && poses[root]) {
     showTorques();
+    showRestLoad();
     showWater();
+    for (const show of numberFields) show();
   }
   if (name === "ghosts" && poses[root]) showSolutions();
   viewer.set_dirty();

@@ -119,6 +119,7 @@ function showPanelNow() {
   skipped = { frames: 0, since: performance.now(), timer: null };
   showJoints();
   showTorques();
+  showRestLoad();
 }
 
 // ---- joints beyond their limits, and links that touch: a message, a red row, a red body

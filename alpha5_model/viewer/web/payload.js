@@ -60,7 +60,7 @@ function showCapacity() {
   const text = capacityText();
   verdict.textContent = text;
   const isJudged = state.limits.some((limit) => limit !== null);
-  capacity.say(isJudged ? text.split(/ here|:/)[0].replace("Holds ", "") : "");
+  capacity.say(isJudged ? text.split(/\. | here|:/)[0].replace("Holds ", "") : "");
 }
 // Torques are linear in the mass at the tcp, so each limit allows an interval of masses.
 function allowedMasses() {

@@ -19,12 +19,16 @@ added(currentRow, "span", { textContent: "current" });
   const label = added(currentRow, "label", { textContent: axis });
   numberField(label, {
     name: `Current along ${axis}`, unit: "m/s", each: 1, low: -FASTEST, high: FASTEST, digits: 3,
-    get: () => state.current[i], set: (value) => setCurrent(state.current.with(i, value)),
+    get: () => flowing()[i], set: (value) => setCurrent(flowing().with(i, value)),
   });
 });
 added(currentRow, "span", { textContent: "m/s" });
 const forces = added(water.box, "p");
 
+// A current that is not shown has no load, so it is none.
+function flowing() {
+  return shown.current ? state.current : [0, 0, 0];
+}
 // A current that is set is shown, too.
 function setCurrent(current) {
   change({ current });
@@ -56,8 +60,31 @@ if (data.fixed) {
     added(row, "span", { textContent: "\u00b0" });
   });
   added(mount.box, "p", { textContent: "How base_link is turned on its carrier. Targets, tcp and current stay in base_link." });
+  mount.load = added(mount.box, "p", { id: "rest-load" });
 } else {
   byId("mount").hidden = true;
+}
+// Force and moment that the arm at rest puts on its carrier at base_link, in base_link: weights, and buoyancies upwards.
+function restLoad() {
+  const [force, moment] = [new THREE.Vector3(), new THREE.Vector3()];
+  const pull = (link, point, mass) => {
+    const each = vector(data.water.gravity).multiplyScalar(mass);
+    force.add(each);
+    moment.add(vector(point).applyMatrix4(poses[link]).sub(origin(poses[root])).cross(each));
+  };
+  for (const { link, mass, com, volume, cob } of data.loads) {
+    pull(link, com, mass);
+    pull(link, cob, -state.density * volume);
+  }
+  pull("tcp", state.payload.com, state.payload.mass - state.density * state.payload.volume);
+  return [force, moment].map((each) => toBaseAxes(each.toArray()).toArray());
+}
+function showRestLoad() {
+  if (!mount.load) return;
+  const parts = (values, digits) => values.map((value, i) => `${"xyz"[i]} ${fixed(value, digits)}`).join(" ");
+  const [force, moment] = restLoad();
+  const but = shown.current ? ", without what the current adds" : "";
+  write(mount.load, `Load on the carrier at rest: force ${parts(force, 2)} N, moment ${parts(moment, 3)} N\u00b7m${but}.`);
 }
 function showMount() {
   const turned = state.attitude.map((angle) => `${Number((angle / TURNED).toFixed(1))}\u00b0`.replace("-", "\u2212"));
