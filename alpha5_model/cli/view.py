@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
 #: Frames per second of a video.
-_FRAME_RATE = 20.0
+_FRAME_RATE = 15.0
 #: Pixels of a picture and of a video, unless the user chooses.
 _PICTURE_SIZE = (1600, 1000)
 _VIDEO_SIZE = (1280, 720)
@@ -48,7 +48,7 @@ _Current = Annotated[str | None, Option(help=options.HELP["arrow"])]
 _Html = Annotated[Path | None, Option(help="Write a page that works from disk.")]
 _Image = Annotated[Path | None, Option(help="Draw a PNG without a screen.")]
 _Video = Annotated[
-    Path | None, Option(help="Write the motion as .mp4 or .gif, 20 frames/s.")
+    Path | None, Option(help="Write the motion as .mp4 or .gif, 15 frames/s.")
 ]
 _Size = Annotated[
     str | None, Option(help="In pixels. Default: 1600x1000, for a video 1280x720.")

@@ -47,7 +47,11 @@ def film(
         options = {"duration": 10 * hundredths, "loop": 0}
     else:
         # H.264 takes even sizes only.
-        options = {"fps": rate, "macro_block_size": 2}
+        options = {
+            "fps": rate,
+            "macro_block_size": 2,
+            "output_params": ["-preset", "veryfast"],
+        }
 
     with needing("a video", "pip install 'alpha5-model[video]'"):
         importlib.import_module("imageio_ffmpeg")  # imageio writes MP4 with it

@@ -33,7 +33,7 @@ from alpha5_model.viewer.page import static_page
 SIZE = (1280, 800)
 #: Width and height of a video, and its pictures per second, as the command has them.
 VIDEO_SIZE = (1280, 720)
-FRAME_RATE = 20.0
+FRAME_RATE = 15.0
 #: Chromium's options: WebGL in software, as fast as it can draw.
 ARGUMENTS = (
     "--no-sandbox",

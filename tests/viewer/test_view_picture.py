@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import io
 import math
+import threading
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -110,8 +111,13 @@ def test_a_window_has_the_pixels_of_the_whole_canvas() -> None:
     assert len(np.unique(seen, axis=0)) > 2
 
 
-def test_a_film_has_the_pictures_of_its_scenes_in_their_order() -> None:
+@pytest.mark.parametrize("beside_threads", [False, True])
+def test_a_film_has_the_pictures_of_its_scenes_in_their_order(
+    beside_threads: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Drawn several at once, into the part of the picture where the arm is."""
+    if beside_threads:
+        monkeypatch.setattr(threading, "active_count", lambda: 2)
     arm = a5.load()
     size = (160, 100)
     seen = framed(build_scene(arm), size)
@@ -322,7 +328,7 @@ def test_a_motion_stays_in_its_video(
     assert main([*made, "--video", str(tmp_path / "arm.gif")]) == 0
     assert "arm.gif" in capsys.readouterr().out
     with Image.open(tmp_path / "arm.gif") as video:
-        assert video.n_frames == 25, "1.2 s, 20 a second, both ends"
+        assert video.n_frames == 19, "1.2 s, one each 0.07 s, and the end"
         frames = []
         for k in range(video.n_frames):
             video.seek(k)
