@@ -141,7 +141,7 @@ def approximate_collision_distance(
 
     It is smooth, for optimisers, and the distance of shapes that can touch within the
     joint limits. It is an approximation: of thousands of random positions, it was
-    within 8 mm of these shapes' exact distance, mostly some millimetres too small, and
+    within 12 mm of these shapes' exact distance, mostly some millimetres too small, and
     above 0 only if the arm was free. Check results with `Arm.in_collision`, which is
     exact.
 

@@ -29,7 +29,13 @@ NEVER_PAIRS: Pairs = (
 #: package compares them all the same: for distances and margins, and beyond the limits.
 NEVER_WITHIN_LIMITS: dict[str, Pairs] = {
     "locked": (("link_0", "link_3"), ("link_2", "link_4")),
-    "jaws": (("link_0", "link_3"), ("link_1", "link_4"), ("link_2", "link_4")),
+    "jaws": (
+        ("link_0", "link_3"),
+        ("link_1", "link_4"),
+        ("link_2", "link_4"),
+        ("link_2", "finger_1"),
+        ("link_2", "finger_2"),
+    ),
 }
 #: Sum of the changes of lengths with which `NEVER_PAIRS` cannot meet either [m]: with
 #: Table 1's lengths they are more than this apart.

@@ -28,7 +28,7 @@ class Capsule(NamedTuple):
 
 #: Link -> its capsule, the jaws closed and part of link_4.
 _CAPSULES = {
-    "link_0": Capsule((-0.1066, 0.0, -0.001), (-0.002, 0.0, -0.0065), 0.019),
+    "link_0": Capsule((-0.1, -0.004, -0.001), (-0.002, 0.0, -0.0065), 0.019),
     "link_1": Capsule((0.0, -0.002, 0.034), (0.02, -0.002, 0.046), 0.02),
     "link_2": Capsule((0.0, 0.0, -0.0029), (0.1507, 0.0, -0.0029), 0.018),
     "link_3": Capsule((0.0, 0.0, 0.0), (0.02, -0.012, 0.0), 0.02),

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
 from functools import cache
 from itertools import pairwise
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice
-from alpha5_model._support.spatial import pose
+from alpha5_model._support.spatial import Triple, pose
 from alpha5_model.geometry.dimensions import Dimensions, drawn_dimensions
 from alpha5_model.geometry.drawing import frames_in_links
 from alpha5_model.geometry.finger_part import ribbon
+from alpha5_model.geometry.parts import tube_axis_of_base
 from alpha5_model.geometry.primitives import Primitive, box, box_around, cylinder
 from alpha5_model.numbers.jaws import GRIPPERS, Jaws, split_link_4
 from alpha5_model.numbers.parameters import parameters
@@ -28,8 +28,9 @@ def collision_primitives(
 ) -> dict[str, tuple[Primitive, ...]]:
     """Primitives of each link of the published arm.
 
-    Together they enclose the drawn body and stay within 3 mm of it. Bodies that turn
-    against each other at a joint overlap, so leave adjacent pairs out
+    Together they enclose the drawn body and stay within 3 mm of it. Links 1 and 3 also
+    fill the room in which link 2's barrels turn, where no other body fits. Bodies that
+    turn against each other at a joint overlap, so leave adjacent pairs out
     (`alpha5_model.description.srdf`).
 
     Args:
@@ -82,173 +83,90 @@ def _with_closed_fingers(
     return links
 
 
-def _slabs(
-    heights: Iterable[float], radius: float
-) -> Iterator[tuple[float, float, float]]:
-    """Low, high, and half of the largest width between them of a circle."""
-    for low, high in pairwise(heights):
-        nearest = max(low, -high, 0.0)
-        yield low, high, math.sqrt(radius**2 - nearest**2)
-
-
 def _base(dimensions: Dimensions) -> list[Primitive]:
     d = dimensions.base
     radius = dimensions.radius
-    neck = [
-        box(
-            low=(d.tube_front, -y, -z),
-            high=(-1.5, y, min(z, d.hub_high)),
-        )
-        for y, z in d.neck
-    ]
-    half = d.foot_half_width
+    at = (0.0, tube_axis_of_base(dimensions), 0.0)
     return [
-        cylinder(radius, low=d.cap, high=d.tube_front, axis="x"),
-        cylinder(d.plug_radius, low=d.rear, high=d.cap, axis="x"),
-        cylinder(1.6 * d.plug_radius, low=d.cap - 5.0, high=d.cap, axis="x"),
-        cylinder(radius, low=d.hub_low, high=d.hub_high, axis="z"),
-        *neck,
-        box(
-            low=(d.foot_rear, d.foot_face, -half),
-            high=(d.foot_front, -8.0, half),
-        ),
-        box(
-            low=(d.foot_front, d.foot_edge, -half),
-            high=(d.foot_slope, -8.0, half),
-        ),
-        _slope_of_foot(dimensions),
+        cylinder(radius, low=d.cap, high=d.tube_front, axis="x", at=at),
+        cylinder(d.plug_radius, low=d.rear, high=d.cap, axis="x", at=at),
+        *_hub(dimensions),
+        *_neck_of_base(dimensions),
     ]
 
 
-def _slope_of_foot(dimensions: Dimensions) -> Primitive:
-    """A box under the foot's sloped face."""
+def _hub(dimensions: Dimensions) -> list[Primitive]:
+    """Cylinders around the hub, the lower ones around its rounded end."""
     d = dimensions.base
-    depth = 7.0
-    run = d.foot_slope - d.foot_front
-    rise = d.foot_edge - d.foot_face
-    angle = math.atan2(rise, run)
-    x = d.foot_front + run / 2 - depth / 2 * math.sin(angle)
-    y = d.foot_face + rise / 2 + depth / 2 * math.cos(angle)
-    return Primitive(
-        kind="box",
-        size=(math.hypot(run, rise), depth, 2 * d.foot_half_width),
-        xyz=(x, y, 0.0),
-        rpy=(0.0, 0.0, angle),
-    )
-
-
-def _shell(dimensions: Dimensions) -> list[Primitive]:
-    d = dimensions.shell
     radius = dimensions.radius
-    collar_axis = (d.axes_apart, 0.0, 0.0)
-    return [
-        cylinder(radius, low=d.cheek_inner, high=d.cheek_outer, axis="z"),
-        cylinder(radius, low=d.floor, high=d.collar_face, axis="y", at=collar_axis),
-        *_half_shell(dimensions),
-        *_sides_of_shell(dimensions),
-    ]
-
-
-#: y of the boxes beside link 2's barrel, up to the shell's floor.
-_BESIDE_BARREL = (0.0, 9.7, 13.3, 16.8)
-
-
-def _inner_x(dimensions: Dimensions, y: float) -> float:
-    """x from which the shell closes round link 2's barrel at a y."""
-    return math.sqrt((dimensions.radius + 0.5) ** 2 - y**2)
-
-
-def _half_shell(dimensions: Dimensions) -> list[Primitive]:
-    """Boxes around the half-shell, slab by slab up to its cut at 45 deg."""
-    d = dimensions.shell
-    inner = _inner_x(dimensions, _BESIDE_BARREL[1])
-    boxes = []
-    heights = sorted([*d.slabs, d.cheek_inner])
-    for low, high, half in _slabs(heights, dimensions.radius):
-        if high <= 0:
-            near = inner
-        elif low < d.cheek_inner:
-            near = d.axes_apart + 0.5
-        else:
-            near = d.axes_apart - half
-        far = d.axes_apart + half
-        boxes.append(
-            box(
-                low=(near, d.mitre - high, low),
-                high=(far, d.floor, high),
-            )
+    round_from = d.hub_low + d.hub_edge
+    shapes = []
+    for low, high in pairwise([*d.hub_slabs, d.hub_high]):
+        inwards = max(round_from - high, 0.0)
+        across = math.sqrt(d.hub_edge**2 - inwards**2)
+        shapes.append(
+            cylinder(radius - d.hub_edge + across, low=low, high=high, axis="z")
         )
+    return shapes
+
+
+def _neck_of_base(dimensions: Dimensions) -> list[Primitive]:
+    """Boxes along the neck, which rises from the tube's axis to the hub's."""
+    d = dimensions.base
+    rise = tube_axis_of_base(dimensions) / d.tube_front
+    along = pose((0.0, 0.0, 0.0), (0.0, 0.0, math.atan(rise)))
+    slant = math.hypot(1.0, rise)
+    boxes = []
+    for y, z in d.neck:
+        straight = box(
+            low=(slant * d.tube_front - 4.0, -y / slant, -z),
+            high=(-1.5, y / slant, min(z, d.hub_high)),
+        )
+        boxes.append(straight.moved(along))
     return boxes
 
 
-def _sides_of_shell(dimensions: Dimensions) -> list[Primitive]:
-    """Boxes where the shell closes round link 2's barrel: at positive y."""
+def _round_end(
+    dimensions: Dimensions, tip: float, axis: str, at: Triple
+) -> list[Primitive]:
+    """Cylinders around half a ball, which ends a tube along an axis at a tip."""
+    radius = dimensions.radius
+    shapes = []
+    for low, high in pairwise(dimensions.end_slabs):
+        across = math.sqrt(radius**2 - (radius - high) ** 2)
+        shapes.append(
+            cylinder(across, low=tip + low, high=tip + high, axis=axis, at=at)
+        )
+    return shapes
+
+
+def _shell(dimensions: Dimensions) -> list[Primitive]:
+    """Cheek and collar; they also fill the room in which link 2's barrel turns."""
     d = dimensions.shell
-    y_0, y_1, y_2, y_3 = _BESIDE_BARREL
-    near_1 = _inner_x(dimensions, y_1)
-    near_2 = _inner_x(dimensions, y_2)
-    beside = d.axes_apart + 1.0
-    top = d.cheek_inner
+    radius = dimensions.radius
+    collar_axis = (d.axes_apart, 0.0, 0.0)
+    start = d.tip + dimensions.end_slabs[-1]
     return [
-        box(
-            low=(near_1, y_0, 0.0),
-            high=(beside, y_1, top),
-        ),
-        box(
-            low=(near_2, y_1, d.mitre - y_2),
-            high=(beside, y_2, top),
-        ),
-        box(
-            low=(d.inside, y_2, d.mitre - y_3),
-            high=(beside, d.floor, top),
-        ),
-        box(
-            low=(d.inside, y_3, -dimensions.radius),
-            high=(beside, d.floor, d.mitre - y_3),
-        ),
+        cylinder(radius, low=d.cheek_inner, high=d.cheek_outer, axis="z"),
+        cylinder(radius, low=start, high=d.collar_face, axis="y", at=collar_axis),
+        *_round_end(dimensions, d.tip, axis="y", at=collar_axis),
     ]
 
 
 def _upper_arm(dimensions: Dimensions) -> list[Primitive]:
     d = dimensions.upper_arm
-    start = _start_of_tube(dimensions)
+    radius = dimensions.radius
+    start = d.tip + dimensions.end_slabs[-1]
     middle = (0.0, d.drop / 2, 0.0)
-    tube = cylinder(
-        dimensions.radius, low=start, high=d.reach - start, axis="x", at=middle
-    )
+    tube = cylinder(radius, low=start, high=d.reach - start, axis="x", at=middle)
 
-    one_end = _end_of_upper_arm(dimensions)
+    one_end = [
+        cylinder(radius, low=d.barrel_low, high=d.barrel_high, axis="z"),
+        *_round_end(dimensions, d.tip, axis="x", at=middle),
+    ]
     to_other_end = pose((d.reach, d.drop, 0.0), (0.0, 0.0, math.pi))
     other_end = [shape.moved(to_other_end) for shape in one_end]
     return [tube, *one_end, *other_end]
-
-
-def _start_of_tube(dimensions: Dimensions) -> float:
-    """x from which the upper arm's tube is whole."""
-    d = dimensions.upper_arm
-    return float(d.mitre + d.slabs[-1])
-
-
-def _end_of_upper_arm(dimensions: Dimensions) -> list[Primitive]:
-    """Barrel, tube up to its cut at 45 deg, slab by slab, and neck."""
-    d = dimensions.upper_arm
-    y = d.drop / 2
-    far = _start_of_tube(dimensions) + 1.0
-    shapes = [
-        cylinder(dimensions.radius, low=d.barrel_low, high=d.barrel_high, axis="z")
-    ]
-    for low, high, half in _slabs(d.slabs, dimensions.radius):
-        near = d.mitre + low
-        shapes.append(
-            box(
-                low=(near, y - half, low),
-                high=(far, y + half, high),
-            )
-        )
-
-    end_of_neck = (d.mitre + d.barrel_high, d.neck, d.barrel_high)
-    shapes.append(box(low=(14.0, 2.1, 3.0), high=end_of_neck))
-    return shapes
 
 
 def _wrist(dimensions: Dimensions) -> Primitive:

@@ -37,6 +37,8 @@ class Dimensions:
 
     Attributes:
         radius: Of every turned part.
+        end_slabs: Distances from the tip of a tube's round end at which the collision
+            cylinders around it become wider.
         base: Of link 0.
         shell: Of links 1 and 3.
         upper_arm: Of link 2.
@@ -46,6 +48,7 @@ class Dimensions:
     """
 
     radius: Dimension
+    end_slabs: tuple[float, ...]
     base: SimpleNamespace
     shell: SimpleNamespace
     upper_arm: SimpleNamespace
@@ -72,8 +75,10 @@ def dimensions_of(printed: Published) -> Dimensions:
         "reach": printed.elbow.adjacent.value,
         "drop": printed.elbow.opposite.value,
     }
+    turned = _by_name(table["turned"])
     return Dimensions(
-        radius=_by_name(table["turned"]).radius,
+        radius=turned.radius,
+        end_slabs=turned.end_slabs,
         base=_by_name(table["base"]),
         shell=_by_name(table["shell"]),
         upper_arm=_by_name(table["upper_arm"]),

@@ -17,6 +17,7 @@ from alpha5_model.geometry import parts
 from alpha5_model.geometry.dimensions import Dimensions, drawn_dimensions
 from alpha5_model.geometry.finger_part import finger
 from alpha5_model.geometry.solid import Solid
+from alpha5_model.geometry.wrist_part import wrist
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
@@ -26,7 +27,7 @@ class _Drawn(NamedTuple):
 
     Attributes:
         part: Its part.
-        low, high: Range of the free dimension, which is solved for [mm].
+        low, high: Range of the free dimension, which is solved for.
     """
 
     part: Callable[[Dimensions], parts.Part]
@@ -40,9 +41,9 @@ _DRAWN = {
     "link_1": _Drawn(part=parts.shell, low=5.0, high=18.0),
     "link_2": _Drawn(part=parts.upper_arm, low=0.5, high=14.0),
     "link_3": _Drawn(part=parts.shell, low=5.0, high=18.0),
-    "link_4": _Drawn(part=parts.wrist, low=0.5, high=60.0),
-    "finger_1": _Drawn(part=finger, low=2.0, high=10.5),
-    "finger_2": _Drawn(part=finger, low=2.0, high=10.5),
+    "link_4": _Drawn(part=wrist, low=0.5, high=60.0),
+    "finger_1": _Drawn(part=finger, low=0.4, high=1.0),
+    "finger_2": _Drawn(part=finger, low=0.4, high=1.0),
 }
 
 
@@ -66,10 +67,10 @@ def bodies() -> dict[str, DrawnBody]:
     Raises:
         MissingDependencyError: manifold3d is not installed.
     """
-    return draw(drawn_dimensions(), _volumes(parameters(())))
+    return draw(drawn_dimensions(), printed_volumes(parameters(())))
 
 
-def _volumes(parameters: Alpha5Parameters) -> dict[str, float]:
+def printed_volumes(parameters: Alpha5Parameters) -> dict[str, float]:
     """Volume of each body [mm^3]; Table 3's link 4 has the fingers in it."""
     jaws = split_link_4(parameters)
     return {

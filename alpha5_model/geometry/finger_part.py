@@ -17,10 +17,12 @@ STATIONS = 33
 
 
 def finger(dimensions: Dimensions) -> Part:
-    """The finger in finger_1; free: the radius of the largest holes."""
+    """The finger in finger_1; free: its plate's thickness, as a share of the drawn one.
+
+    The outside has the drawn thickness and no holes.
+    """
     d = dimensions.finger
     half_thickness = dimensions.jaws.finger_width / 2
-    blade = _blade(d) ^ _plate(d)
     lug = cylinder(
         d.lug_radius,
         low=-half_thickness,
@@ -28,30 +30,55 @@ def finger(dimensions: Dimensions) -> Part:
         edges=(0.5, 0.5),
         segments=36,
     )
+    plate = _plate(d)
     pin = cylinder(d.pin_radius, low=-50, high=50, segments=24)
-    outside = union([blade, lug])
-    outside -= _other_finger(dimensions)
-    outside -= _beyond_tip(dimensions)
-    outside -= pin
+    beyond = union([_other_finger(dimensions), _beyond_tip(dimensions), pin])
+    holes = union(
+        cylinder(radius, low=-50, high=50, axis="x", segments=32).translate([0, y, 0])
+        for y, radius in d.holes
+    )
 
-    def perforated(radius: float) -> Solid:
-        holes = []
-        for y, share in d.holes:
-            hole = cylinder(share * radius, low=-50, high=50, axis="x", segments=40)
-            holes.append(hole.translate([0, y, 0]))
-        return outside - union(holes)
+    def whole(share: float) -> Solid:
+        return union([_blade(d, share) ^ plate, lug]) - beyond
 
-    return Part(outside=outside, cut=perforated)
+    def perforated(share: float) -> Solid:
+        return whole(share) - holes - _between_teeth(d, share)
+
+    return Part(outside=whole(1.0), cut=perforated)
 
 
-def _blade(d: SimpleNamespace) -> Solid:
+def _blade(d: SimpleNamespace, share: float) -> Solid:
     """The curved plate in full width, its edges broken."""
     edge = 0.6
     half_width = d.width / 2
-    broken = ribbon(d, inset=edge)
-    full = ribbon(d)
+    broken = ribbon(d, inset=edge, share=share)
+    full = ribbon(d, share=share)
     heights = [-half_width, edge - half_width, half_width - edge, half_width]
     return loft([broken, full, full, broken], heights)
+
+
+def _between_teeth(d: SimpleNamespace, share: float) -> Solid:
+    """The notches between the teeth of the inner side, across the plate."""
+    k = kernel()
+    start, stop, count = d.teeth
+    depth = d.tooth_depth
+    notches = []
+    for middle in np.linspace(start, stop, int(count)):
+        # The first two points of a short ribbon lie on the inner side.
+        points = ribbon(d, middle, middle + 1e-3, share=share)
+        along = points[1] - points[0]
+        along /= np.hypot(*along)
+        outwards = np.array([along[1], -along[0]])
+        corners = [
+            points[0] - depth * outwards,
+            points[0] + depth * (outwards - 2 * along),
+            points[0] + depth * (outwards + 2 * along),
+        ]
+        outline = np.array(corners)
+        if np.cross(outline[1] - outline[0], outline[2] - outline[0]) < 0:
+            outline = outline[::-1]
+        notches.append(k.CrossSection([outline]).extrude(d.width))
+    return union(notches).translate([0, 0, -d.width / 2])
 
 
 def _plate(d: SimpleNamespace) -> Solid:
@@ -89,7 +116,11 @@ def _beyond_tip(dimensions: Dimensions) -> Solid:
 
 
 def ribbon(
-    d: SimpleNamespace, start: float = 0.0, stop: float = 1.0, inset: float = 0.0
+    d: SimpleNamespace,
+    start: float = 0.0,
+    stop: float = 1.0,
+    inset: float = 0.0,
+    share: float = 1.0,
 ) -> FloatArray:
     """Outline of the blade between two parameters, counter-clockwise, (2 n, 2) [mm].
 
@@ -99,6 +130,7 @@ def ribbon(
         d: Dimensions of the finger.
         start, stop: Shares of the centre line.
         inset: By how much the outline is drawn in.
+        share: Of the drawn thickness.
     """
     x, y, half_thickness = np.array(d.centre_line).T
     x_steps = np.diff(x, prepend=x[0])
@@ -108,7 +140,7 @@ def ribbon(
 
     shares = np.linspace(start, stop, STATIONS)
     points = cubic_spline(knots, np.column_stack([x, y]), shares)
-    half = np.interp(shares, knots, half_thickness)
+    half = share * np.interp(shares, knots, half_thickness)
 
     tangent = np.gradient(points, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)

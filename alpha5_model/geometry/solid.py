@@ -101,7 +101,7 @@ def _corner(
     """
     if edge == 0.0:
         return [(radius, height)]
-    steps = 1 if edge <= _ROUND else max(3, round(edge / 1.5))
+    steps = 1 if edge <= _ROUND else max(3, round(edge / 2.4))
     centre_r = radius - edge
     centre_h = height - side * edge
     points = []

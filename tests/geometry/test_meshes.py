@@ -224,7 +224,7 @@ def test_measured_dimensions_agree_with_the_recorded_bounds():
     d = drawn_dimensions()
     bounds = [link.bounds * 1e3 for link in parameters().links]
     assert pytest.approx(bounds[0][0, 0]) == d.base.rear
-    assert pytest.approx(bounds[0][1, 0]) == d.base.foot_face
+    assert pytest.approx(bounds[0][1, 0]) == d.base.tube_low
     assert pytest.approx(bounds[0][2, 0]) == d.base.hub_low
     assert pytest.approx(-bounds[3][1, 0], abs=2.0) == d.shell.collar_face
     assert pytest.approx(-bounds[4][2, 1]) == d.wrist.tube_start
@@ -248,6 +248,75 @@ def test_link_2_tube_is_slanted_as_its_product_of_inertia_says(meshes):
     assert -100 < product < -40, (
         "a straight tube would give 0, one slanted the other way +"
     )
+
+
+def test_base_is_a_plain_round_tube_below_the_hub(meshes):
+    for x in (-110.0, -80.0, -50.0):
+        radii = _section_radii(meshes["link_0"], x)
+        assert radii.size > 50
+        assert radii == pytest.approx(20.0, abs=0.1)
+
+
+def _section_radii(mesh: Mesh, x: float) -> np.ndarray:
+    """Distances from the base tube's axis of the points where edges cross x [mm]."""
+    corners = mesh.corners * 1e3
+    found = []
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        start = corners[:, a]
+        stop = corners[:, b]
+        crosses = (start[:, 0] < x) != (stop[:, 0] < x)
+        share = (x - start[crosses, 0]) / (stop - start)[crosses, 0]
+        found.append(start[crosses] + share[:, None] * (stop - start)[crosses])
+    y, z = np.vstack(found).T[1:]
+    return np.hypot(y + 4.0, z)
+
+
+def test_tubes_of_links_1_to_3_end_in_half_balls(meshes):
+    """All that lies beyond the middle of a ball is on it, but for what adjoins."""
+    in_link_2 = rotation_z(math.atan2(40.0, 145.3))[:3, :3]
+    upper_arm = (meshes["link_2"].v * 1e3) @ in_link_2.T
+    ends = {
+        "link_2": (upper_arm - (30.5, 20.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+        "link_1": (
+            meshes["link_1"].v * 1e3 - (0.0, 0.0, 46.2 - 13.5),
+            (0.0, 0.0, 1.0),
+            (-1.0, 0.0, 0.0),
+        ),
+    }
+    for name, (points, beyond, aside) in ends.items():
+        chosen = (points @ beyond > 1.0) & (points @ aside > 1.0)
+        distances = np.linalg.norm(points[chosen], axis=1)
+        assert (np.abs(distances - 20.0) < 0.1).sum() > 100, name
+        assert distances.max() < 20.1, name
+
+
+@pytest.mark.parametrize("name", ["finger_1", "finger_2"])
+def test_a_finger_has_five_holes_beside_its_hinge_and_teeth(meshes, name):
+    mesh = meshes[name]
+    euler = len(mesh.v) - len(mesh.f) // 2
+    assert 1 - euler // 2 == 5 + 1
+    assert len(_valleys_along_the_hinge(mesh)) == 15
+
+
+def _valleys_along_the_hinge(mesh: Mesh) -> set[tuple[float, ...]]:
+    """x and y [mm] of edges along z at which two faces meet at 90 deg, hollow."""
+    c = mesh.corners * 1e3
+    normals = np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    faces_of_edge: dict[tuple[int, int], int] = {}
+    for number, face in enumerate(mesh.f.tolist()):
+        for corner in range(3):
+            faces_of_edge[face[corner], face[corner - 2]] = number
+    found = set()
+    for (start, stop), one in faces_of_edge.items():
+        other = faces_of_edge[stop, start]
+        along = mesh.v[stop] - mesh.v[start]
+        is_along_z = abs(along[2]) > 0.99 * np.linalg.norm(along)
+        is_right_angle = abs(normals[one] @ normals[other]) < 0.1
+        is_hollow = np.cross(normals[one], normals[other]) @ along < 0
+        if is_along_z and is_right_angle and is_hollow:
+            found.add(tuple(np.round(mesh.v[start, :2] * 1e3, 2).tolist()))
+    return found
 
 
 def test_all_files_together_are_small():

@@ -331,7 +331,7 @@ def test_a_step_through_a_collision_is_refused(coal: CollisionModel) -> None:
     """Both ends are free, the line between them is not."""
     found = None
     rng = np.random.default_rng(12)
-    for one in sample(4000, seed=13):
+    for one in sample(8000, seed=13):
         other = np.clip(one + rng.uniform(-0.45, 0.45, 4), LOWER, UPPER)
         line = np.linspace(one, other, 40)
         hits = a5.load().in_collision(line) if found is None else [False]

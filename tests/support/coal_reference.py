@@ -13,7 +13,13 @@ from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 #: Gripper -> links that touch beyond the joint limits only.
 BEYOND_LIMITS = {
     "locked": [("link_0", "link_3"), ("link_2", "link_4")],
-    "jaws": [("link_0", "link_3"), ("link_1", "link_4"), ("link_2", "link_4")],
+    "jaws": [
+        ("link_0", "link_3"),
+        ("link_1", "link_4"),
+        ("link_2", "link_4"),
+        ("link_2", "finger_1"),
+        ("link_2", "finger_2"),
+    ],
 }
 
 
