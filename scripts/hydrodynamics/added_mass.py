@@ -32,6 +32,7 @@ import argparse
 import sys
 import tomllib
 from collections.abc import Iterable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,7 +42,12 @@ from alpha5_model._support.spatial import cross_matrix, pose, rotation_about, tr
 from alpha5_model.description.frames import joint_placements
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.geometry.dimensions import drawn_dimensions
-from alpha5_model.geometry.drawing import bodies, frames_in_links
+from alpha5_model.geometry.drawing import (
+    DrawnBody,
+    draw,
+    frames_in_links,
+    printed_volumes,
+)
 from alpha5_model.geometry.solid import cylinder, kernel, union
 from alpha5_model.numbers.hydrodynamics import centre_of_added_mass
 from alpha5_model.numbers.jaws import split_link_4
@@ -65,12 +71,13 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 FILE = REPOSITORY / "alpha5_model" / "numbers" / "estimated_hydrodynamics.toml"
 #: Body -> sides of the panels [mm], from which the result is extrapolated to none.
 SIZES = {
+    "link_0": (4.4, 3.4, 2.7),
     "link_1": (3.2, 2.4, 1.8),
-    "link_2": (4.3, 3.5, 2.8),
+    "link_2": (3.7, 3.0, 2.4),
     "link_4": (5.0, 4.0, 3.4),
     "link_4_open": (5.0, 4.0, 3.4),
-    "wrist": (4.4, 3.4, 2.6),
-    "finger_1": (2.0, 1.5, 1.15),
+    "wrist": (3.6, 2.9, 2.3),
+    "finger_1": (1.6, 1.3, 1.05),
     "finger_2": (2.0, 1.5, 1.15),
 }
 #: Of all other bodies.
@@ -78,7 +85,7 @@ OTHERS = (5.0, 3.9, 3.0)
 #: Panels of link 4's fingers over those of its wrist.
 FINGERS = 0.4
 #: Sides of the panels of the whole arm [mm].
-WHOLE_ARM = {"link_0": 10.0, "link_1": 6.0, "link_2": 8.0, "link_3": 6.0, "link_4": 9.5}
+WHOLE_ARM = {"link_0": 11.0, "link_1": 7.0, "link_2": 8.0, "link_3": 7.0, "link_4": 7.8}
 #: Where the comparison of the whole arm is kept.
 COMPARISON = Path(__file__).with_name("whole_arm.toml")
 #: Added mass of bodies of other shapes, which the tables allow, too.
@@ -222,7 +229,7 @@ def solids() -> dict[str, Any]:
     """The bodies in their links' frames [mm]; link 4 with the jaws closed, open, and in
     parts.
     """
-    drawn = bodies()
+    drawn = without_teeth()
     wrist = drawn["link_4"].solid
     jaws = split_link_4(parameters())
     fingers = {"finger_1": jaws.finger_1, "finger_2": jaws.finger_2}
@@ -242,6 +249,19 @@ def solids() -> dict[str, Any]:
         "wrist": wrist,
         **{name: drawn[name].solid for name in fingers},
     }
+
+
+@cache
+def without_teeth() -> dict[str, DrawnBody]:
+    """The drawn bodies with smooth fingers of the same volume.
+
+    The notches between the teeth are narrower than the panels; the water in them moves
+    with the finger. Without them, the plates are thinner by as much.
+    """
+    dimensions = drawn_dimensions()
+    start, stop, _ = dimensions.finger.teeth
+    dimensions.finger.teeth = (start, stop, 0)
+    return draw(dimensions, printed_volumes(parameters(())))
 
 
 def moved(solid: Any, placement: Array) -> Any:
@@ -693,12 +713,12 @@ HEAD = '''# ESTIMATED, not published: what the moving water does to each body, o
 #
 # added_mass: 6x6, linear before angular, about the origin and in the axes of the link's frame, for water of 1000 kg/m^3
 #   [kg, kg m, kg m^2]; another fluid scales it by its density.
-# added_mass_factor: low, nominal, high. The stretched arm has 0.94 to 1.04 of what its bodies have alone when it moves
-#   across itself, turns, or moves a joint; along itself 0.78: each body alone pushes water before both its ends, but ends
-#   that face a neighbour do not, and no numbers of single bodies hold both. What is missing, 0.04 of 0.20 kg, is 7 % of the added mass across, 0.63 kg. A
-#   working pose has 0.80 to 1.08; folded it has 0.71 to 1.41, which the interval does not cover.
-#   Extrapolations from the last two sizes of panels and from the two before are 0.5 to 1.3 % apart at most (an entry over
-#   the geometric mean of its diagonal entries); link_4's and link_4_open's by their fingers, which need the finest panels.
+# added_mass_factor: low, nominal, high. The stretched arm has 0.96 to 1.06 of what its bodies have alone when it moves
+#   across itself, turns, or moves a joint; along itself 0.76: each body alone pushes water before both its ends, but ends
+#   that face a neighbour do not, and no numbers of single bodies hold both. What is missing, 0.04 of 0.18 kg, is 8 % of the added mass across, 0.55 kg. A
+#   working pose has 0.77 to 1.07; folded it has 0.69 to 1.41, which the interval does not cover.
+#   Extrapolations from the last two sizes of panels and from the two before are 0.4 to 1.5 % apart at most (an entry over
+#   the geometric mean of its diagonal entries). The fingers are computed without the notches between their teeth.
 # shape_low, shape_high: the tables print no shape. Two sets of bodies that both match them differ by these shares, along x,
 #   y, z and about them, at the point where moving and turning are least coupled; low and high have them besides the factor.
 # strips: the cross-flow principle. A length ds of a strip, from start to end, resists the water's velocity across

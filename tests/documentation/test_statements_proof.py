@@ -613,7 +613,11 @@ def along_the_stretched_arm() -> Sequence[Figure]:
     ]
 
 
-@statement(WATER, "the arm has {} to {} of the sum. The interval covers all of these")
+@statement(
+    WATER,
+    "the arm has {} to {} of the sum. The interval covers the motions along and about "
+    "one axis",
+)
 def working_arm() -> Sequence[Figure]:
     found = whole_arm("working")
     most = [*found["base"], *found["joints"]]

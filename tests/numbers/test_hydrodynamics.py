@@ -104,8 +104,8 @@ def test_links_1_and_3_are_one_part():
         assert ours == pytest.approx(theirs, rel=0.02)
 
 
-def test_finger_2_has_smaller_holes_than_finger_1():
-    """Both are the same plate, turned; smaller holes push more water across it."""
+def test_finger_2_is_thicker_than_finger_1():
+    """Both are the same plate, turned; a thicker one pushes more water."""
     turn = np.kron(np.eye(2), np.diag([-1.0, -1.0, 1.0]))
     bodies = hydrodynamics("jaws")
     one = turn @ bodies["finger_1"].added_mass @ turn
@@ -114,7 +114,7 @@ def test_finger_2_has_smaller_holes_than_finger_1():
     whole = 1000 * np.pi / 4 * 0.032**2 * 0.085
     assert 0.15 * whole < one[0, 0] < two[0, 0] < whole
     edgewise = 2
-    assert two[edgewise, edgewise] == pytest.approx(one[edgewise, edgewise], rel=0.1)
+    assert 1.2 < two[edgewise, edgewise] / one[edgewise, edgewise] < 1.6
     strong = np.abs(one) > 0.2 * np.sqrt(np.outer(np.diag(one), np.diag(one)))
     assert (np.sign(one[strong]) == np.sign(two[strong])).all()
 

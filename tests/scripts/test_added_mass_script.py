@@ -160,9 +160,9 @@ def test_the_interval_covers_another_shape(script: ModuleType, name: str) -> Non
 def test_the_two_shapes_differ_by_what_is_documented(script: ModuleType) -> None:
     links = hydrodynamics()
     along = script.other_added_mass("link_0")[0, 0] / links["link_0"].added_mass[0, 0]
-    assert along == pytest.approx(1.6, abs=0.05)
+    assert along == pytest.approx(2.36, abs=0.05)
     axial = script.other_added_mass("link_4")[5, 5] / links["link_4"].added_mass[5, 5]
-    assert axial == pytest.approx(0.6, abs=0.03)
+    assert axial == pytest.approx(0.54, abs=0.03)
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
