@@ -717,7 +717,7 @@ HEAD = '''# ESTIMATED, not published: what the moving water does to each body, o
 #   across itself, turns, or moves a joint; along itself 0.76: each body alone pushes water before both its ends, but ends
 #   that face a neighbour do not, and no numbers of single bodies hold both. What is missing, 0.04 of 0.18 kg, is 8 % of the added mass across, 0.55 kg. A
 #   working pose has 0.77 to 1.07; folded it has 0.69 to 1.41, which the interval does not cover.
-#   Extrapolations from the last two sizes of panels and from the two before are 0.4 to 1.5 % apart at most (an entry over
+#   Extrapolations from the last two sizes of panels and from the two before are 0.4 to 1.4 % apart at most (an entry over
 #   the geometric mean of its diagonal entries). The fingers are computed without the notches between their teeth.
 # shape_low, shape_high: the tables print no shape. Two sets of bodies that both match them differ by these shares, along x,
 #   y, z and about them, at the point where moving and turning are least coupled; low and high have them besides the factor.
