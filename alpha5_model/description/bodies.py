@@ -13,7 +13,7 @@ from itertools import combinations_with_replacement
 from alpha5_model._support.checks import choice
 from alpha5_model._support.spatial import Placement
 from alpha5_model.description.frames import base_placement, joint_placements
-from alpha5_model.geometry.collision_shapes import collision_primitives
+from alpha5_model.geometry.exported_shapes import exported_primitives
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.jaws import GRIPPERS, Jaws, split_link_4
 from alpha5_model.numbers.loaded_links import loaded_links
@@ -34,7 +34,7 @@ class Body(RigidBody):
         joint: Joint about or along +z of the body; None for link_0, which is fixed in
             base_link.
         meshes: Name of a visual mesh -> its pose in the body.
-        shapes: Collision shapes.
+        shapes: Collision shapes for other programs.
     """
 
     placement: Placement
@@ -66,7 +66,7 @@ def arm_bodies(
     jaws = split_link_4(parameters)
     hinges = _closed_hinges(jaws)
     drawn = _drawn_meshes(gripper, hinges, MESHES if meshes is None else meshes)
-    shapes = collision_primitives(gripper, parameters.spacer)
+    shapes = exported_primitives(gripper, parameters.spacer)
 
     records: list[RigidBody] = list(loaded_links(parameters))
     placements = [base_placement(parameters), *joint_placements(parameters)]

@@ -18,7 +18,7 @@ References:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
@@ -34,12 +34,12 @@ from alpha5_model._support.checks import (
     float_array,
     frozen,
 )
-from alpha5_model._support.files import read_named
-from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
+from alpha5_model._support.spatial import pose
 from alpha5_model.collision.link_pairs import unchecked_pairs
 from alpha5_model.collision.self_collision import self_collision
-from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
+from alpha5_model.geometry.collision_shapes import collision_primitives
+from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
@@ -140,8 +140,9 @@ def collision_geometry(
 ) -> pin.GeometryModel:
     """Primitives of the links of a pin.Model, with the pairs to be checked.
 
-    Pinocchio reads the primitives from the URDF with the model's gripper. Links that
-    touch beyond the joint limits only are checked, too; an SRDF leaves these out.
+    They are the package's own, with the model's gripper; a URDF has fewer and larger
+    ones. Links that touch beyond the joint limits only are checked, too; an SRDF
+    leaves these out.
 
     Args:
         model: pin.Model of the arm.
@@ -156,9 +157,11 @@ def collision_geometry(
     record = chosen_arm(arm)
     check_dimensions(model, "its bodies", DRAWN, None if is_catalogue(record) else arm)
     gripper = "jaws" if model.existFrame("finger_1") else "locked"
-    geometry = pin.buildGeomFromUrdfString(
-        model, _urdf_of_bodies(gripper, record), pin.GeometryType.COLLISION
-    )
+    geometry = pin.GeometryModel()
+    for link, shapes in collision_primitives(gripper, record.spacer).items():
+        for number, shape in enumerate(shapes):
+            name = f"{link}_{number}"
+            geometry.addGeometryObject(_object(model, link, name, shape))
     _add_pairs(geometry, model, record)
     return geometry
 
@@ -177,26 +180,20 @@ def _add_pairs(
             geometry.addCollisionPair(pin.CollisionPair(one, other))
 
 
-def _urdf_of_bodies(gripper: str, arm: Alpha5Parameters) -> str:
-    """Text of a URDF with the bodies of an arm, each in the frame of its link.
-
-    The shipped one has them. Only a spacer moves some in their link: closed fingers.
-    """
-    if arm.spacer and gripper == "locked":
-        return _urdf(gripper, arm)
-    return _shipped_urdf(gripper)
-
-
-def _urdf(gripper: str, arm: Alpha5Parameters) -> str:
-    """Text of the URDF of an arm, on its base_link."""
-    if is_catalogue(arm):
-        return _shipped_urdf(gripper)
-    return urdf(Variant(gripper=gripper, arm=replace(arm, mount=None)))
-
-
-def _shipped_urdf(gripper: str) -> str:
-    path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
-    return read_named(path, "the generated URDF (alpha5 generate)").decode()
+def _object(
+    model: pin.Model, link: str, name: str, shape: Primitive
+) -> pin.GeometryObject:
+    """A shape in the frame of its link."""
+    number = model.getFrameId(link)
+    frame = model.frames[number]
+    kind = coal.Cylinder if shape.kind == "cylinder" else coal.Box
+    return pin.GeometryObject(
+        name,
+        frame.parentJoint,
+        number,
+        frame.placement * pin.SE3(pose(shape.xyz, shape.rpy)),
+        kind(*shape.size),
+    )
 
 
 def without_self_collision(

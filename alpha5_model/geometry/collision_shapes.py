@@ -15,7 +15,7 @@ from alpha5_model.geometry.drawing import frames_in_links
 from alpha5_model.geometry.finger_part import ribbon
 from alpha5_model.geometry.parts import tube_axis_of_base
 from alpha5_model.geometry.primitives import Primitive, box, box_around, cylinder
-from alpha5_model.numbers.jaws import GRIPPERS, Jaws, split_link_4
+from alpha5_model.numbers.jaws import GRIPPERS, split_link_4
 from alpha5_model.numbers.parameters import parameters
 
 #: Added to the boxes around curved outlines, which are known at stations only [mm].
@@ -29,9 +29,10 @@ def collision_primitives(
     """Primitives of each link of the published arm.
 
     Together they enclose the drawn body and stay within 3 mm of it. Links 1 and 3 also
-    fill the room in which link 2's barrels turn, where no other body fits. Bodies that
-    turn against each other at a joint overlap, so leave adjacent pairs out
-    (`alpha5_model.description.srdf`).
+    fill the room in which link 2's barrels turn, where no other body fits. The package
+    compares these shapes. Other programs get the fewer ones of
+    `alpha5_model.geometry.exported_shapes`. Bodies that turn against each other at a
+    joint overlap, so leave adjacent pairs out (`alpha5_model.description.srdf`).
 
     Args:
         gripper: ``jaws`` has ``finger_1`` and ``finger_2`` as links of their own, in
@@ -44,7 +45,7 @@ def collision_primitives(
     moving = choice("gripper", gripper, GRIPPERS) == "jaws"
     shapes = _shapes(drawn_dimensions())
     if not moving:
-        shapes = _with_closed_fingers(shapes, split_link_4(parameters(())), spacer)
+        shapes = with_closed_fingers(shapes, spacer)
     return {
         link: tuple(shape.as_written() for shape in items)
         for link, items in shapes.items()
@@ -70,10 +71,16 @@ def _shapes(dimensions: Dimensions) -> dict[str, list[Primitive]]:
     return shapes
 
 
-def _with_closed_fingers(
-    shapes: dict[str, list[Primitive]], jaws: Jaws, spacer: float
+def with_closed_fingers(
+    shapes: dict[str, list[Primitive]], spacer: float
 ) -> dict[str, list[Primitive]]:
-    """The shapes with those of the fingers in link 4, moved by a spacer [m]."""
+    """The shapes [mm] with those of the fingers in link 4, closed.
+
+    Args:
+        shapes: Of each link and finger, in its frame [mm].
+        spacer: How far spacers move the jaws along -z of link_4 [m].
+    """
+    jaws = split_link_4(parameters(()))
     links = dict(shapes)
     for finger in (jaws.finger_1, jaws.finger_2):
         origin = finger.origin - [0.0, 0.0, spacer]

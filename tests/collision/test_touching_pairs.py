@@ -12,6 +12,7 @@ import pinocchio as pin
 import pytest
 from coal_reference import BEYOND_LIMITS, CoalReference
 from own_arm import random_arm, within
+from own_shapes_urdf import urdf_with_own_shapes
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -97,13 +98,13 @@ def shape_distance(
 
 
 class UrdfShapes:
-    """The shapes of the committed URDF, whose fingers turn on their own."""
+    """A URDF with the package's shapes, whose fingers turn on their own."""
 
     def __init__(self, gripper: str) -> None:
         path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
         self.model = pin.buildModelFromUrdf(str(path))
-        self.geometry = pin.buildGeomFromUrdf(
-            self.model, str(path), pin.GeometryType.COLLISION
+        self.geometry = pin.buildGeomFromUrdfString(
+            self.model, urdf_with_own_shapes(gripper), pin.GeometryType.COLLISION
         )
         self.data = self.model.createData()
         self.numbers: dict[str, list[int]] = {}
@@ -124,7 +125,7 @@ class UrdfShapes:
 
 @pytest.mark.parametrize("gripper", GRIPPERS)
 def test_every_pair_of_the_list_touches_within_the_limits(gripper: str) -> None:
-    """By Pinocchio on the committed URDF, at the angles that the list has."""
+    """By Pinocchio on a URDF with these shapes, at the angles that the list has."""
     urdf = UrdfShapes(gripper)
     limits = (urdf.model.lowerPositionLimit, urdf.model.upperPositionLimit)
     names = ["axis_e", "axis_d", "axis_c", "axis_b"]

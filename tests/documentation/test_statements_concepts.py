@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import coal
 import numpy as np
@@ -17,7 +17,9 @@ from reference import LOWER, UPPER
 from statement_registry import AtMost, Figure, Near, Statement, parameters_of, statement
 
 import alpha5_model as a5
+from alpha5_model.collision.disabled_pairs import disabled_pairs
 from alpha5_model.dynamics.collision import collision_geometry
+from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.numbers.inertia import (
     flip_products,
     principal_moments,
@@ -26,6 +28,71 @@ from alpha5_model.numbers.inertia import (
 
 ERRATA = "docs/errata.md"
 DEXTERITY = "docs/concepts/dexterity.md"
+
+
+# --- pairs of collision shapes -------------------------------------------------------
+
+
+class UrdfPairs(NamedTuple):
+    """What Pinocchio counts in a committed URDF."""
+
+    shapes: int
+    all: int
+    left: int
+
+
+def urdf_pairs(path: str) -> UrdfPairs:
+    """Shapes, pairs of those on different links, and those that the SRDF leaves."""
+    model = pin.buildModelFromUrdf(path)
+    geometry = pin.buildGeomFromUrdf(model, path, pin.GeometryType.COLLISION)
+    geometry.addAllCollisionPairs()
+    every = len(geometry.collisionPairs)
+    pin.removeCollisionPairs(model, geometry, path.replace(".urdf", ".srdf"))
+    return UrdfPairs(
+        shapes=geometry.ngeoms, all=every, left=len(geometry.collisionPairs)
+    )
+
+
+def own_pairs() -> UrdfPairs:
+    """The same of the shapes that the package compares, by arithmetic."""
+    counts = {link: len(items) for link, items in collision_primitives("locked").items()}
+    apart = {
+        frozenset(pair)
+        for pairs in disabled_pairs(a5.parameters(), "locked").values()
+        for pair in pairs
+    }
+    products = {
+        frozenset(pair): counts[pair[0]] * counts[pair[1]]
+        for pair in itertools.combinations(counts, 2)
+    }
+    left = sum(count for pair, count in products.items() if pair not in apart)
+    return UrdfPairs(
+        shapes=sum(counts.values()), all=sum(products.values()), left=left
+    )
+
+
+@statement(
+    "docs/concepts/self-collision.md",
+    "| compared by this package | {} | {} | | in the URDF | {} | {} | "
+    "With jaws that move, {} pairs are left.",
+)
+def shapes_of_both() -> Sequence[Figure]:
+    own = own_pairs()
+    locked = urdf_pairs(a5.URDF_PATH)
+    jaws = urdf_pairs(a5.JAWS_URDF_PATH)
+    counts = (own.shapes, own.left, locked.shapes, locked.left, jaws.left)
+    return [Near(count) for count in counts]
+
+
+@statement(
+    "docs/guides/ros.md",
+    "Of {} pairs of the {} shapes it leaves {}; with jaws {} of {}.",
+)
+def pairs_for_moveit() -> Sequence[Figure]:
+    locked = urdf_pairs(a5.URDF_PATH)
+    jaws = urdf_pairs(a5.JAWS_URDF_PATH)
+    counts = (locked.all, locked.shapes, locked.left, jaws.left, jaws.all)
+    return [Near(count) for count in counts]
 
 
 # --- the workspace without self-collision --------------------------------------------

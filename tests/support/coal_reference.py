@@ -1,4 +1,4 @@
-"""Distances of the arm's bodies by coal, pair by pair, from the committed files."""
+"""Distances of the arm's bodies by coal, pair by pair, from a URDF and an SRDF."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 import coal
 import numpy as np
 import pinocchio as pin
+from own_shapes_urdf import urdf_with_own_shapes
 
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 
@@ -31,7 +32,7 @@ def without_pair(srdf: str, one: str, other: str) -> str:
 
 
 class CoalReference:
-    """The committed URDF as Pinocchio reads it, and the pairs of the SRDF.
+    """The URDF with the package's shapes as Pinocchio reads it, and the SRDF's pairs.
 
     Links that touch beyond the joint limits only are compared, though the SRDF leaves
     them out.
@@ -43,10 +44,9 @@ class CoalReference:
 
     def __init__(self, gripper: str = "locked") -> None:
         path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
-        urdf = str(path)
-        self.model = pin.buildModelFromUrdf(urdf, True)
-        self._geometry = pin.buildGeomFromUrdf(
-            self.model, urdf, pin.GeometryType.COLLISION
+        self.model = pin.buildModelFromUrdf(str(path), True)
+        self._geometry = pin.buildGeomFromUrdfString(
+            self.model, urdf_with_own_shapes(gripper), pin.GeometryType.COLLISION
         )
         self._geometry.addAllCollisionPairs()
         srdf = Path(path).with_suffix(".srdf").read_text("utf-8")
