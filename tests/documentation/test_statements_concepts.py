@@ -17,6 +17,7 @@ from reference import LOWER, UPPER
 from statement_registry import AtMost, Figure, Near, Statement, parameters_of, statement
 
 import alpha5_model as a5
+from alpha5_model._support.paths import JAWS_URDF_PATH
 from alpha5_model.collision.disabled_pairs import disabled_pairs
 from alpha5_model.dynamics.collision import collision_geometry
 from alpha5_model.geometry.collision_shapes import collision_primitives
@@ -55,7 +56,9 @@ def urdf_pairs(path: str) -> UrdfPairs:
 
 def own_pairs() -> UrdfPairs:
     """The same of the shapes that the package compares, by arithmetic."""
-    counts = {link: len(items) for link, items in collision_primitives("locked").items()}
+    counts = {
+        link: len(items) for link, items in collision_primitives("locked").items()
+    }
     apart = {
         frozenset(pair)
         for pairs in disabled_pairs(a5.parameters(), "locked").values()
@@ -66,9 +69,7 @@ def own_pairs() -> UrdfPairs:
         for pair in itertools.combinations(counts, 2)
     }
     left = sum(count for pair, count in products.items() if pair not in apart)
-    return UrdfPairs(
-        shapes=sum(counts.values()), all=sum(products.values()), left=left
-    )
+    return UrdfPairs(shapes=sum(counts.values()), all=sum(products.values()), left=left)
 
 
 @statement(
@@ -79,7 +80,7 @@ def own_pairs() -> UrdfPairs:
 def shapes_of_both() -> Sequence[Figure]:
     own = own_pairs()
     locked = urdf_pairs(a5.URDF_PATH)
-    jaws = urdf_pairs(a5.JAWS_URDF_PATH)
+    jaws = urdf_pairs(JAWS_URDF_PATH)
     counts = (own.shapes, own.left, locked.shapes, locked.left, jaws.left)
     return [Near(count) for count in counts]
 
@@ -90,7 +91,7 @@ def shapes_of_both() -> Sequence[Figure]:
 )
 def pairs_for_moveit() -> Sequence[Figure]:
     locked = urdf_pairs(a5.URDF_PATH)
-    jaws = urdf_pairs(a5.JAWS_URDF_PATH)
+    jaws = urdf_pairs(JAWS_URDF_PATH)
     counts = (locked.all, locked.shapes, locked.left, jaws.left, jaws.all)
     return [Near(count) for count in counts]
 
