@@ -70,6 +70,9 @@ def drawn(shape: UrdfShape, folder: str) -> Mesh:
     elif shape.kind == "cylinder":
         radius, length = shape.size
         mesh = cylinder(radius, length)
+    elif shape.kind == "sphere":
+        plain = (1.0, 1.0, 1.0)
+        mesh = replace(ball(shape.size[0], plain, plain), colors=None)
     else:
         raise FileFormatError("URDF", f"cannot draw a {shape.kind}")
     return mesh.moved(shape.placement)

@@ -175,6 +175,9 @@ def test_meshes_and_shapes_are_those_of_the_urdf(file):
 def _volume(prim: Any) -> float:
     if prim.IsA(UsdGeom.Cube):
         return float(np.prod(prim.GetAttribute("xformOp:scale").Get()))
+    if prim.IsA(UsdGeom.Sphere):
+        radius = UsdGeom.Sphere(prim).GetRadiusAttr().Get()
+        return float(4.0 / 3.0 * np.pi * radius**3)
     cylinder = UsdGeom.Cylinder(prim)
     return np.pi * cylinder.GetRadiusAttr().Get() ** 2 * cylinder.GetHeightAttr().Get()
 
