@@ -12,7 +12,9 @@ import pickle
 import platform
 import pydoc
 import re
+import subprocess
 import sys
+import sysconfig
 import threading
 import weakref
 from functools import partial
@@ -509,6 +511,23 @@ def test_the_module_was_compiled_of_these_sources():
     build = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(build)
     assert build.digest() == compiled.SOURCES, "compile again: python hatch_build.py"
+
+
+@pytest.mark.parametrize("found", ["float x = 1; double y = 2.0 * x;", ""])
+def test_no_float_becomes_a_double_unseen(found, tmp_path):
+    """Users compile with the warning; a line that has one shows that it is on."""
+    source = tmp_path / "kernels.c"
+    file = ROOT / "alpha5_model/codegen/kernels/_compiled.c"
+    source.write_text(f'#include "{file}"\nvoid last(void) {{{found}}}\n')
+    python, numpy = sysconfig.get_path("include"), np.get_include()
+    words = ["gcc", "-fsyntax-only", "-Wdouble-promotion", '-DSOURCES=""']
+    done = subprocess.run(
+        [*words, f"-I{python}", f"-I{numpy}", str(source)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert ("warning" in done.stderr) == bool(found)
 
 
 class Weigher:

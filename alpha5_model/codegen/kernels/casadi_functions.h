@@ -22,7 +22,7 @@ static int casadi_row(const Kernel *kernel, const double **given, double **resul
     for (int i = 0; i < kernel->outputs; i++)
         for (int j = 0; j < kernel->slots[kernel->inputs + i].size; j++, end++)
             if (results[i])
-                results[i][j] = good ? *end : NAN;
+                results[i][j] = good ? *end : (double)NAN;
     return 0;
 }
 

@@ -30,7 +30,7 @@ static inline double real_of(int64_t b) { return (reinterpreted){.bits = b}.real
 #define INTEGER int64_t
 #define BITS(x) bits_of(x)
 #define REAL(b) real_of(b)
-#define SPLAT(x) (x)
+#define SPLAT(x) ((double)(x))
 #define ODD(b) ((int)((b) & 1))
 #define SECOND_BIT(b) ((int64_t)((uint64_t)(b) << 62)) /* as the sign */
 #define SELECT(m, a, b) ((m) ? (a) : (b))
