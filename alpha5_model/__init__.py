@@ -8,9 +8,15 @@ them is called.
 from __future__ import annotations
 
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from alpha5_model.errors import Alpha5Error, SelfCollisionError, UnreachableError
+from alpha5_model.errors import (
+    Alpha5Error,
+    MissingDependencyError,
+    SelfCollisionError,
+    UnreachableError,
+)
 
 __version__ = "0.1.0"
 
@@ -178,13 +184,30 @@ _MODULES = {
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
     if name in _MODULES:
-        value: Any = import_module(f"alpha5_model.{_MODULES[name]}")
+        value: Any = _imported(_MODULES[name], needed_for=name)
     elif name in _NAMES:
-        value = getattr(import_module(f"alpha5_model.{_NAMES[name]}"), name)
+        value = getattr(_imported(_NAMES[name], needed_for=name), name)
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
     return value
+
+
+def _imported(module: str, needed_for: str) -> ModuleType:
+    """A module of the package.
+
+    Raises:
+        MissingDependencyError: It imports a package that is not installed.
+    """
+    try:
+        return import_module(f"alpha5_model.{module}")
+    except MissingDependencyError:
+        raise
+    except ModuleNotFoundError as error:
+        remedy = "python -m pip install alpha5-model, without --no-deps"
+        raise MissingDependencyError(
+            str(error.name), f"alpha5_model.{needed_for}", remedy
+        ) from None
 
 
 def __dir__() -> list[str]:

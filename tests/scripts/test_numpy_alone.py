@@ -40,7 +40,16 @@ def test_the_promised_part_needs_numpy_alone() -> None:
     assert "other packages: none" in done.stdout
 
 
-def test_the_block_blocks() -> None:
+def test_what_needs_more_says_so() -> None:
     done = run("import alpha5_model as a5; a5.load()")
     assert done.returncode == 1
-    assert "No module named" in done.stderr
+    *_, last = done.stderr.splitlines()
+    assert "alpha5_model.load needs pinocchio, which is not installed" in last
+
+
+def test_the_command_line_says_in_one_line_what_it_lacks() -> None:
+    done = run("runpy.run_module('alpha5_model', run_name='__main__')")
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith("alpha5: the command line needs ")
+    assert "which is not installed: python -m pip install alpha5-model" in done.stderr
