@@ -108,7 +108,6 @@ def calibrate(
 
     Example: alpha5 calibrate plan scales.toml
     Example: alpha5 calibrate fit scales.toml --output my_arm.toml
-    Example: alpha5 calibrate plan a.toml --sensor vehicle-tilt --vehicle b.toml
     Example: alpha5 calibrate motors sway.csv --fluid sea --output my_arm.toml
     """
     choice("action", action, _ACTIONS)

@@ -731,6 +731,7 @@ def test_an_extreme_is_in_its_first_row_in_whatever_order_parts_come(seed: int) 
     assert merged.counts.tolist() == [values.argmax()]
 
 
+# At 0 of axis_c the wrist touches link 2 within the micrometre that coal knows.
 FOLDED = """
 seed = 3
 samples = 5
@@ -738,7 +739,7 @@ samples = 5
 [axes]
 axis_e_pos = {{values = [-60, 0, 60, 170], unit = "deg"}}
 axis_d_pos = {{from = 0, to = 200, count = 9, unit = "deg"}}
-axis_c_pos = {{from = 0, to = 200, count = 9, unit = "deg"}}
+axis_c_pos = {{from = 1, to = 200, count = 9, unit = "deg"}}
 axis_b_pos = {{random = [-170, 170], unit = "deg"}}
 fluid_density = [1000, 1025]
 [outputs.all]
