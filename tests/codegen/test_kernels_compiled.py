@@ -520,14 +520,15 @@ def test_no_float_becomes_a_double_unseen(found, tmp_path):
     file = ROOT / "alpha5_model/codegen/kernels/_compiled.c"
     source.write_text(f'#include "{file}"\nvoid last(void) {{{found}}}\n')
     python, numpy = sysconfig.get_path("include"), np.get_include()
-    words = ["gcc", "-fsyntax-only", "-Wdouble-promotion", '-DSOURCES=""']
+    words = ["gcc", "-fsyntax-only", "-Werror=double-promotion", '-DSOURCES=""']
     done = subprocess.run(
-        [*words, f"-I{python}", f"-I{numpy}", str(source)],
+        [*words, "-isystem", python, "-isystem", numpy, str(source)],
         capture_output=True,
         text=True,
-        check=True,
+        check=False,
     )
-    assert ("warning" in done.stderr) == bool(found)
+    assert bool(done.returncode) == bool(found), done.stderr
+    assert ("double-promotion" in done.stderr) == bool(found)
 
 
 class Weigher:
