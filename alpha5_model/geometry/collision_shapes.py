@@ -42,10 +42,23 @@ def collision_primitives(
     Raises:
         UnknownNameError: Another gripper.
     """
-    moving = choice("gripper", gripper, GRIPPERS) == "jaws"
-    shapes = _shapes(drawn_dimensions())
-    if not moving:
-        shapes = with_closed_fingers(shapes, spacer)
+    return with_gripper(_shapes(drawn_dimensions()), gripper, spacer)
+
+
+def with_gripper(
+    shapes: dict[str, list[Primitive]], gripper: str, spacer: float
+) -> dict[str, tuple[Primitive, ...]]:
+    """The shapes [mm] of an arm with a gripper, as files have them.
+
+    Args:
+        shapes: Of each link and finger, in its frame [mm].
+        gripper, spacer: As of `collision_primitives`.
+
+    Raises:
+        UnknownNameError: Another gripper.
+    """
+    if choice("gripper", gripper, GRIPPERS) == "locked":
+        shapes = _with_closed_fingers(shapes, spacer)
     return {
         link: tuple(shape.as_written() for shape in items)
         for link, items in shapes.items()
@@ -71,7 +84,7 @@ def _shapes(dimensions: Dimensions) -> dict[str, list[Primitive]]:
     return shapes
 
 
-def with_closed_fingers(
+def _with_closed_fingers(
     shapes: dict[str, list[Primitive]], spacer: float
 ) -> dict[str, list[Primitive]]:
     """The shapes [mm] with those of the fingers in link 4, closed.

@@ -19,13 +19,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from alpha5_model._support.checks import choice
-from alpha5_model.geometry.collision_shapes import (
-    collision_primitives,
-    with_closed_fingers,
-)
+from alpha5_model.geometry.collision_shapes import collision_primitives, with_gripper
 from alpha5_model.geometry.primitives import Primitive
-from alpha5_model.numbers.jaws import GRIPPERS
 
 EXPORTED_SHAPES_PATH = Path(__file__).with_name("exported_shapes.toml")
 
@@ -44,14 +39,10 @@ def exported_primitives(
     Raises:
         UnknownNameError: Another gripper.
     """
-    moving = choice("gripper", gripper, GRIPPERS) == "jaws"
-    shapes = {link: list(map(_primitive, rows)) for link, rows in _read().items()}
-    if not moving:
-        shapes = with_closed_fingers(shapes, spacer)
-    return {
-        link: tuple(shape.as_written() for shape in items)
-        for link, items in shapes.items()
-    }
+    table = _read()
+    del table["made_for"]
+    shapes = {link: list(map(_primitive, rows)) for link, rows in table.items()}
+    return with_gripper(shapes, gripper, spacer)
 
 
 def _primitive(row: dict[str, Any]) -> Primitive:
@@ -64,17 +55,14 @@ def _primitive(row: dict[str, Any]) -> Primitive:
     )
 
 
-def _read() -> dict[str, list[dict[str, Any]]]:
-    """Link -> rows of the file."""
-    table = tomllib.loads(EXPORTED_SHAPES_PATH.read_text(encoding="utf-8"))
-    del table["made_for"]
-    return table
+def _read() -> dict[str, Any]:
+    """The file: link -> rows, and ``made_for``."""
+    return tomllib.loads(EXPORTED_SHAPES_PATH.read_text(encoding="utf-8"))
 
 
 def made_for() -> str:
     """Digest of the package's own shapes around which the file was fitted."""
-    text = EXPORTED_SHAPES_PATH.read_text(encoding="utf-8")
-    return str(tomllib.loads(text)["made_for"])
+    return str(_read()["made_for"])
 
 
 def digest() -> str:
