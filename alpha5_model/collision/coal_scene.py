@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.collision.bodies import CollisionBodies, body_poses, shape_numbers
+from alpha5_model.geometry.primitives import Primitive
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,14 @@ class Contact:
     shapes: tuple[int, int]
     points: FloatArray
     normal: FloatArray
+
+
+def coal_shape(shape: Primitive) -> Any:
+    """A box or a cylinder as coal has it, about its own centre."""
+    import coal
+
+    kind = coal.Cylinder if shape.kind == "cylinder" else coal.Box
+    return kind(*shape.size)
 
 
 class CoalScene:
@@ -53,13 +62,7 @@ class CoalScene:
     @cached_property
     def _shapes(self) -> list[Any]:
         """coal's own, made on first use."""
-        import coal
-
-        made = []
-        for _, shape in self._bodies.shapes:
-            kind = coal.Cylinder if shape.kind == "cylinder" else coal.Box
-            made.append(kind(*shape.size))
-        return made
+        return [coal_shape(shape) for _, shape in self._bodies.shapes]
 
     def nearest(self, angles: FloatArray) -> Contact:
         """The least signed distance at angles of all bodies but the first, (B-1,)."""

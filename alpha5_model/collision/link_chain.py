@@ -6,18 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import coal
 import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.spatial import rotation_about, rotation_from_rpy
 from alpha5_model.collision.bodies import CollisionBodies, shape_numbers
+from alpha5_model.collision.coal_scene import coal_shape
 from alpha5_model.collision.turning_radii import (
     joints_between,
     shape_radii,
     shape_rates,
 )
-from alpha5_model.geometry.primitives import Primitive
 
 
 class Joint(NamedTuple):
@@ -125,12 +124,8 @@ def _shape_arrays(bodies: CollisionBodies, body: int) -> ShapeArrays:
         rotation=np.array([rotation_from_rpy(shape.rpy) for shape in shapes]),
         half=of_body[:, 2:5],
         is_cylinder=of_body[:, 1] != 0.0,
-        solids=tuple(_solid(shape) for shape in shapes),
+        solids=tuple(coal_shape(shape) for shape in shapes),
     )
-
-
-def _solid(shape: Primitive) -> Any:
-    return coal.Box(*shape.size) if shape.kind == "box" else coal.Cylinder(*shape.size)
 
 
 def frames_along(joints: Sequence[Joint], q: FloatArray) -> FloatArray:

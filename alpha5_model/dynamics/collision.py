@@ -35,6 +35,7 @@ from alpha5_model._support.checks import (
     frozen,
 )
 from alpha5_model._support.spatial import pose
+from alpha5_model.collision.coal_scene import coal_shape
 from alpha5_model.collision.link_pairs import unchecked_pairs
 from alpha5_model.collision.self_collision import self_collision
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
@@ -186,13 +187,12 @@ def _object(
     """A shape in the frame of its link."""
     number = model.getFrameId(link)
     frame = model.frames[number]
-    kind = coal.Cylinder if shape.kind == "cylinder" else coal.Box
     return pin.GeometryObject(
         name,
         frame.parentJoint,
         number,
         frame.placement * pin.SE3(pose(shape.xyz, shape.rpy)),
-        kind(*shape.size),
+        coal_shape(shape),
     )
 
 

@@ -22,8 +22,8 @@ import numpy as np
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model.collision.bodies import Body, CollisionBodies, body_poses
+from alpha5_model.collision.coal_scene import coal_shape
 from alpha5_model.collision.turning_radii import carried_radius, corners_around
-from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.planning.obstacles import Mesh
 
 #: A line that comes nearer to the margin than this is not proved free [m]. Steps along
@@ -193,17 +193,10 @@ def _tree(link: Body) -> tuple[Any, list[Any]]:
     placed = []
     for shape in link.shapes:
         at = _coal_pose(pose(shape.xyz, shape.rpy))
-        placed.append(coal.CollisionObject(_coal_shape(shape), at))
+        placed.append(coal.CollisionObject(coal_shape(shape), at))
         tree.registerObject(placed[-1])
     tree.setup()
     return tree, placed
-
-
-def _coal_shape(shape: Primitive) -> Any:
-    import coal
-
-    kind = coal.Cylinder if shape.kind == "cylinder" else coal.Box
-    return kind(*shape.size)
 
 
 def _coal_pose(placement: FloatArray) -> Any:

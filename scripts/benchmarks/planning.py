@@ -24,6 +24,7 @@ import pinocchio as pin
 from benchmarks.timing import Row
 
 import alpha5_model as a5
+from alpha5_model.collision.coal_scene import coal_shape
 from alpha5_model.dynamics.collision import collision_geometry
 from alpha5_model.planning import Obstacle, PlannedMotion
 from alpha5_model.planning.planner import MARGIN
@@ -247,7 +248,6 @@ def _coal(obstacles: Sequence[Obstacle]) -> Callable[[np.ndarray], bool]:
 
 def _body(obstacle: Obstacle) -> pin.GeometryObject:
     shape = obstacle.shape
-    kind = {"box": coal.Box, "cylinder": coal.Cylinder}[shape.kind]
     rotation = pin.rpy.rpyToMatrix(np.array(shape.rpy))
     placement = pin.SE3(rotation, np.array(shape.xyz))
-    return pin.GeometryObject(obstacle.name, 0, 0, placement, kind(*shape.size))
+    return pin.GeometryObject(obstacle.name, 0, 0, placement, coal_shape(shape))
