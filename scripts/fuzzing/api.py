@@ -392,8 +392,9 @@ def _calibrations() -> dict[str, Draw]:
     }
 
 
-def _tilting(noise: Any, yaw: Any, **vehicle: Any) -> Any:
+def _tilting(mass: Any, com: Any, volume: Any, cob: Any, noise: Any, yaw: Any) -> Any:
     """What the tilt of a vehicle depends on."""
+    vehicle = {"mass": mass, "com": com, "volume": volume, "cob": cob}
     return a5.calibrate.vehicle_tilt(vehicle, noise=noise, yaw=yaw).carrier
 
 

@@ -193,6 +193,11 @@ def _method(make: Callable[[int], Any], kinds: int, method: str) -> Draw:
         if not method.startswith("with_"):
             own["current"] = normal(0.5, 3)
             own["acceleration"] = normal(0.5, 3)
+        joints = chosen.model.nv - 6
+        if method == "reaction":
+            own["a"] = normal(1, joints)
+        if method == "trim":
+            own["q"] = uniform(0, 3, joints)
         call = of_method(always(chosen), method, **own)
         if batch:
             call = with_the_same_rows(call)

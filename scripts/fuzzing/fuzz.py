@@ -25,6 +25,7 @@ These are failures:
 - an answer whose bits depend on where the numbers lie, or a changed argument,
 - a warning that is not the package's own,
 - a program started or another file opened because a file says so,
+- a function that refuses all of its good numbers: its inputs show nothing,
 - more than half a minute of processor time, or than 2 s for each 100 kB of a file.
 
 Each failure prints the line that repeats it; the status is 1 if there is one. Files are
@@ -75,6 +76,8 @@ WEIGHTS = {
 }
 #: Inputs that one process works off before it takes others.
 CHUNK = 400
+#: So many inputs of good numbers, all refused, are drawn wrongly.
+ENOUGH = 40
 #: Share of the forms that the kernels in NumPy answer.
 NUMPY_SHARE = 0.25
 #: Target -> parts of its answer that may be NaN or infinite, as documented: branches
@@ -288,6 +291,11 @@ def told(name: str, counts: Counter[str]) -> str:
     )
 
 
+def shows_nothing(counts: Counter[str]) -> bool:
+    """Whether enough inputs were drawn and none was answered."""
+    return counts.total() >= ENOUGH and counts["refused"] == counts.total()
+
+
 def main() -> int:
     """Run; see the top of this file."""
     parser = argparse.ArgumentParser(
@@ -334,6 +342,9 @@ def _counted(every: list[Job]) -> dict[str, Counter[str]]:
             left[name] -= 1
             if left[name] == 0:
                 print(told(name, by_target[name]), flush=True)
+                if done.job.part == "forms" and shows_nothing(by_target[name]):
+                    print(f"FAILED {name}: every good input was refused", flush=True)
+                    by_part[done.job.part]["failed"] += 1
     return by_part
 
 

@@ -81,6 +81,10 @@ _ARM: dict[str, Draws] = {
     "fluid_density": number(0, 2e4),
     "gripper": one_of("locked", "jaws"),
     "floating_base": flag,
+    "backend": one_of("pinocchio", "kernels"),
+    "level": one_of("low", "nominal", "high"),
+    "numbers": one_of("estimated", "supplementary"),
+    "alternatives": one_of((), ("link3_cob",)),
     "frame": one_of("tcp", "link_2", "base_link", "tool", 2),
     "name": one_of(*TEXTS),
 }

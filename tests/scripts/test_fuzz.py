@@ -514,3 +514,21 @@ def test_the_package_may_unpickle_its_records_and_nothing_else(fuzz):
     assert fuzz.outcome(cases.Case(lambda: pickle.loads(own).name, {})) == "ok"
     found = fuzz.outcome(cases.Case(lambda: len(str(pickle.loads(other))), {}))
     assert found.startswith("did what no file may make it do: pickle.find_class")
+
+
+def test_good_inputs_that_are_all_refused_are_a_failure(fuzz, monkeypatch, capsys):
+    from fuzzing import cases
+
+    from alpha5_model.errors import InputError
+
+    def refuse() -> None:
+        raise InputError("q", 0, "another")
+
+    def target(rng, folder):
+        return cases.Case(refuse, {})
+
+    monkeypatch.setitem(fuzz.PARTS["forms"], "forms nothing", target)
+    monkeypatch.setattr(fuzz.sys, "argv", ["fuzz.py", "forms nothing", "--count", "60"])
+    monkeypatch.setattr(fuzz, "NUMPY_SHARE", 0.0)
+    assert fuzz.main() == 1
+    assert "forms nothing: every good input was refused" in capsys.readouterr().out
