@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,10 +14,12 @@ from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
 from alpha5_model.description.srdf import NAMED_POSES, named_pose
 from alpha5_model.errors import InputError
+from alpha5_model.numbers.printed import published
 
 if TYPE_CHECKING:
     from alpha5_model.numbers.parameters import Alpha5Parameters
     from alpha5_model.planning.planned_motion import PlannedMotion
+    from alpha5_model.planning.replay import Peak
 
 _FORMATS = (".csv",)
 _EXPECTED = (
@@ -174,8 +177,18 @@ def _text(motion: PlannedMotion) -> printing.Lines:
         rows.append([f"{quantity} ({unit})", *(f"{p.value:.3g}" for p in found)])
         if np.isfinite([peak.limit for peak in found]).any():
             limits = ["-" if np.isnan(p.limit) else f"{p.limit:.3g}" for p in found]
-            rows.append(["  limit", *limits])
+            rows.append([f"  {_kind_of_limit(found)}", *limits])
     yield from table(rows, "<>>>>")
+
+
+def _kind_of_limit(found: Sequence[Peak]) -> str:
+    """``placeholder`` for the torques that public models copy, else ``limit``."""
+    copied = set()
+    for row in published().supplementary.joints:
+        if row.effort.status == "placeholder":
+            copied.add((row.name, "torque", row.effort.quantity.si))
+    shown = {(peak.joint, peak.quantity, peak.limit) for peak in found}
+    return "placeholder" if shown <= copied else "limit"
 
 
 def _quantities(motion: PlannedMotion) -> dict[str, str]:

@@ -139,3 +139,18 @@ def test_an_arm_of_ones_own(capsys: pytest.CaptureFixture[str]) -> None:
     text = "format = 1\n[motors]\nsupply_voltage = 6.0\ncurrent_limit = 1.0\n"
     Path("my_arm.toml").write_text(text, "utf-8")
     assert answer(capsys, "home", "reach", "--arm", "my_arm.toml")["slowed"] > 1.0
+
+
+def test_the_torque_that_public_models_copy_is_no_limit(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def after_torque(*words: str) -> list[str]:
+        assert main(["move", "home", "0.2", "0.1", "0.1", *words]) == 0
+        lines = capsys.readouterr().out.splitlines()
+        at = next(k for k, line in enumerate(lines) if line.startswith("torque"))
+        return lines[at + 1].split()
+
+    assert after_torque() == ["placeholder", "9", "9", "9", "9"]
+    effort = '[joint_limits.axis_d]\nmax_effort = {value = 7, unit = "Nm"}\n'
+    (folder / "own.toml").write_text(f"format = 1\n{effort}", "utf-8")
+    assert after_torque("--arm", "own.toml") == ["limit", "9", "7", "9", "9"]
