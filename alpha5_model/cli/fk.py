@@ -16,9 +16,11 @@ from alpha5_model.cli.limits import JOINTS, beyond_limits
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
+_POSITIONS = f"{JOINTS} (rad), or also axis_a (m); or stow, home, reach."
+
 
 def fk(
-    q: Annotated[list[str], Argument(help=f"{JOINTS} (rad), or also axis_a (m).")],
+    q: Annotated[list[str], Argument(help=_POSITIONS)],
     arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> None:
@@ -26,9 +28,9 @@ def fk(
 
     Example: alpha5 fk 180 70 100 0 deg
     """
-    position = values.joint_numbers("q", " ".join(q), "rad", (4, 5))
-    gripper = "locked" if len(position) == 4 else "jaws"
     own = values.arm_record(arm_file)
+    position = values.joint_positions("q", " ".join(q), (4, 5), own)
+    gripper = "locked" if len(position) == 4 else "jaws"
     arm = values.arm_in("sea", options.DOWN, gripper, None, None, own)
 
     record: dict[str, Any] = {

@@ -13,6 +13,7 @@ from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.limits import JOINTS
 from alpha5_model.cli.torque_record import Motors, State, torque_record
 from alpha5_model.cli.torque_text import torque_lines
+from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.errors import InputError
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.mount_plot import mount_load_figure
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
 
 
 def torque(
-    q: Annotated[str, Option("--q", help=f"Positions: {JOINTS} (rad).")],
+    q: Annotated[
+        str, Option("--q", help=f"Positions: {JOINTS} (rad), or stow, home, reach.")
+    ],
     v: Annotated[str, Option("--v", help="Velocities (rad/s).")] = "0 0 0 0",
     a: Annotated[str, Option("--a", help="Accelerations (rad/s^2).")] = "0 0 0 0",
     degrees: Annotated[
@@ -54,11 +57,10 @@ def torque(
     own = values.arm_record(arm_file)
     arm = values.arm_in(fluid, gravity, gripper, mount, payload, own)
     water_current = values.current_vector(current)
-    closed = arm.limits.lower[4:].tolist()
     state = State(
-        q=_joint_numbers(arm, "--q", q, "rad", degrees, rod=closed),
-        v=_joint_numbers(arm, "--v", v, "rad/s", degrees, rod=[0.0]),
-        a=_joint_numbers(arm, "--a", a, "rad/s^2", degrees, rod=[0.0]),
+        q=_positions(arm, q, degrees),
+        v=_rates(arm, "--v", v, "rad/s", degrees),
+        a=_rates(arm, "--a", a, "rad/s^2", degrees),
     )
 
     motors = Motors(constants=constants, efficiency=efficiency)
@@ -68,14 +70,22 @@ def torque(
     printing.show(as_json, record, torque_lines(record), plot)
 
 
-def _joint_numbers(
-    arm: Arm, option: str, text: str, unit: str, degrees: bool, rod: list[float]
-) -> list[float]:
-    """One number per joint of the arm; ``rod`` if the jaw rod's is left out."""
+def _positions(arm: Arm, text: str, degrees: bool) -> list[float]:
+    """Position of each joint of the arm; the jaws are closed if nothing is said."""
+    count = len(arm.joint_names)
+    named = text.strip() in NAMED_POSES
+    given = f"{text} deg" if degrees and not named else text
+    row = values.joint_positions("--q", given, (4, count), arm.parameters)
+    closed = arm.limits.lower[len(row) :]
+    return row + [float(rod) for rod in closed]
+
+
+def _rates(arm: Arm, option: str, text: str, unit: str, degrees: bool) -> list[float]:
+    """A number for each joint of the arm; 0 for the jaw rod if nothing is said."""
     count = len(arm.joint_names)
     given = f"{text} deg" if degrees else text
     row = values.joint_numbers(option, given, unit, (4, count))
-    return row + rod if len(row) < count else row
+    return row + [0.0] * (count - len(row))
 
 
 def _draw_mount_load(

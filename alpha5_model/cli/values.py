@@ -125,14 +125,22 @@ def _number(part: str, units: dict[str, _Unit], unit: str) -> float:
 
 
 def joint_numbers(
-    name: str, text: str, unit: str, counts: Sequence[int]
+    name: str,
+    text: str,
+    unit: str,
+    counts: Sequence[int],
+    names: Sequence[str] = (),
 ) -> list[float]:
     """One number for each joint, base to tip.
 
     A unit alone at the end applies to the turning joints only.
+
+    Args:
+        names: What may be given in place of numbers, for the message.
     """
     words = " or ".join(_COUNT_WORDS[count] for count in sorted({*counts}))
     expected = f"{words} numbers ({unit}{', jaw rod m' if 5 in counts else ''})"
+    expected = ", ".join([*names, f"or {expected}" if names else expected])
     parts = split(text)
     if len(parts) not in counts:
         raise InputError(name, text, expected)
@@ -141,6 +149,29 @@ def joint_numbers(
     rod = " ".join(part.removesuffix("deg") for part in parts[4:])
     angles = numbers(name, turning, (4,), unit, expected)
     return angles + numbers(name, rod, (), unit.replace("rad", "m"), expected)
+
+
+def joint_positions(
+    name: str,
+    text: str,
+    counts: Sequence[int],
+    record: Alpha5Parameters | None,
+) -> list[float]:
+    """Positions of the joints: numbers as `joint_numbers` takes them, or a named pose.
+
+    Args:
+        record: Of an arm of one's own, whose limits the pose keeps; None for the
+            catalogue's.
+
+    Raises:
+        InputError: Neither.
+    """
+    from alpha5_model.description.srdf import NAMED_POSES, named_pose
+
+    pose = text.strip()
+    if pose in NAMED_POSES:
+        return [float(angle) for angle in named_pose(pose, record)]
+    return joint_numbers(name, text, "rad", counts, names=tuple(NAMED_POSES))
 
 
 def current_vector(text: str | None) -> list[float] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from os import PathLike
 
 from alpha5_model._support.checks import instance
 from alpha5_model.errors import InputError
@@ -27,6 +28,9 @@ def chosen_arm(
     chosen = check_corrections(corrections)
     if arm is None:
         return parameters(chosen)
+    if isinstance(arm, str | PathLike):
+        expected = "a Alpha5Parameters, as alpha5_model.arm_file(FILE) returns"
+        raise InputError("arm", arm, expected)
     record = instance("arm", arm, Alpha5Parameters)
     if chosen not in (DEFAULT_CORRECTIONS, record.corrections):
         own = ", ".join(record.corrections) or "none"

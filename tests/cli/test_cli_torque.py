@@ -166,6 +166,35 @@ def test_the_currents_follow_the_choice_of_efficiency(capsys, efficiency):
 
 
 @pytest.mark.parametrize(
+    ("words", "angles"),
+    [("reach", "180 90 180 90 deg"), ("home --degrees", "180 45 135 90 deg")],
+)
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_a_named_pose_is_its_angles(capsys, words, angles, gripper):
+    answers = []
+    for q in (words, angles):
+        call = ["torque", "--q", *q.split(), "--gripper", gripper, "--json"]
+        assert main(call) == 0
+        answers.append(json.loads(capsys.readouterr().out))
+    named, numbers = (
+        [(joint["position"], joint["torque"]) for joint in answer["joints"]]
+        for answer in answers
+    )
+    assert np.array(named) == pytest.approx(np.array(numbers), abs=1e-12)
+
+
+def test_a_named_pose_keeps_the_limits_of_your_own_arm(capsys, tmp_path):
+    file = tmp_path / "arm.toml"
+    limits = "[joint_limits.axis_d]\nmax_position = 1.2\n"
+    file.write_text(f"format = 1\n{limits}", encoding="utf-8")
+    for command in (["torque", "--q", "reach"], ["fk", "reach"]):
+        assert main([*command, "--arm", str(file), "--json"]) == 0
+        answer = json.loads(capsys.readouterr().out)
+        q = answer["q"] if "q" in answer else [j["position"] for j in answer["joints"]]
+        assert q == pytest.approx(np.array([np.pi, 1.2, np.pi, np.pi / 2]))
+
+
+@pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["--q", "1", "2", "nan", "0"], "q[2]"),

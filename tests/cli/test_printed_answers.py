@@ -392,10 +392,17 @@ def test_the_same_vector_in_each_form_gives_the_same_answer() -> None:
         (
             "fk 1 2 3",
             2,
-            "q: expected four or five numbers (rad, jaw rod m), got '1 2 3'",
+            "q: expected stow, home, reach, or four or five numbers (rad, jaw rod m), "
+            "got '1 2 3'",
         ),
         ("fk 1 2 3 4mm", 2, "four or five numbers"),
-        ("torque --q 1 2 3", 2, "--q: expected four numbers (rad), got '1 2 3'"),
+        (
+            "torque --q 1 2 3",
+            2,
+            "--q: expected stow, home, reach, or four numbers (rad), got '1 2 3'",
+        ),
+        ("torque --q streach", 2, "--q: expected stow, home, reach, or four numbers"),
+        ("torque --q reach --v home", 2, "--v: expected four numbers (rad/s)"),
         ("torque --q 1 2 3 4 --payload heavy", 2, "MASS X Y Z VOLUME (kg, m, m^3)"),
         ("torque --q 1 2 3 4 --payload -1", 2, "mass"),
         (

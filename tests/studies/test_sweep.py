@@ -561,7 +561,7 @@ def test_folders_and_schedulers_that_cannot_be(
         ([study, "-o", str(file)], "cannot write"),
         ([study, "-o", str(file / "inside")], "cannot write"),
         ([study, "-o", "/proc/no"], "cannot write"),
-        ([str(other), "-o", str(drawn[1])], "a part of this study"),
+        ([str(other), "-o", str(drawn[1])], "a part of another study"),
         ([study, "-o", str(tmp_path / "x"), "--scheduler", "nonsense://"], "scheduler"),
     ):
         assert main(["sweep", *arguments]) == 2

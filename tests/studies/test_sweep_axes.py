@@ -217,7 +217,7 @@ def test_a_changed_arm_file_is_another_study(
     file.write_text(file.read_text("utf-8").replace("0.36", "0.37"), encoding="utf-8")
     capsys.readouterr()
     assert main(words) == 2
-    assert "a part of this study" in capsys.readouterr().err
+    assert "a part of another study" in capsys.readouterr().err
 
 
 def test_workers_need_no_arm_files(arms: Path) -> None:

@@ -218,7 +218,7 @@ def test_another_study_is_refused(
 ) -> None:
     study = tmp_path / "study.toml"
     study.write_text(STUDY.replace(*change), encoding="utf-8")
-    with pytest.raises(a5.errors.InputError, match="a part of this study"):
+    with pytest.raises(a5.errors.InputError, match="a part of another study"):
         a5.sweep(study, whole[1], rows=1)
 
 

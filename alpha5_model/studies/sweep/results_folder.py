@@ -176,7 +176,8 @@ class ResultsFolder:
         same_size = facts["blocks"] == str(self.chunks.size)
         if not (same_study and same_size):
             expected = (
-                "a new one, or one with a part of this study in chunks of this size"
+                "another one: this one holds a part of another study, or of this "
+                "study in chunks of another size"
             )
             raise InputError("folder", str(self.path), expected)
 
