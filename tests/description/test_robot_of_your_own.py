@@ -185,3 +185,39 @@ def test_the_vehicle_is_the_one_of_the_python_example():
     assert f"mass={mass}," in python
     assert f"np.diag([{moments}])" in python
     assert "MOUNT[:3, 3] = 0.15, 0.0, -0.14" in python
+
+
+def test_a_plain_urdf_carries_the_arm_on_a_machine_without_ros(tmp_path: Path) -> None:
+    """The guide's way: include the vehicle's URDF, and write paths for packages."""
+    urdf = '<robot name="rov"><link name="hull"/></robot>'
+    (tmp_path / "vehicle.urdf").write_text(urdf, "utf-8")
+    there = os.path.relpath(REPOSITORY / "xacro", tmp_path)
+    numbers = f"xacro.load_yaml('{there}/parameters.yaml')"
+    (tmp_path / "rov.urdf.xacro").write_text(
+        f"""
+        <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="rov">
+          <xacro:include filename="vehicle.urdf"/>
+          <xacro:include filename="{there}/alpha5_macro.xacro"/>
+          <xacro:property name="alpha5" value="${{{numbers}}}"/>
+          <xacro:alpha5 parameters="${{alpha5}}" prefix="arm_" parent="hull">
+            <origin xyz="0.15 0 -0.14" rpy="${{pi}} 0 0"/>
+          </xacro:alpha5>
+        </robot>
+        """,
+        "utf-8",
+    )
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    command = [*PLAIN, str(tmp_path / "rov.urdf.xacro")]
+    done = subprocess.run(
+        command, check=True, capture_output=True, text=True, cwd=elsewhere
+    )
+    model = pin.buildModelFromXML(done.stdout)
+    assert model.existFrame("hull")
+    q = a5.named_pose("reach")
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    mount = pin.SE3(pin.utils.rotate("x", math.pi), np.array([0.15, 0.0, -0.14]))
+    expected = mount * a5.load().forward_kinematics(q)
+    found = data.oMf[model.getFrameId("arm_tcp")]
+    np.testing.assert_allclose(found.homogeneous, expected.homogeneous, atol=1e-12)
