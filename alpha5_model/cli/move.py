@@ -34,10 +34,18 @@ _Output = Annotated[
 ]
 _Obstacles = Annotated[Path | None, Option(help=options.HELP["obstacles"])]
 _Speed = Annotated[
-    float | None, Option(help="Highest speed of a joint (rad/s). Default: rated.")
+    float | None,
+    Option(
+        help="Highest speed of a joint (rad/s). Default: rated.",
+        parser=values.angular_speed,
+    ),
 ]
 _Acceleration = Annotated[
-    float, Option(help="Highest acceleration of a joint (rad/s^2).")
+    float,
+    Option(
+        help="Highest acceleration of a joint (rad/s^2).",
+        parser=values.angular_acceleration,
+    ),
 ]
 _Margin = Annotated[
     float, Option(help="Distance to obstacles (m).", parser=values.metres)

@@ -101,7 +101,7 @@ def _announce(yes: bool, extent: Extent) -> None:
 
 def _extent_text(extent: Extent) -> str:
     """The size of a study and its approximate time, in words."""
-    parts = f"{extent.parts:,} parts"
+    parts = "one part" if extent.parts == 1 else f"{extent.parts:,} parts"
     rows = parts if extent.rows is None else f"{extent.rows:,} rows in {parts}"
     words = [rows]
     if extent.table_bytes:

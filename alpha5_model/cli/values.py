@@ -192,6 +192,16 @@ def radians(text: Any) -> float:
     return metres(text, "rad")
 
 
+def angular_speed(text: Any) -> float:
+    """A speed [rad/s], for the parser of one option; ``deg`` may follow."""
+    return metres(text, "rad/s")
+
+
+def angular_acceleration(text: Any) -> float:
+    """An acceleration [rad/s^2], for the parser of one option; ``deg`` may follow."""
+    return metres(text, "rad/s^2")
+
+
 def fluid_density(text: str) -> float:
     """``sea``, ``fresh``, ``air`` or a number [kg/m^3].
 

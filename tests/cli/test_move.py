@@ -90,6 +90,10 @@ def test_places_and_options(capsys: pytest.CaptureFixture[str]) -> None:
     slow = answer(capsys, "home", "reach", "--speed", "0.1", "--acceleration", "0.2")
     speeds = [p["value"] for p in slow["peaks"] if p["quantity"] == "speed"]
     assert max(speeds) == pytest.approx(0.1)
+
+    words = ["--speed", f"{np.degrees(0.1)}deg", "--acceleration", "0.2"]
+    in_degrees = answer(capsys, "home", "reach", *words)
+    assert in_degrees["duration_s"] == pytest.approx(slow["duration_s"])
     limited = answer(
         capsys, "home", "reach", "--supply-voltage", "8", "--current-limit", "1"
     )
@@ -121,6 +125,7 @@ def test_obstacles_of_a_file(capsys: pytest.CaptureFixture[str]) -> None:
         (("home", "reach", "--output", "motion.txt"), "unknown format for --output"),
         (("home", "reach", "--obstacles", "scene.toml", "-o", "scene.toml"), "unknown"),
         (("home", "reach", "--speed", "0"), "speed: expected one number above 0"),
+        (("home", "reach", "--speed", "fast"), "expected one number (rad/s), got"),
         (("home", "reach", "--supply-voltage", "24"), "both or neither"),
     ],
 )
