@@ -14,6 +14,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
+from scipy.interpolate import BPoly
+from test_documentation import blocks
 
 import alpha5_model as a5
 from alpha5_model.description.urdf import Variant, urdf
@@ -170,3 +172,32 @@ def test_the_srdf_leaves_as_many_pairs_of_shapes_as_the_guide_says():
     )
     guide = (REPOSITORY / "docs" / "guides" / "ros.md").read_text("utf-8")
     assert said in " ".join(guide.split())
+
+
+def test_the_guides_goal_is_a_motion_that_the_controller_takes(tmp_path, monkeypatch):
+    """Its joints, times, rest at the end, and what lies between the points.
+
+    joint_trajectory_controller interpolates by quintic polynomials, and refuses a last
+    velocity that is not 0.
+    """
+    monkeypatch.chdir(tmp_path)
+    guide = (REPOSITORY / "docs" / "guides" / "ros.md").read_text("utf-8")
+    (block,) = (b.text for b in blocks(guide) if "a5.plan(" in b.text)
+    names = {}
+    exec(block, names)
+    motion = names["motion"]
+
+    goal = yaml.safe_load((tmp_path / "goal.yaml").read_text("utf-8"))["trajectory"]
+    controllers = yaml.safe_load((CONFIG / "ros2_controllers.yaml").read_text("utf-8"))
+    joints = controllers["arm_controller"]["ros__parameters"]["joints"]
+    assert goal["joint_names"] == joints
+    stamps = [point["time_from_start"] for point in goal["points"]]
+    time = np.array([stamp["sec"] + 1e-9 * stamp["nanosec"] for stamp in stamps])
+    assert (np.diff(time) > 0).all()
+    assert goal["points"][-1]["velocities"] == [0.0] * 4
+
+    columns = ("positions", "velocities", "accelerations")
+    derivatives = [[point[name] for name in columns] for point in goal["points"]]
+    quintic = BPoly.from_derivatives(time, np.array(derivatives, float))
+    between = quintic(np.minimum(motion.time, time[-1]))
+    assert abs(between - motion.position).max() < 1e-4
