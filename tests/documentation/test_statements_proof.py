@@ -683,7 +683,7 @@ def mujocos_errors() -> dict[str, np.ndarray]:
     SIMULATORS,
     "| drag of one moving joint | {} % | {} % | {} % | – | "
     "| drag of a current of 1 m/s | {} % | {} % | {} % | {} % | "
-    "| all that a current of 1 m/s does | {} % | {} % | {} % | {} % |",
+    "| drag and Munk moment of a current of 1 m/s | {} % | {} % | {} % | {} % |",
 )
 def mujoco_in_moving_water() -> Sequence[Figure]:
     """The page has 1500 positions, here are 250."""
