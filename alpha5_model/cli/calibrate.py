@@ -51,21 +51,31 @@ _Poses = Annotated[int, Option(help="plan: how many.", min=1)]
 _Fluid = Annotated[str, Option(help="plan, motors: " + options.FLUID)]
 _Gravity = Annotated[
     str | None,
-    Option(help="plan, motors: in base_link (m/s^2), 0 0 -9.81 if not given."),
+    Option(help="plan, motors: gravity in base_link (m/s^2). Default: 0 0 -9.81."),
 ]
 _Positions = Annotated[
     str | None, Option(help="plan: where three scales carry the plate, X Y Z each (m).")
 ]
-_Noise = Annotated[float | None, Option(help="plan: deviation of a reading (kg, N m).")]
+_Noise = Annotated[
+    float | None, Option(help="plan: standard deviation of a reading (kg, N m).")
+]
 _Ballast = Annotated[
     float, Option(help="plan: mass on the scales beside the arm (kg).")
 ]
 _Zeroed = Annotated[
     bool, Option("--zeroed", help="plan: the scales showed 0 with the bare plate.")
 ]
-_Prior = Annotated[str, Option(help="digits, or loose: 10 %, 5 mm.")]
-_Zeros = Annotated[str, Option(help="fit: deviation of the zeros (rad).")]
-_Tilt = Annotated[str, Option(help="fit: deviation of the mount's tilt (rad).")]
+_Prior = Annotated[
+    str,
+    Option(
+        help="How well the arm is known before: digits (as printed), or loose "
+        "(masses to 10 %, centres to 5 mm)."
+    ),
+]
+_Zeros = Annotated[str, Option(help="fit: standard deviation of the zeros (rad).")]
+_Tilt = Annotated[
+    str, Option(help="fit: standard deviation of the mount's tilt (rad).")
+]
 _Payload = Annotated[
     bool, Option("--payload", help="motors: weigh what the tool point carries.")
 ]

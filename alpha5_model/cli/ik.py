@@ -31,8 +31,8 @@ def ik(
 ) -> None:
     """All inverse kinematics solutions of a tcp position.
 
-    Exit status: 0 solved, 2 out of reach within the joint limits or without
-    self-collision. A branch that collides is within the limits.
+    Exit status: 0 solved, 2 no branch is within the joint limits and free of
+    self-collision.
 
     Example: alpha5 ik 0.25 -0.1 0.05 --wrist 90deg
     """

@@ -41,7 +41,9 @@ _FRAMED_POSES = 24
 
 # The options of this command.
 _Pose = Annotated[str | None, Option(help="stow, home, reach, or positions (rad).")]
-_Target = Annotated[str | None, Option(help="Point x y z (m); show its solutions.")]
+_Target = Annotated[
+    str | None, Option(help="Point x y z in base_link (m); show its solutions.")
+]
 _Motion = Annotated[Path | None, Option(help="Recording (CSV, Parquet, ROS bag).")]
 _Show = Annotated[str | None, Option(help=options.HELP["groups"])]
 _Current = Annotated[str | None, Option(help=options.HELP["arrow"])]
@@ -51,7 +53,8 @@ _Video = Annotated[
     Path | None, Option(help="Write the motion as .mp4 or .gif, 15 frames/s.")
 ]
 _Size = Annotated[
-    str | None, Option(help="In pixels. Default: 1600x1000, for a video 1280x720.")
+    str | None,
+    Option(help="Width x height in pixels. Default: 1600x1000, for a video 1280x720."),
 ]
 _Port = Annotated[int, Option(help="Port of the live viewer; 0 takes a free one.")]
 _Serve = Annotated[

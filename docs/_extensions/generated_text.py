@@ -259,7 +259,11 @@ def command_section(name: str) -> str:
         for words in re.split(r"(?:Examples?:)? ?\balpha5 ", block)[1:]
     ]
     named = sorted(command.params, key=lambda parameter: parameter.param_type_name)
-    words = [parameter.name.upper() for parameter in named if positional(parameter)]
+    words = [
+        parameter.metavar or parameter.name.upper()
+        for parameter in named
+        if positional(parameter)
+    ]
     return "\n".join(
         [
             f"(alpha5-{name})=",
