@@ -33,7 +33,7 @@ def ik(
 ) -> None:
     """All inverse kinematics solutions of a tcp position.
 
-    Exit status: 0 solved, 2 out of reach within the joint limits or without
+    Exit status: 0 solved, 2 no branch is within the joint limits and free of
     self-collision. In the column limits, collides means: within the limits, but
     in self-collision.
 

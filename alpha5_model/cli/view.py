@@ -41,7 +41,9 @@ _FRAMED_POSES = 24
 
 # The options of this command.
 _Pose = Annotated[str | None, Option(help="stow, home, reach, or positions (rad).")]
-_Target = Annotated[str | None, Option(help="Point x y z (m); show its solutions.")]
+_Target = Annotated[
+    str | None, Option(help="Point x y z in base_link (m); show its solutions.")
+]
 _Motion = Annotated[
     Path | None, Option(help="Recording or plan to play (CSV, Parquet, ROS bag).")
 ]

@@ -199,9 +199,9 @@ def obj_volume(name: str) -> float:
 
 #: Words of a row, the bound that it prints -> test that holds it, in the same letters.
 HELD = {
-    "multi-start numerical minimisation | 1e-7 m": (
+    "multi-start numerical minimisation | 1e-13 m": (
         "test_workspace.test_distance_is_the_least_over_all_joint_positions",
-        "1e-7",
+        "1e-13",
     ),
     "forward of inverse dynamics | 1e-10 relative": (
         "test_hydrodynamic_arm.test_forward_and_inverse_dynamics_undo_each_other",
@@ -731,7 +731,7 @@ def half_width(alternatives: tuple[str, ...]) -> float:
 
 @statement(
     UNCERTAINTY,
-    "the guaranteed interval of axis_d is ±{} mN·m wide, and ±{} mN·m with "
+    "the guaranteed interval of axis_d is ±{} mN·m, and ±{} mN·m with "
     "`link2_mass`. Its two tensors give a mass of {} ± {} kg",
 )
 def mass_of_link_2() -> Sequence[Figure]:
