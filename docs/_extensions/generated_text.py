@@ -183,7 +183,8 @@ def torque_intervals() -> str:
                     f"`{name}`",
                     joint,
                     torque,
-                    f"{low} to {high}",
+                    low,
+                    high,
                     worst,
                     digits or "none",
                 ]
@@ -192,8 +193,9 @@ def torque_intervals() -> str:
         "pose",
         "joint",
         "torque",
-        "Tables 2, 3",
-        "all, ±",
+        "lower",
+        "upper",
+        "all digits, ±",
         "digits that matter most, ±",
     ]
     return table(head, lines)

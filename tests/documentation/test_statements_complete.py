@@ -56,7 +56,10 @@ ELSEWHERE: dict[str, dict[str, str]] = {
         "put the fluid first in 72 % of recordings": (
             "scripts/identification/identify_trials.py"
         ),
-        "A link 2 that is 5 % too heavy looks like a heavier link 3 (91 %)": (
+        "A link 2 that is 5 % too heavy looks like a heavier link 3": (
+            "scripts/identification/identify_trials.py"
+        ),
+        "the fits would put link 2 first in 91 % of recordings": (
             "scripts/identification/identify_trials.py"
         ),
     },

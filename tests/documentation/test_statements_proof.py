@@ -750,8 +750,8 @@ def half_width(alternatives: tuple[str, ...]) -> float:
 
 @statement(
     UNCERTAINTY,
-    "the guaranteed interval of axis_d is ±{} mN·m wide, and ±{} mN·m with "
-    "`link2_mass`. Its two tensors give a mass of {} ± {} kg",
+    "the guaranteed interval of axis_d is ±{} mN·m, and ±{} mN·m with "
+    "`link2_mass`. Link 2's two tensors give a mass of {} ± {} kg",
 )
 def mass_of_link_2() -> Sequence[Figure]:
     # least squares over all nine entries, by hand; the digits at their worst
