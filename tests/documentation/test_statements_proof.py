@@ -324,9 +324,9 @@ def identified() -> dict[str, Any]:
 @statement(
     UNCERTAINTY,
     "| link 2's moment across its length | {} % | | the moment that links 2 and 3 "
-    "have together | {} % | | three more | {} to {} % | | the wrist's moment "
-    "across its axis | not known | The printed digits know these five combinations "
-    "{} to {} times better",
+    "have together | {} % | | the best known of three more | {} % | | the least known "
+    "of three more | {} % | | the wrist's moment across its axis | not known | The "
+    "printed digits know these five combinations {} to {} times better",
     needs_recordings,
 )
 def combinations() -> Sequence[Figure]:
