@@ -850,8 +850,7 @@ def test_table_of_the_documentation() -> None:
         q = a5.named_pose(pose.strip("`"))
         torques, _, _ = second.newton_euler(q[None], Z[None], Z[None], 1025.0)
         exact = 1e3 * torques[0, k % 4]
-        low = float(least)
-        high = float(most)
+        low, high = float(least), float(most)
         assert float(torque) == pytest.approx(exact, abs=0.006)
         assert low <= float(torque) <= high
         assert float(worst) >= (high - low) / 2 - 0.01
