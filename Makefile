@@ -11,7 +11,7 @@ KERNELS := hatch_build.py $(wildcard alpha5_model/codegen/kernels/*.[ch] alpha5_
 
 .PHONY: demo test docs lint format benchmark conformance lowest fuzz mutation clean
 
-demo: $(VENV)/.demo ## the main job on the real numbers; ends with a picture page
+demo: $(VENV)/.demo ## generates, checks, solves and computes once; ends with a picture page
 	$(BIN)/alpha5 demo
 
 test: $(VENV)/.test ## every test

@@ -29,16 +29,18 @@ _NEW = Path("my_arm.toml")
 def arm(
     action: Annotated[str, Argument(help="new, check or show.")],
     file: Annotated[
-        Path | None, Argument(help="The arm file; - for standard output.")
+        Path | None,
+        Argument(help="The arm file. new: - for standard output; default my_arm.toml."),
     ] = None,
     as_json: options.Json = False,
 ) -> None:
     """Your own arm in a file: write one, say what it changes, print it.
 
     new writes the catalogue's arm with every key and comments, check says what
-    a file changes against it, and show prints the arm of a file. Each change has
-    its cost alone: the largest change of the torque that holds a joint in sea
-    water, and the largest distance that the tcp moves, within the file's limits.
+    a file changes against it, and show prints the arm of a file. check gives the
+    cost of each change alone: the largest change of the torque that holds a joint
+    in sea water, and the largest distance that the tcp moves, within the file's
+    limits.
 
     Example: alpha5 arm new my_arm.toml
     Example: alpha5 arm check my_arm.toml

@@ -47,25 +47,38 @@ _Vehicle = Annotated[
         metavar="FILE",
     ),
 ]
-_Poses = Annotated[int, Option(help="plan: how many.", min=1)]
+_Poses = Annotated[int, Option(help="plan: how many poses.", min=1)]
 _Fluid = Annotated[str, Option(help="plan, motors: " + options.FLUID)]
 _Gravity = Annotated[
     str | None,
-    Option(help="plan, motors: in base_link (m/s^2), 0 0 -9.81 if not given."),
+    Option(help="plan, motors: gravity in base_link (m/s^2). Default: 0 0 -9.81."),
 ]
 _Positions = Annotated[
-    str | None, Option(help="plan: where three scales carry the plate, X Y Z each (m).")
+    str | None,
+    Option(help="plan: where three scales carry the plate: x y z of each (m)."),
 ]
-_Noise = Annotated[float | None, Option(help="plan: deviation of a reading (kg, N m).")]
+_Noise = Annotated[
+    float | None, Option(help="plan: standard deviation of a reading (kg, N m or rad).")
+]
 _Ballast = Annotated[
     float, Option(help="plan: mass on the scales beside the arm (kg).")
 ]
 _Zeroed = Annotated[
     bool, Option("--zeroed", help="plan: the scales showed 0 with the bare plate.")
 ]
-_Prior = Annotated[str, Option(help="digits, or loose: 10 %, 5 mm.")]
-_Zeros = Annotated[str, Option(help="fit: deviation of the zeros (rad).")]
-_Tilt = Annotated[str, Option(help="fit: deviation of the mount's tilt (rad).")]
+_Prior = Annotated[
+    str,
+    Option(
+        help="plan, fit: how well the numbers are known before: to their printed "
+        "digits, or loose (masses and volumes to 10 %, centres to 5 mm)."
+    ),
+]
+_Zeros = Annotated[
+    str, Option(help="fit: standard deviation of the joints' zeros (rad).")
+]
+_Tilt = Annotated[
+    str, Option(help="fit: standard deviation of the mount's tilt (rad).")
+]
 _Payload = Annotated[
     bool, Option("--payload", help="motors: weigh what the tool point carries.")
 ]
@@ -97,12 +110,13 @@ def calibrate(
     """Weigh your own arm: poses to take, and an arm file of what you read.
 
     plan writes a file with the poses in which a sensor tells the most. Fill in
-    the readings. A file .csv gets a motion instead, for a force-torque sensor
-    or efforts. The tilt of a floating vehicle is a sensor, too: --vehicle names
-    a file with its mass, buoyancy and centres. fit makes an arm file of one or
-    several such files, for example one in air and one in water, and names what
-    is wrong with them. motors estimates friction and torque per ampere from
-    recorded currents.
+    the readings. If the file's name ends in .csv, plan writes a motion instead,
+    for a force-torque sensor or efforts. The tilt of a floating vehicle is a
+    sensor, too: --vehicle names a file with its mass, buoyancy and centres.
+
+    fit makes an arm file of one or several such files, for example one in air
+    and one in water, and names what is wrong with them. motors estimates
+    friction and torque per ampere from recorded currents.
 
     Exit status of fit: 1 if the readings contradict the model.
 

@@ -50,7 +50,10 @@ def _kernels() -> str:
 
 
 _VERSION = typer.Option(
-    "--version", callback=_print_version, is_eager=True, help="Print it."
+    "--version",
+    callback=_print_version,
+    is_eager=True,
+    help="Print the version, and which kernels run.",
 )
 
 

@@ -33,6 +33,8 @@ from alpha5_model.viewer.figures import FORMATS
 #: Forms of the answer; the first one is for people.
 _FORMS = ("text", "json", "junit")
 
+#: The help of an option.
+_SAMPLES = "Random joint positions at which both models are compared."
 _Other = Annotated[
     Path | None, Argument(help="A URDF or xacro file of the Reach Alpha 5.")
 ]
@@ -51,13 +53,13 @@ def compare(
         list[str] | None, Option(help="With --xacro: NAME=FOLDER.")
     ] = None,
     arg: Annotated[list[str] | None, Option(help="With --xacro: NAME:=VALUE.")] = None,
-    samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
+    samples: Annotated[int, Option(help=_SAMPLES, min=1, max=100_000)] = 500,
     arm_file: options.Arm = None,
     write_arm: Annotated[
         Path | None, Option(help="Write the model as an arm file, .toml.")
     ] = None,
     form: Annotated[
-        str, Option("--format", help="text, json, or junit: a report for CI.")
+        str, Option("--format", help="text, json, or junit (a report for CI).")
     ] = "text",
     as_json: options.Json = False,
     plot: options.Plot = None,
@@ -65,7 +67,7 @@ def compare(
         str | None, Option(help="Say what a finding means, by its id.")
     ] = None,
 ) -> int:
-    """Compare another URDF of this arm with the tables, or with your own arm.
+    """Compare another URDF of this arm with the printed tables, or with your own arm.
 
     A URDF is only read. A xacro file is a program: --xacro runs it, with your
     rights, so use it only on files that you trust. --write-arm writes the model

@@ -174,9 +174,13 @@ _Ros2ControlParam = Annotated[
 ]
 _Ros2ControlPlugin = Annotated[str, Option(help="Plugin in place of the layout's.")]
 _Corrections = Annotated[
-    str | None, Option(help="Corrections, with commas; '' for none.")
+    str | None,
+    Option(
+        help="Recorded corrections to apply, with commas; '' for none. "
+        "Default: base_frame."
+    ),
 ]
-_Fluid = Annotated[str, Option(help=f"Formats with water: {options.FLUID}")]
+_Fluid = Annotated[str, Option(help=f"For formats with water: {options.FLUID}")]
 _Gravity = Annotated[str, Option(help="c: gravity in base_link (m/s^2).")]
 _Real = Annotated[str, Option(help="c: double or float.")]
 _Parameters = Annotated[
@@ -190,13 +194,15 @@ _Controllers = Annotated[
     Option("--controllers", help="sdf: add position controllers and joint states."),
 ]
 _Drag = Annotated[
-    bool, Option("--drag", help="mjcf: add MuJoCo's own drag; not published.")
+    bool, Option("--drag", help="mjcf: switch on MuJoCo's own drag; not published.")
 ]
 _Hydrodynamics = Annotated[
     bool, Option("--hydrodynamics", help=options.HELP["moving_water"])
 ]
 _Level = Annotated[str, Option(help="lighthill: low, nominal or high drag.")]
-_Check = Annotated[bool, Option("--check", help="Compare the repository's files.")]
+_Check = Annotated[
+    bool, Option("--check", help="Say which of the repository's files are out of date.")
+]
 _Update = Annotated[
     bool, Option("--update", help="Write the repository's files again.")
 ]
@@ -236,11 +242,12 @@ def generate(
 ) -> int:
     """Write the description of any variant of the arm.
 
-    Formats: urdf, srdf, xacro (numbers for plain xacro, parameters:=FILE), mjcf
-    (a folder for MuJoCo), sdf (a folder for Gazebo), usd (a file for Isaac Sim
-    and Newton), c (a C99 library), water (a table of volume, centre of buoyancy,
-    added mass and drag of each link, in JSON) or lighthill (the same for Isaac
-    Lab, in YAML). Without --output the main file goes to standard output.
+    Formats: urdf, srdf, xacro (YAML of the numbers, for xacro parameters:=FILE),
+    mjcf (a folder for MuJoCo), sdf (a folder for Gazebo), usd (a file for Isaac
+    Sim and Newton), c (a C99 library), water (a table of volume, centre of
+    buoyancy, added mass and drag of each link, in JSON) or lighthill (the same
+    for Isaac Lab, in YAML). Without --output the main file goes to standard
+    output.
 
     Meshes are copied beside a URDF unless --mesh-uri says where they are. With
     --sdf-version 1.11 the fingers follow the jaw rod. --ros2-control adds the

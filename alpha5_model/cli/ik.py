@@ -25,14 +25,17 @@ def ik(
     ],
     y: Annotated[float, Argument(help="y (m).", parser=values.metres)],
     z: Annotated[float, Argument(help="z (m).", parser=values.metres)],
-    wrist: Annotated[float, Option(help="theta_3 (rad).", parser=values.radians)] = 0.0,
+    wrist: Annotated[
+        float, Option(help="Angle of axis_b, theta_3 (rad).", parser=values.radians)
+    ] = 0.0,
     arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> None:
     """All inverse kinematics solutions of a tcp position.
 
-    Exit status: 0 solved, 2 out of reach within the joint limits or without
-    self-collision. A branch that collides is within the limits.
+    Exit status: 0 solved, 2 no branch is within the joint limits and free of
+    self-collision. In the column limits, collides means: within the limits, but
+    in self-collision.
 
     Example: alpha5 ik 0.25 -0.1 0.05 --wrist 90deg
     """

@@ -52,17 +52,20 @@ _Margin = Annotated[
 ]
 _Wrist = Annotated[
     float | None,
-    Option(help="theta_3 at the target point (rad).", parser=values.radians),
+    Option(
+        help="theta_3 at the target point (rad). Default: as at the start, if free.",
+        parser=values.radians,
+    ),
 ]
 _Line = Annotated[
     bool,
     Option("--line", help="Move the tcp along a straight line to a point, by toppra."),
 ]
 _SupplyVoltage = Annotated[
-    float | None, Option(help="Supply of the motors (V); not published.")
+    float | None, Option(help="Supply voltage of the motors (V); not published.")
 ]
 _CurrentLimit = Annotated[
-    float | None, Option(help="Limit of each motor (A); not published.")
+    float | None, Option(help="Current limit of each motor (A); not published.")
 ]
 
 
@@ -93,7 +96,7 @@ def move(
     radius and length, sphere = radius, or mesh = a binary STL file, and xyz and
     rpy in base_link (m, rad).
 
-    Exit status: 0 found, 2 no way, or beyond a limit at any speed.
+    Exit status: 0 found; 2 no path found, or beyond a limit at any speed.
 
     Example: alpha5 move home 0.2 0.1 0.1 --output planned.csv
     """

@@ -26,13 +26,14 @@ def planar(
     limits: Annotated[
         list[str] | None, Option("--limits", "-l", help=options.HELP["limits"])
     ] = None,
-    radius: Annotated[
-        float | None, Option(help="Distance of the pinned tip, l_4 (m).")
-    ] = None,
+    radius: Annotated[float | None, Option(help=options.HELP["radius"])] = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
 ) -> None:
-    """Workspace, dexterous workspace and the lecture notes' theorem for a planar arm.
+    """Workspace and dexterous workspace of a planar arm, and the notes' theorem.
+
+    The theorem is that of the lecture notes "Describing Robot Arms". It is
+    sufficient for a full turn of the last link, not necessary.
 
     Example: alpha5 planar 5 4 1 --radius 3 --plot arm.png
     """

@@ -28,14 +28,14 @@ _QUIET = "{'distributed': 'critical', 'distributed.client': 'critical'}"
 
 def sweep(
     study: Annotated[
-        Path, Argument(help="TOML: axes and outputs; see the guide on studies.")
+        Path, Argument(help="TOML file: axes and outputs; see the guide on studies.")
     ],
     output: Annotated[
         Path,
         Option("--output", "-o", help="Folder of results; a study there is continued."),
     ],
     workers: Annotated[
-        int, Option(help="Processes on this machine; 0 is this one alone.", min=0)
+        int, Option(help="Processes on this machine; 0 uses this process alone.", min=0)
     ] = 0,
     scheduler: Annotated[
         str | None, Option(help="Scheduler of a Dask cluster: tcp://host:8786.")
@@ -46,12 +46,12 @@ def sweep(
     arm_file: options.Arm = None,
     as_json: options.Json = False,
 ) -> int:
-    """Torques, currents, loads over all that a study varies: extremes, maps, quantiles, tables.
+    """Torques, currents and loads over many states: extremes, maps, quantiles, tables.
 
     Exit status: 1 if a recording could not be used.
 
     Example: alpha5 sweep study.toml --output results
-    """  # noqa: E501 (a line of the help)
+    """
     own = values.arm_record(arm_file)
     # Dask reads this when it is imported, by the workers, too.
     os.environ.setdefault("DASK_LOGGING", _QUIET)

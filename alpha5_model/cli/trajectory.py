@@ -40,17 +40,18 @@ _Degrees = Annotated[
     bool, Option("--degrees", help="Angles are in degrees, if columns name no unit.")
 ]
 _Output = Annotated[
-    Path | None, Option("--output", "-o", help="Table: .csv, .json or .mcap.")
+    Path | None,
+    Option("--output", "-o", help="Every quantity over time: .csv, .json or .mcap."),
 ]
 _Gripper = Annotated[str, Option(help=options.HELP["gripper"])]
 _Smoothing = Annotated[str, Option(help="spline, savgol or interpolate (no noise).")]
 _Bandwidth = Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")]
 _Velocities = Annotated[str, Option(help="file, positions (their slope) or auto.")]
 _SupplyVoltage = Annotated[
-    float | None, Option(help="Supply of the motors (V), for limits; not published.")
+    float | None, Option(help="Supply voltage of the motors (V); not published.")
 ]
 _CurrentLimit = Annotated[
-    float | None, Option(help="Limit of each motor (A); not published.")
+    float | None, Option(help="Current limit of each motor (A); not published.")
 ]
 _Verbose = Annotated[
     bool,

@@ -41,17 +41,22 @@ _FRAMED_POSES = 24
 
 # The options of this command.
 _Pose = Annotated[str | None, Option(help="stow, home, reach, or positions (rad).")]
-_Target = Annotated[str | None, Option(help="Point x y z (m); show its solutions.")]
-_Motion = Annotated[Path | None, Option(help="Recording (CSV, Parquet, ROS bag).")]
+_Target = Annotated[
+    str | None, Option(help="Point x y z in base_link (m); show its solutions.")
+]
+_Motion = Annotated[
+    Path | None, Option(help="Recording or plan to play (CSV, Parquet, ROS bag).")
+]
 _Show = Annotated[str | None, Option(help=options.HELP["groups"])]
 _Current = Annotated[str | None, Option(help=options.HELP["arrow"])]
 _Html = Annotated[Path | None, Option(help="Write a page that works from disk.")]
-_Image = Annotated[Path | None, Option(help="Draw a PNG without a screen.")]
+_Image = Annotated[Path | None, Option(help="Write a picture, .png; needs no screen.")]
 _Video = Annotated[
     Path | None, Option(help="Write the motion as .mp4 or .gif, 15 frames/s.")
 ]
 _Size = Annotated[
-    str | None, Option(help="In pixels. Default: 1600x1000, for a video 1280x720.")
+    str | None,
+    Option(help="Width x height in pixels. Default: 1600x1000, for a video 1280x720."),
 ]
 _Port = Annotated[int, Option(help="Port of the live viewer; 0 takes a free one.")]
 _Serve = Annotated[

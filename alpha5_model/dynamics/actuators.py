@@ -1,7 +1,7 @@
 """The DC motors with gearboxes of Table 4: current, voltage, power and limits.
 
 With motor speed ``w = ratio * velocity`` and, at the motor shaft, gearbox input torque
-``T``::
+``T``:
 
     K_t i = T + F sign(w) + B w + J dw/dt   shaft
     T = torque / (ratio * eta)        the motor drives the joint (torque * velocity > 0)

@@ -128,7 +128,7 @@ class Arm(ArmModel):
         return _jacobian(self._model, self._scratch.data, q, index, reference_frame)
 
     def approach_directions(self, position: ArrayLike) -> ApproachDirections:
-        """From which directions the arm reaches points; see `kinematics.ik.pose`.
+        """From which directions the arm reaches points; see `ApproachDirections`.
 
         Args:
             position: tcp in ``base_link``, (..., 3) [m].
@@ -518,7 +518,10 @@ class Arm(ArmModel):
         """`base_wrench` of many states, in parallel.
 
         Args:
-            q: (N, nq); v: (N, nv); a: (N, nv); threads: as in `inverse_dynamics_batch`.
+            q: (N, nq).
+            v: (N, nv).
+            a: (N, nv).
+            threads: As in `inverse_dynamics_batch`.
 
         Returns:
             (N, 6): force [N] and moment [N m] on the mount, in base_link.

@@ -14,8 +14,8 @@ from alpha5_model._support.checks import BoolArray, FloatArray
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of
 #: the position turns the wrist axis by some 1e-8.
 EXACT_TOLERANCE = 1e-7
-#: The plane faces the target (underarm) or faces away (overarm); flipped is the other
-#: elbow.
+#: Names of the branches: the arm faces the target (underarm) or faces away (overarm);
+#: flipped is the other elbow.
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
 
 

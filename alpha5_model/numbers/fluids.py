@@ -10,9 +10,11 @@ from alpha5_model._support.checks import FloatArray, array, is_rotation, real, s
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
 
-#: Sea water of 35 g/kg near the surface, fresh water, and no fluid at all [kg/m^3].
+#: Sea water of 35 g/kg near the surface [kg/m^3].
 SEA_WATER = 1025.0
+#: Fresh water [kg/m^3].
 FRESH_WATER = 1000.0
+#: No fluid at all [kg/m^3].
 AIR = 0.0
 #: Gravity with z up [m/s^2].
 GRAVITY = (0.0, 0.0, -9.81)

@@ -170,7 +170,8 @@ class ActuatorParameters:
         inductance: [H].
         friction: At the motor shaft [N m].
         friction_tolerance: Printed relative tolerance of the friction, 0.1 for 10 %.
-        efficiency: Highest efficiency of the gearbox, 0 to 1.
+        efficiency: eta_max, of the gearbox or of the motor: Table 4 does not say; 0
+            to 1.
         torque_constant: [N m/A].
         voltage_constant: [V s/rad].
         gear_ratio: Motor turns per output turn.

@@ -192,10 +192,13 @@ class ActuatorRow:
 
     Attributes:
         actuator: Number of the actuator, as printed.
-        resistance, inductance: Of the winding [Ohm], [uH].
-        friction, friction_tolerance: At the motor shaft [N mm], [%].
-        efficiency: Highest, of the gearbox [%].
-        torque_constant, voltage_constant: K_t [N m/A], K_v [V s/rad].
+        resistance: Of the winding [Ohm].
+        inductance: Of the winding [uH].
+        friction: At the motor shaft [N mm].
+        friction_tolerance: Of the friction [%].
+        efficiency: eta_max, of the gearbox or of the motor: the table does not say [%].
+        torque_constant: K_t [N m/A].
+        voltage_constant: K_v [V s/rad].
         gear_ratio: Motor turns per turn of the output.
     """
 

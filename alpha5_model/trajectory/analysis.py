@@ -68,8 +68,9 @@ class Analysis:
         tcp: TCP in base_link, (N, 3) [m].
         torque_limits: Lower and upper (N, n) limits from supply voltage and current
             limit; None without them.
-        supply_voltage, current_limit: Limits of the motors' drives [V], [A]; None if
-            they are not given, or if the motors' current limits differ.
+        supply_voltage: Of the motors [V]; None if it is not given.
+        current_limit: Of the motors' drives [A]; None if it is not given, or if the
+            motors have different ones.
         warnings: Warnings about the motion, including velocities that contradict the
             positions.
         moving_water: What a water current adds, (N, 3, n) with all numbers low, nominal

@@ -18,7 +18,7 @@ from alpha5_model.trajectory.smoothing import SmoothMotion
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
-#: Torques less than this are rounding.
+#: Torques and speeds less than this are rounding, SI units.
 ROUNDING = 1e-12
 #: Units of a joint's figures.
 TURNING = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
@@ -209,14 +209,15 @@ def _joint(a: Analysis, k: int, joint: JointRange) -> dict[str, Any]:
     time = a.smooth.time
     velocity = a.smooth.velocity[:, k]
     torque = a.torque[:, k]
-    fastest = np.abs(velocity).max()
+    left = joint.velocity - np.abs(velocity)
+    left[np.abs(left) <= ROUNDING] = 0.0
     position = a.motion.position[:, k]
     figures = {
         "units": SLIDING if joint.name == "axis_a" else TURNING,
         "position_range": [position.min(), position.max()],
         "position_margin": _position_margin(position, joint),
-        "velocity_margin": joint.velocity - fastest,
-        "beyond_rated_velocity": np.count_nonzero(np.abs(velocity) > joint.velocity),
+        "velocity_margin": left.min(),
+        "beyond_rated_velocity": np.count_nonzero(left < 0.0),
         "velocity_peak": _peak(velocity, time),
         "acceleration_peak": _peak(a.smooth.acceleration[:, k], time),
         "torque_peak": _peak(torque, time),

@@ -352,8 +352,8 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         """Write what `play` shows inside the ``with`` block into a video, in real time.
 
         Args:
-            filename: ``.mp4`` (extra ``video``) or ``.gif``; by default MP4, named by
-                the time of day.
+            filename: ``.mp4`` or ``.gif``; by default MP4, named by the time of
+                day.
             fps: Frames per second.
             directory: Of the default name; the system's temporary folder if None.
             size: Width and height in pixels.
@@ -361,7 +361,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         Raises:
             UnknownNameError, InputError: Another suffix; a size or rate that makes no
                 video.
-            MissingDependencyError: imageio-ffmpeg is not installed.
+            MissingDependencyError: The extra ``video`` is not installed.
             OutputError: It cannot be written.
         """
         if filename:

@@ -344,8 +344,10 @@ class HydrodynamicArm:
         """`inverse_dynamics` of many states, (N, nv).
 
         Args:
-            q: (N, nq); v: (N, nv); a: (N, nv); threads: as in
-                `Arm.inverse_dynamics_batch`.
+            q: (N, nq).
+            v: (N, nv).
+            a: (N, nv).
+            threads: As in `Arm.inverse_dynamics_batch`.
             current: (3,), or (N, 3), one for each row.
         """
         if self._water_kernel_parameters is not None:
@@ -542,7 +544,8 @@ class ArmOnVehicle(HydrodynamicArm):
         """Reaction of the vehicle, with its thrusters off, to a motion of the arm.
 
         Args:
-            q: (nq,); v: (nv,).
+            q: (nq,).
+            v: (nv,).
             a: Acceleration of the joints, (nv - 6,).
             current: Velocity of the water, (3,) [m/s]; None for the arm's `current`.
 

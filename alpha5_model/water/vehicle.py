@@ -76,8 +76,10 @@ class Vehicle:
         cob: Centre of buoyancy, (3,) [m].
         added_mass: Linear before angular, about the frame's origin, (6, 6), or its
             diagonal, (6,) [kg, kg m^2].
-        linear_damping, quadratic_damping: Of each component of the velocity relative to
-            the water at the origin, (6,) [N s/m, N m s] and [N s^2/m^2, N m s^2].
+        linear_damping: Of each component of the velocity relative to the water at the
+            origin, (6,) [N s/m, N m s].
+        quadratic_damping: The same, by the square of the component, (6,)
+            [N s^2/m^2, N m s^2].
         mount: Pose of base_link in the vehicle's frame, (4, 4), as xacro, the command
             line and arm files take it.
 

@@ -183,7 +183,8 @@ def torque_intervals() -> str:
                     f"`{name}`",
                     joint,
                     torque,
-                    f"{low} to {high}",
+                    low,
+                    high,
                     worst,
                     digits or "none",
                 ]
@@ -191,10 +192,11 @@ def torque_intervals() -> str:
     head = [
         "pose",
         "joint",
-        "torque",
-        "Tables 2, 3",
-        "all, ±",
-        "digits that matter most, ±",
+        "torque [mN·m]",
+        "at least [mN·m]",
+        "at most [mN·m]",
+        "by all digits [± mN·m]",
+        "digits that matter most [± mN·m]",
     ]
     return table(head, lines)
 
@@ -259,7 +261,11 @@ def command_section(name: str) -> str:
         for words in re.split(r"(?:Examples?:)? ?\balpha5 ", block)[1:]
     ]
     named = sorted(command.params, key=lambda parameter: parameter.param_type_name)
-    words = [parameter.name.upper() for parameter in named if positional(parameter)]
+    words = [
+        parameter.metavar or parameter.name.upper()
+        for parameter in named
+        if positional(parameter)
+    ]
     return "\n".join(
         [
             f"(alpha5-{name})=",

@@ -141,7 +141,7 @@ def _single(q: Any, v: Any, a: Any) -> list[Row]:
         (
             "nonlinear_effects",
             lambda: arm.nonlinear_effects(q, v),
-            "nonLinearEffects - buoyancy",
+            "nonLinearEffects minus buoyancy",
             effects,
             WRAPPED,
         ),
@@ -162,7 +162,7 @@ def _single(q: Any, v: Any, a: Any) -> list[Row]:
         (
             "inverse_dynamics_derivatives",
             lambda: arm.inverse_dynamics_derivatives(q, v, a),
-            "computeRNEADerivatives - buoyancy, copies",
+            "computeRNEADerivatives minus buoyancy, copies",
             derivatives,
             WRAPPED,
         ),
@@ -190,7 +190,7 @@ def _single(q: Any, v: Any, a: Any) -> list[Row]:
         (
             "base_wrench",
             lambda: arm.base_wrench(q, v, a),
-            "rnea, fluid, last step down",
+            "rnea of arm and fluid, last step to the base",
             wrench,
             WRAPPED,
         ),

@@ -23,7 +23,12 @@ STATES = 100_000
 #: Of which MJX computes so many: it keeps everything that a simulation would need.
 MJX_STATES = 10_000
 PEERS = {"CasADi": "casadi", "JAX": "jax", "MJX": "mujoco.mjx"}
-WIDTHS = {1: "one state at a time", 2: "2 states wide", 4: "4 wide", 8: "8 wide"}
+WIDTHS = {
+    1: "one state at a time",
+    2: "2 states wide",
+    4: "4 states wide",
+    8: "8 states wide",
+}
 
 
 def missing() -> list[str]:

@@ -68,10 +68,13 @@ def _positions(
     one = q[0].copy()
     calls: dict[str, tuple[Callable[[], Any], int]] = {
         "in_collision, one position": (partial(arm.in_collision, one), 1),
-        "in_collision, 100 000": (partial(arm.in_collision, q), COUNT),
-        "exact test, 100 000": (partial(exact.touches, q), COUNT),
-        "without a compiler, 2 000": (partial(in_numpy.touches, q[:2000]), 2000),
-        "collision_distance, one": (partial(arm.collision_distance, one), 1),
+        "in_collision, 100 000 positions": (partial(arm.in_collision, q), COUNT),
+        "without tables, 100 000 positions": (partial(exact.touches, q), COUNT),
+        "without a compiler, 2 000 positions": (
+            partial(in_numpy.touches, q[:2000]),
+            2000,
+        ),
+        "collision_distance, one position": (partial(arm.collision_distance, one), 1),
         "coal's distances": (lambda: [coal.clearance(x) for x in q[:FEW]], FEW),
     }
     found = []
@@ -79,7 +82,7 @@ def _positions(
         seconds = measure({name: call}, per_call=per_call)[name]
         found.append(
             Row(
-                work="self-collision",
+                work="self-collision of one position",
                 candidate=name,
                 seconds=seconds,
                 success=agreed if name.startswith("in_collision") else None,
@@ -101,7 +104,7 @@ def _solutions(q: np.ndarray) -> list[Row]:
     many = measure(
         {
             "inverse_kinematics": partial(a5.inverse_kinematics, position, wrist),
-            "its flags of self-collision": lambda: solved.collides,
+            "flags of self-collision for them": lambda: solved.collides,
         },
         per_call=COUNT,
     )
@@ -110,10 +113,10 @@ def _solutions(q: np.ndarray) -> list[Row]:
             "inverse_kinematics": partial(
                 a5.inverse_kinematics, position[free][0], float(wrist[free][0])
             ),
-            "best, free of collision": partial(one.best, reference),
+            "best(), free of collision": partial(one.best, reference),
         }
     )
-    works = {"IK of 100 000 targets, and flags": many, "IK of one, and best": single}
+    works = {"IK of 100 000 targets": many, "IK of one target": single}
     return [
         Row(work=work, candidate=name, seconds=seconds)
         for work, times in works.items()
@@ -126,11 +129,15 @@ def _edges(q: np.ndarray) -> list[Row]:
     scene = SelfCollision(collision_bodies(a5.parameters()))
     near = q + np.random.default_rng(8).normal(scale=0.05, size=q.shape)
     lines = {
-        "between random positions": partial(scene.free_shares, q[:-1], q[1:]),
-        "to a position nearby": partial(scene.free_shares, q[:-1], near[:-1]),
+        "a line between random positions": partial(scene.free_shares, q[:-1], q[1:]),
+        "a line to a position nearby": partial(scene.free_shares, q[:-1], near[:-1]),
     }
     seconds = measure(lines, per_call=len(q) - 1, rounds=3)
     return [
-        Row(work="a line proved free", candidate=name, seconds=time)
+        Row(
+            work="a line between random positions, proved free",
+            candidate=name,
+            seconds=time,
+        )
         for name, time in seconds.items()
     ]

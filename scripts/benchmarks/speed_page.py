@@ -48,7 +48,7 @@ SHOWN = (
     ("inverse dynamics under water", "MuJoCo", "water, one call: MuJoCo"),
     ("inverse dynamics under water", "Pinocchio", "water by fext: Pinocchio"),
     ("inverse_dynamics", "Pinocchio", "RNEA by load(): Pinocchio"),
-    ("self-collision", "coal", "self-collision: coal"),
+    ("self-collision of one position", "coal", "self-collision: coal"),
     ("import", "roboticstoolbox", "import: roboticstoolbox"),
 )
 #: Pixels per inch.

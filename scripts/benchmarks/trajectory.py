@@ -12,6 +12,9 @@ from benchmarks.timing import Row, measure
 import alpha5_model as a5
 
 SAMPLES = 100_000
+OWN = "alpha5_model"
+READING = "numpy.loadtxt, which only reads the file"
+TORQUES = "Pinocchio: rnea in a loop, no water"
 
 
 def missing() -> list[str]:
@@ -56,19 +59,14 @@ def rows() -> list[Row]:
             for row, speed in zip(q, v, strict=True):
                 pin.rnea(model, data, row, speed, still)
 
-        seconds = measure(
-            {"alpha5_model": ours, "numpy.loadtxt": reading, "pin.rnea loop": torques},
-            rounds=3,
-        )
+        seconds = measure({OWN: ours, READING: reading, TORQUES: torques}, rounds=3)
     setups = {
-        "alpha5_model": "read, smooth, five torque terms, currents, power, mount, tcp, "
-        "summary",
-        "numpy.loadtxt": "reads the same file and does nothing else",
-        "pin.rnea loop": "one torque per sample in air, from arrays in memory",
+        OWN: "read, smooth, five torque terms, currents, power, mount, tcp, summary",
+        READING: "reads the same file and does nothing else",
+        TORQUES: "one torque per sample in air, from arrays in memory",
     }
-    return [
-        Row(f"{SAMPLES} samples", k, s, setup=setups[k]) for k, s in seconds.items()
-    ]
+    work = f"a recording of {SAMPLES} samples, read and analysed"
+    return [Row(work, k, s, setup=setups[k]) for k, s in seconds.items()]
 
 
 _AXES = ("axis_e", "axis_d", "axis_c", "axis_b")

@@ -67,7 +67,8 @@ def _lint(
         complaints += unexplained(kind, found, explained[kind])
         reasons = sorted({explained[kind].get(one, "") for one in found} - {""})
         because = f" ({', '.join(reasons)})" if reasons else ""
-        texts.append(f"{kind}: {len(found)} findings{because}")
+        plural = "" if len(found) == 1 else "s"
+        texts.append(f"{kind}: {len(found)} finding{plural}{because}")
     return Result("; ".join(texts), complaints=tuple(complaints), version=version(name))
 
 

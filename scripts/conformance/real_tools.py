@@ -71,7 +71,7 @@ CHECKS = (
         "robot_state_publisher, tf (ROS 1)",
         "ros-robot-state-publisher",
         _ROS,
-        "poses of tcp and both fingers, 100 states [m, 1]; a log without a word",
+        "poses of tcp and both fingers, 100 states [m, 1]; an empty log",
         ros_tools.publish,
         1e-13,
     ),

@@ -25,8 +25,14 @@ import numpy as np
 
 import alpha5_model as a5
 from alpha5_model.codegen.regrouping import base_parameters
+from alpha5_model.studies.uncertainty import printed
+from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
+from alpha5_model.studies.uncertainty.digit_bounds import payload
 from alpha5_model.studies.uncertainty.fitting import System
+from alpha5_model.studies.uncertainty.identification import possible_causes
 from alpha5_model.studies.uncertainty.misfit import SIGNIFICANCE
+from alpha5_model.studies.uncertainty.recorded import recording_of
+from alpha5_model.studies.uncertainty.unknowns import Unknowns
 
 u = a5.uncertainty
 SAMPLES = 500
@@ -211,21 +217,22 @@ class KnownNoise(System):
         }
 
 
+def known_noise(kind: str) -> KnownNoise:
+    """A recording of the printed arm's efforts."""
+    arm = u.arm(a5.parameters())
+    efforts = recorded(exact_values(arm, "efforts"), kind, seed=1)
+    motion = replace(MOTION, effort=efforts)
+    recording = recording_of(motion, arm, None, {"method": "interpolate"})
+    numbers = arm_numbers(arm.parameters, printed.believed(()))
+    unknowns = Unknowns(numbers, arm)
+    carried = payload(arm, numbers)
+    causes = possible_causes(recording, unknowns, carried, arm.fluid_density)
+    return KnownNoise(recording, unknowns, carried, causes)
+
+
 def limits(kind: str) -> None:
     """Print what a test could do at best that knows the noise."""
-    made: list[KnownNoise] = []
-
-    def fitted(self: System) -> Any:
-        made.append(KnownNoise(self.recording, self.unknowns, self.known, self.causes))
-        return System_fitted(self)
-
-    System_fitted = System.fitted
-    System.fitted = fitted  # type: ignore[method-assign]
-    try:
-        fit(recorded(exact_values(u.arm(a5.parameters()), "efforts"), kind, seed=1))
-    finally:
-        System.fitted = System_fitted  # type: ignore[method-assign]
-    columns = made[0].columns(kind)
+    columns = known_noise(kind).columns(kind)
     threshold = NormalDist().inv_cdf(1 - SIGNIFICANCE / 2)
     for name, of, size in NEAR:
         fault = size * columns[name, of]

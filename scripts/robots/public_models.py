@@ -13,6 +13,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import alpha5_model as a5
 from alpha5_model.proofs.comparison.records import Comparison
@@ -22,19 +23,39 @@ if __name__ == "__main__":
 
 from conformance.conformance import insert
 
-#: File in the folder -> repository, file there, as people look for it.
+
+class PublicModel(NamedTuple):
+    """Where people find a model.
+
+    Attributes:
+        repository: As GitHub spells it.
+        file: The file or the package there.
+    """
+
+    repository: str
+    file: str
+
+
+#: File in the folder -> the model.
 MODELS = {
-    "evan_palmer_alpha": "`evan-palmer/alpha`, `alpha_description`",
-    "hkolano_blue_rov": "`hkolano/UVMS-SysID-with-EAs`, "
-    "`blue_rov_hardware_fixedjaw.urdf`",
-    "diff_uvms": "`edxmorgan/diff_uvms`, `alpha_5_robot.urdf`",
+    "evan_palmer_alpha": PublicModel(
+        repository="evan-palmer/alpha", file="alpha_description"
+    ),
+    "hkolano_blue_rov": PublicModel(
+        repository="hkolano/UVMS-SysID-with-EAs",
+        file="blue_rov_hardware_fixedjaw.urdf",
+    ),
+    "diff_uvms": PublicModel(
+        repository="edxmorgan/diff_uvms", file="alpha_5_robot.urdf"
+    ),
 }
 BEGIN, END = "<!-- public models: begin -->", "<!-- public models: end -->"
 HEAD = [
     "model",
-    "axis_d [N m]",
-    "axis_c [N m]",
-    "M [kg m²]",
+    "file",
+    "axis_d [N·m]",
+    "axis_c [N·m]",
+    "M [kg·m²]",
     "tool frame",
     "tip [mm]",
     "matched [mm]",
@@ -46,7 +67,7 @@ BODIES = [
     "mass [kg]",
     "Table 2 [kg]",
     "COM off by [mm]",
-    "inertia off by [kg mm²]",
+    "inertia off by [kg·mm²]",
 ]
 #: Findings of a model that are told in words, the costliest first.
 TOLD = 4
@@ -61,12 +82,14 @@ def tables(compared: dict[str, Comparison]) -> str:
     )
     for name, found in compared.items():
         serious = [finding for finding in found.findings if finding.serious]
+        model = MODELS[name]
         tool = found.tool
         if tool is None:
             raise ValueError(f"{name}: {found.verdict}")
         errors.append(
             [
-                MODELS[name],
+                f"`{model.repository}`",
+                f"`{model.file}`",
                 *(f"{error:.3g}" for error in found.gravity_error[1:3]),
                 f"{found.mass_matrix_error:.1g}",
                 f"`{tool.frame}`" if tool.frame else "none",
@@ -78,7 +101,7 @@ def tables(compared: dict[str, Comparison]) -> str:
         for body in found.bodies:
             bodies.append(
                 [
-                    f"`{name}`",
+                    f"`{model.repository}`",
                     body.name,
                     f"{body.mass:.3g}",
                     f"{body.ours.mass:g}",
@@ -86,8 +109,11 @@ def tables(compared: dict[str, Comparison]) -> str:
                     f"{body.inertia_error * 1e6:.0f}",
                 ]
             )
-        words += [f"\n`{name}`, the costliest of {len(serious)}:\n"]
-        words += [f"- {f.where}: {f.text} ({f.cost:.2g} N m)" for f in serious[:TOLD]]
+        words += [
+            f"\n`{model.repository}`, the costliest of {len(serious)} findings, "
+            "each with the largest torque that it costs alone:\n"
+        ]
+        words += [f"- {f.where}: {f.text} ({f.cost:.2g} N·m)" for f in serious[:TOLD]]
     lines = ["| " + " | ".join(row) + " |" for row in errors]
     lines += ["", *("| " + " | ".join(row) + " |" for row in bodies), *words, ""]
     if left_out := sorted(set(MODELS) - set(compared)):

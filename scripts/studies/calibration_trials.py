@@ -2,11 +2,16 @@
 
     python scripts/studies/calibration_trials.py                  # 200 trials of each
     python scripts/studies/calibration_trials.py scales --trials 20
+    python scripts/studies/calibration_trials.py --noise ar
 
 Each trial draws an arm from the prior, weighs it by Pinocchio on a tilted mount with a
-sensor of wrong gains and offsets (scales show whole grams), and fits. Counted are the
-static torques, in poses that were not weighed, and three numbers chosen beforehand that
-lie within their 95 % intervals.
+sensor of wrong gains and offsets, and fits. Counted are the static torques, in poses
+that were not weighed, and three numbers chosen beforehand that lie within their 95 %
+intervals.
+
+Noise is white by default. Quantised, the sensor rounds to 3.5 times its deviation,
+which rounding alone would give. With ar, a reading shares 0.95 of its error with the
+pose before. Scales always show whole grams.
 """
 
 from __future__ import annotations
@@ -36,6 +41,11 @@ POSES = 20
 FIXED = ("zeros.axis_d", "zeros.axis_c", "links.link_2.mass")
 #: Whole grams.
 GRAM = 1e-3
+NOISE = ("white", "ar", "quantised")
+#: Of two readings, one after the other, with the noise ``ar``.
+CORRELATION = 0.95
+#: Width of a step over the standard deviation of rounding to it.
+STEP = 12**0.5
 CASES = {
     "scales": (a5.calibrate.scales(), a5.AIR),
     "sensor": (a5.calibrate.force_torque(), a5.SEA_WATER),
@@ -79,7 +89,24 @@ def drawn_arm(unknowns: ArmUnknowns, rng: np.random.Generator) -> Any:
             continue  # a centre of mass outside of its body
 
 
-def readings(planned: Any, arm: Any, rng: np.random.Generator) -> np.ndarray:
+def noisy(
+    clean: np.ndarray, deviation: Any, kind: str, rng: np.random.Generator
+) -> np.ndarray:
+    """Readings of a sensor, one row for each pose, with its noise of a kind."""
+    if kind == "quantised":
+        step = STEP * np.asarray(deviation)
+        return np.asarray(step * np.round(clean / step))
+    error = rng.normal(size=clean.shape)
+    if kind == "ar":
+        for k in range(1, len(error)):
+            fresh = np.sqrt(1 - CORRELATION**2) * error[k]
+            error[k] = CORRELATION * error[k - 1] + fresh
+    return np.asarray(clean + deviation * error)
+
+
+def readings(
+    planned: Any, arm: Any, rng: np.random.Generator, kind: str = "white"
+) -> np.ndarray:
     """What the sensor shows of an arm."""
     sensor = planned.sensor
     tilt = np.append(rng.normal(size=2) * TILT, 0.0)
@@ -95,15 +122,18 @@ def readings(planned: Any, arm: Any, rng: np.random.Generator) -> np.ndarray:
     offset = rng.normal(size=sensor.size) * np.minimum(sensor.offset, 0.5)
     clean = gain * (np.array(loads) @ sensor.matrix.T) + offset
     if sensor.kind == "scales":
-        return GRAM * np.round(clean / GRAM)
-    return clean + rng.normal(size=clean.shape) * sensor.noise
+        shown = noisy(clean, sensor.noise, kind, rng) if kind == "ar" else clean
+        return np.asarray(GRAM * np.round(shown / GRAM))
+    return noisy(clean, sensor.noise, kind, rng)
 
 
-def trial(planned: Any, prior: str, rng: np.random.Generator) -> Trial:
+def trial(
+    planned: Any, prior: str, rng: np.random.Generator, kind: str = "white"
+) -> Trial:
     """One arm, weighed and fitted."""
     unknowns = arm_unknowns(a5.parameters(), prior)
     truth, arm = drawn_arm(unknowns, rng)
-    weighed = a5.calibrate.with_readings(planned, readings(planned, arm, rng))
+    weighed = a5.calibrate.with_readings(planned, readings(planned, arm, rng, kind))
     start = time.process_time()
     found = a5.calibrate.fit(weighed, prior=prior)
     seconds = time.process_time() - start
@@ -156,21 +186,22 @@ def _numbers(link: Any) -> list[float]:
     return [link.mass, *link.com, *upper, link.volume, *link.cob]
 
 
-def report(name: str, prior: str, count: int, seed: int) -> None:
+def report(name: str, prior: str, count: int, seed: int, kind: str = "white") -> None:
     """Run the trials of one sensor and print a line."""
     sensor, density = CASES[name]
     start = time.process_time()
     planned = a5.calibrate.plan_poses(sensor, fluid_density=density, prior=prior)
     planning = time.process_time() - start
     rng = np.random.default_rng(seed)
-    found = [trial(planned, prior, rng) for _ in range(count)]
+    found = [trial(planned, prior, rng, kind) for _ in range(count)]
     torques = np.abs([one.torques for one in found]) < WIDE
     numbers = np.abs([one.numbers for one in found]) < WIDE
     alarms = [one for one in found if one.problems]
     remaining = 1e3 * np.sqrt(np.mean([one.remaining**2 for one in found], axis=0))
     print(
-        f"{name}, {prior}: {count} trials; coverage of torques {torques.mean():.1%}, "
-        f"of numbers {numbers.mean():.1%}; remaining torque {remaining[0]:.2f} / "
+        f"{name}, {prior}, {kind}: {count} trials; "
+        f"coverage of torques {torques.mean():.1%}, of numbers {numbers.mean():.1%}; "
+        f"remaining torque {remaining[0]:.2f} / "
         f"{remaining[1]:.2f} mN m; false alarms {len(alarms)} "
         f"{sorted({one.problems[0] for one in alarms})}; impossible bodies "
         f"{sum(one.impossible for one in found)}; fit "
@@ -186,10 +217,11 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--prior", choices=("digits", "loose"), action="append")
+    parser.add_argument("--noise", choices=NOISE, default="white")
     given = parser.parse_args(words)
     for name in given.names:
         for prior in given.prior or ("digits", "loose"):
-            report(name, prior, given.trials, given.seed)
+            report(name, prior, given.trials, given.seed, given.noise)
 
 
 if __name__ == "__main__":

@@ -167,8 +167,8 @@ def test_the_srdf_leaves_as_many_pairs_of_shapes_as_the_guide_says():
     of_locked, locked, left, of_jaws, jaws, left_with_jaws = counts
     assert of_locked == of_jaws
     said = (
-        f"Of {locked} pairs of the {of_locked} shapes it leaves {left}; "
-        f"with jaws {left_with_jaws} of {jaws}."
+        f"The {of_locked} collision shapes make {locked} pairs on different links. "
+        f"{left} of them are left to check; with jaws, {left_with_jaws} of {jaws}."
     )
     guide = (REPOSITORY / "docs" / "guides" / "ros.md").read_text("utf-8")
     assert said in " ".join(guide.split())

@@ -10,6 +10,8 @@ from figures import guide_figures
 from fk import tip
 from pages import DOCS
 
+import alpha5_model as a5
+
 ROWS = re.findall(
     r"^\| \d \| ([\d., ]+) \| [^|]+ \| ([-\d, ]+) \|$",
     (DOCS / "guides" / "from-arm-to-q.md").read_text("utf-8"),
@@ -31,3 +33,20 @@ def test_the_tip_follows_from_table_1(pose: int) -> None:
     q = guide_figures.check_position(drawn)
     assert q == pytest.approx(drawn), "devices 5 to 2 are joints 0 to 3"
     assert 1e3 * tip(q) == pytest.approx(seen, abs=0.5)
+
+
+@pytest.mark.parametrize("pose", range(3))
+def test_the_fingers_are_apart_along_y(pose: int) -> None:
+    """The arm points along x in poses 1 and 2: left and right. In pose 3 it points
+    along y: the other plane.
+    """
+    drawn, _ = guide_figures.CHECK_POSES[pose]
+    closed = a5.parameters().joints[4].lower
+    q = np.append(guide_figures.check_position(drawn), closed)
+    arm = a5.load(gripper="jaws")
+    finger_1, finger_2 = (
+        arm.forward_kinematics(q, name).translation for name in ("finger_1", "finger_2")
+    )
+    x, y, z = abs(finger_1 - finger_2)
+    assert y == pytest.approx(2 * 0.0155)
+    assert (x, z) == pytest.approx((0.0, 0.0), abs=1e-12)

@@ -19,6 +19,7 @@ from statement_registry import AtMost, Figure, Near, Statement, parameters_of, s
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH
 from alpha5_model.collision.disabled_pairs import disabled_pairs
+from alpha5_model.collision.touching_pairs import touching_pairs
 from alpha5_model.dynamics.collision import collision_geometry
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.numbers.inertia import (
@@ -75,7 +76,7 @@ def own_pairs() -> UrdfPairs:
 @statement(
     "docs/concepts/self-collision.md",
     "| compared by this package | {} | {} | | in the URDF | {} | {} | "
-    "With jaws that move, {} pairs are left.",
+    "In the URDF with jaws that move, {} pairs are left.",
 )
 def shapes_of_both() -> Sequence[Figure]:
     own = own_pairs()
@@ -86,13 +87,31 @@ def shapes_of_both() -> Sequence[Figure]:
 
 
 @statement(
+    "docs/concepts/self-collision.md",
+    "Of the other {} pairs of this package's shapes, {} can touch within the joint "
+    "limits; the remaining {} are proved never to touch. With jaws that move, {} can "
+    "touch.",
+)
+def pairs_that_can_touch() -> Sequence[Figure]:
+    counts = [len(items) for items in collision_primitives("locked").values()]
+    neighbours = sum(one * other for one, other in itertools.pairwise(counts))
+    compared = own_pairs().all - neighbours
+    can_touch = len(touching_pairs("locked"))
+    with_jaws = len(touching_pairs("jaws"))
+    return [
+        Near(count) for count in (compared, can_touch, compared - can_touch, with_jaws)
+    ]
+
+
+@statement(
     "docs/guides/ros.md",
-    "Of {} pairs of the {} shapes it leaves {}; with jaws {} of {}.",
+    "The {} collision shapes make {} pairs on different links. {} of them are left to "
+    "check; with jaws, {} of {}.",
 )
 def pairs_for_moveit() -> Sequence[Figure]:
     locked = urdf_pairs(a5.URDF_PATH)
     jaws = urdf_pairs(JAWS_URDF_PATH)
-    counts = (locked.all, locked.shapes, locked.left, jaws.left, jaws.all)
+    counts = (locked.shapes, locked.all, locked.left, jaws.left, jaws.all)
     return [Near(count) for count in counts]
 
 

@@ -44,7 +44,7 @@ START = "docs/start.md"
 # --- installation --------------------------------------------------------------------
 
 
-@statement("README.md", "They need only Python {}, make and the network")
+@statement("README.md", "They need only Python {} or later, make and the network")
 def python_of_the_readme() -> Sequence[Figure]:
     return [Near(float(PROJECT["requires-python"].removeprefix(">=")))]
 
@@ -189,7 +189,7 @@ def expansion_of_bags() -> Sequence[Figure]:
 
 @statement(
     "docs/public-models.md",
-    "- Dummy links of {} g with {} kg m², which is a radius of gyration of one metre",
+    "- Dummy links of {} g with {} kg·m², which is a radius of gyration of one metre",
 )
 def dummies() -> Sequence[Figure]:
     mass, inertia = 1e-4, 1e-4

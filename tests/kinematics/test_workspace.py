@@ -110,7 +110,7 @@ def test_distance_is_the_least_over_all_joint_positions() -> None:
     target = target[~a5.reachable(target)][:12]
     distance = a5.distance_to_reach(target)
     numerical = np.array([numerical_distance(t) for t in target])
-    np.testing.assert_allclose(distance, numerical, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(distance, numerical, rtol=0, atol=1e-13)
 
 
 def test_distance_in_the_closed_wedges_and_near_the_axis() -> None:

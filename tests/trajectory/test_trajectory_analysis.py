@@ -527,6 +527,15 @@ def test_speeds_beyond_the_rating_are_said_as_limits_are() -> None:
     assert text.count("is beyond its rated speed") == 2
 
 
+def test_a_planned_motion_at_rated_speed_is_not_beyond_it(tmp_path: Path) -> None:
+    planned = a5.plan(a5.named_pose("home"), [0.15, 0.20, 0.10])
+    planned.write(tmp_path / "motion.csv")
+    motion = a5.trajectory.read_motion(tmp_path / "motion.csv")
+    s = a5.trajectory.summary(a5.trajectory.analyse(motion, method="interpolate"))
+    assert s["joints"]["axis_c"]["velocity_margin"] == 0.0
+    assert {j["beyond_rated_velocity"] for j in s["joints"].values()} == {0}
+
+
 @pytest.mark.parametrize(
     ("beyond", "margin", "warned"),
     [(-1e-6, 1e-6, 0), (9e-7, 0.0, 0), (1.1e-5, 0.0, 0), (1.3e-5, -1.3e-5, 1)],

@@ -123,7 +123,8 @@ def motors(
 ) -> MotorCalibration:
     """Estimate the motors from a motion with recorded currents.
 
-    Sway all joints slowly to both sides for a minute.
+    Sway all joints to both sides for a minute. Samples below 0.15 of the rated speed
+    are left out.
 
     Args:
         motion: With currents, see `alpha5_model.trajectory`; the jaw rod is left out.

@@ -21,9 +21,9 @@ from alpha5_model.studies.uncertainty.fitted_numbers import (
     fitted_numbers,
 )
 from alpha5_model.studies.uncertainty.fitting import RANK, Fit, System
-from alpha5_model.studies.uncertainty.misfit import Problem, suspects
+from alpha5_model.studies.uncertainty.misfit import Problem, Suspect, suspects
 from alpha5_model.studies.uncertainty.printed import Names
-from alpha5_model.studies.uncertainty.recorded import recording_of
+from alpha5_model.studies.uncertainty.recorded import Recording, recording_of
 from alpha5_model.studies.uncertainty.sampling import DEVIATION
 from alpha5_model.studies.uncertainty.unknowns import Unknowns
 from alpha5_model.trajectory import Motion
@@ -145,15 +145,7 @@ def identify(
     numbers = arm_numbers(arm.parameters, chosen)
     unknowns = Unknowns(numbers, arm)
     carried = payload(arm, numbers)
-    causes = suspects(
-        regressor=recording.regressor,
-        time=recording.time,
-        velocity=recording.velocity,
-        nominal=unknowns.base_parameters(np.zeros(unknowns.count)) + carried,
-        by_density=unknowns.by_density(),
-        by_mass=unknowns.by_mass(),
-        density=arm.fluid_density,
-    )
+    causes = possible_causes(recording, unknowns, carried, arm.fluid_density)
     fit = System(recording, unknowns, carried, causes).fitted()
     fitted = fitted_numbers(arm, unknowns, fit.z, fit.factor, carried)
 
@@ -162,6 +154,28 @@ def identify(
     known = payload(bare, numbers)
     digit_limits = extremes(every_one, known, arm.fluid_density, numbers)
     return _identification(unknowns, fit, fitted, digit_limits[:, 0])
+
+
+def possible_causes(
+    recording: Recording, unknowns: Unknowns, carried: FloatArray, density: float
+) -> tuple[Suspect, ...]:
+    """What may be wrong with a recording, or with the arm that made it.
+
+    Args:
+        recording: Of efforts or loads.
+        unknowns: The printed numbers.
+        carried: Base parameters of the payload, (38,).
+        density: Of the fluid [kg/m^3].
+    """
+    return suspects(
+        regressor=recording.regressor,
+        time=recording.time,
+        velocity=recording.velocity,
+        nominal=unknowns.base_parameters(np.zeros(unknowns.count)) + carried,
+        by_density=unknowns.by_density(),
+        by_mass=unknowns.by_mass(),
+        density=density,
+    )
 
 
 def _identification(
