@@ -102,6 +102,15 @@ ELSEWHERE: dict[str, dict[str, str]] = {
         "the gain of the sensor, which is known to 1 %": (
             "scripts/studies/excitation_bound.py"
         ),
+        "95 % held the truth": ("scripts/studies/calibration_trials.py"),
+        "grams | 95.2 % | 95.2 %": ("scripts/studies/calibration_trials.py"),
+        "grams | 94.0 % | 93.5 %": ("scripts/studies/calibration_trials.py"),
+        "white | 96.5 % | 96.5 %": ("scripts/studies/calibration_trials.py"),
+        "drift | 98.7 % | 99.3 %": ("scripts/studies/calibration_trials.py"),
+        "rounded | 95.3 % | 97.7 %": ("scripts/studies/calibration_trials.py"),
+        "white | 95.2 % | 96.5 %": ("scripts/studies/calibration_trials.py"),
+        "drift | 98.1 % | 99.7 %": ("scripts/studies/calibration_trials.py"),
+        "rounded | 95.1 % | 96.8 %": ("scripts/studies/calibration_trials.py"),
         "0.1°, its stiffness known to 2 %": (
             "tests/documentation/test_statements_calibration.py::test_what_a_sensor_tells"
         ),
