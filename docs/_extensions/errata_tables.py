@@ -80,8 +80,9 @@ def by_cost(group: Group) -> tuple[int, float]:
 
 
 def erratum(group: Group) -> str:
-    """The table of a group: its names and its place, and below them what it says."""
-    return table([names_of(group), place_of(group)], lines_of(group[0]))
+    """The table of a group: its names, its place, and what it says."""
+    lines = [("where", place_of(group)), *lines_of(group[0])]
+    return table(["row", names_of(group)], lines)
 
 
 def names_of(group: Group) -> str:

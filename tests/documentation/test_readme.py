@@ -87,7 +87,7 @@ FIRST = ("motors", "base_frame", "link3_cob", "tori", "two_poses")
 def errata(name: str) -> list[tuple[str, str]]:
     """(text, name of claim) of each row in a generated text of the page."""
     tables = re.findall(r"(?:^\|.*\n)+", generated_text.TEXTS[name](), re.MULTILINE)
-    heads = [text.partition(" | ")[0] for text in tables]
+    heads = [text.partition("\n")[0] for text in tables]
     return [
         (text, claim)
         for text, head in zip(tables, heads, strict=True)
