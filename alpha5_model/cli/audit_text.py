@@ -7,14 +7,14 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from itertools import takewhile
 from typing import TypeVar
 
-from alpha5_model.proofs.audit.row import AuditRow
+from alpha5_model.proofs.audit.row import EXACT, AuditRow
 
 Row = TypeVar("Row")
 Key = TypeVar("Key", bound=Hashable)
 
 #: Heading -> what the summary calls the claims under it.
 _CLAIMS = {
-    "agrees": "agree",
+    "agrees": "claims agree",
     "error": "errors",
     "reading": "readings",
     "transcription": "matters of transcription",
@@ -37,11 +37,11 @@ def counts(rows: Sequence[AuditRow]) -> str:
     """How many rows of each kind agree, and how the others differ."""
     claims = Counter(heading(row) for row in rows if row.kind == "claim")
     found = [f"{claims[key]} {words}" for key, words in _CLAIMS.items()]
-    parts = [f"documents {', '.join(found)}"]
+    parts = [f"documents: {', '.join(found)}"]
     for kind, words in _OTHERS.items():
         agreeing = [row.verdict == "agrees" for row in rows if row.kind == kind]
         differing = len(agreeing) - sum(agreeing)
-        parts.append(f"{words} {sum(agreeing)} agree, {differing} differ")
+        parts.append(f"{words}: {sum(agreeing)} agree, {differing} differ")
     return "; ".join(parts)
 
 
@@ -79,11 +79,18 @@ def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
     words += dict.fromkeys(row.finding for row in rows if row.finding)
     if row.used:
         words.append(f"We use {row.used}.")
-    if row.effect:
-        words.append(f"It costs {row.effect:.3g} {row.effect_unit}: {row.cost}.")
+    if row.cost:
+        words.append(f"It costs {_cost(row)}.")
     if row.source:
         words.append(f"Source: {row.source}.")
     return " ".join(words)
+
+
+def _cost(row: AuditRow) -> str:
+    """What a difference costs, as a figure if there is one."""
+    if row.effect is None:
+        return row.cost
+    return f"{row.effect:.3g} {row.effect_unit}: {row.cost}"
 
 
 def _common_place(rows: Sequence[AuditRow]) -> str:
@@ -95,13 +102,13 @@ def _common_place(rows: Sequence[AuditRow]) -> str:
 
 
 def _figures(row: AuditRow) -> str:
-    """What was measured and what it must be, as numbers with their unit."""
+    """What was measured and what is expected, as numbers with their unit."""
     error = f" ± {row.standard_error:.2g}" if row.standard_error else ""
     measured = f"{row.measured:.4g}{error} {row.unit}".rstrip()
 
-    bound = f" ± {row.bound:.2g}" if row.bound else ""
+    bound = f" ± {row.bound:.2g}" if row.bound > EXACT else ""
     expected = f"{row.expected:.4g}{bound} {row.unit}".rstrip()
-    return f"{measured}, must be {_RELATION[row.relation]}{expected}"
+    return f"{measured}, expected {_RELATION[row.relation]}{expected}"
 
 
 def _subjects(rows: Sequence[AuditRow]) -> str:

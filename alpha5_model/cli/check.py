@@ -22,7 +22,7 @@ from alpha5_model.proofs.audit import audit
 from alpha5_model.proofs.audit.row import AuditRow
 
 #: The last lines of a short report.
-_MORE = "\n--verbose adds the rows in agreement, the claims' words and all reasons"
+_MORE = "\n--verbose also shows what holds, what is printed, and what we use instead"
 
 
 def check(
@@ -36,12 +36,12 @@ def check(
     ] = False,
     as_json: options.Json = False,
 ) -> int:
-    """Check the manufacturer's document against itself and the generated files against it.
+    """Check the documents against their own numbers, and the generated files against both.
 
-    If the document contradicts itself, that is a finding: an error, a matter of
-    reading, or a matter of transcription. The exit status is 1 only if a file
-    fails. --verbose also shows what agrees, and what the documents say. With
-    --arm the file is compared with your own arm.
+    A document that contradicts itself is a finding, not a failure. It is an
+    error, a matter of reading, or a matter of transcription. The exit status is
+    1 only if a file fails. --verbose also shows what holds, what is printed, and
+    what we use instead. With --arm the file is compared with your own arm.
 
     Example: alpha5 check --urdf my_arm.urdf
     """  # noqa: E501 (a line of the help)
@@ -78,7 +78,7 @@ def _report(
 def _summary(claims: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
     verdicts = Counter({"passed": 0, "failed": 0})
     verdicts.update(row.verdict for row in files)
-    counts = f"files {_counts(verdicts)}"
+    counts = f"files: {_counts(verdicts)}"
     if claims:
         counts = f"{audit_text.counts(claims)}; {counts}"
     return counts.capitalize()

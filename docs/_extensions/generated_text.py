@@ -10,152 +10,25 @@ readers of the source; running this file brings it up to date.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
-from itertools import groupby
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from errata_tables import FIRST, corrections, first_errata, other_errata
+from markdown_tables import plain, table
 from typer.main import get_command
 
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, application
-from alpha5_model.cli.audit_text import heading
-from alpha5_model.numbers.corrections import CORRECTIONS
-from alpha5_model.proofs.audit.row import AuditRow
 
 PAGES = Path(__file__).resolve().parents[1]
 MARK = re.compile(
-    r"^<!-- generated: (\w+) -->\n(?:\n((?:\|.*\n)*)\n<!-- end -->\n)?", re.MULTILINE
+    r"^<!-- generated: (\w+) -->\n(?:\n((?:(?!<!--).*\n)*)<!-- end -->\n)?",
+    re.MULTILINE,
 )
 #: Effects of a printed digit that are not shown [N m].
 LEAST_EFFECT = 5e-6
-RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    cells = (
-        [re.sub(r"\s+", " ", cell).replace("|", "\\|") for cell in line]
-        for line in lines
-    )
-    return "".join(f"| {' | '.join(line)} |\n" for line in cells)
-
-
-# ---- the audit
-
-
-#: Units of what a difference costs, the first first.
-COSTS = ("N m", "mm", "N m/A", "")
-
-
-def audit_table(of: str) -> str:
-    """The rows under a heading of `heading` that differ, by their cost.
-
-    Neighbours with the same words and figures stand in one row.
-    """
-    rows = [row for row in a5.audit() if heading(row) == of and row.verdict != "agrees"]
-    groups = [
-        list(same)
-        for _, same in groupby(rows, lambda r: (r.topic, r.says, r.measured, r.effect))
-    ]
-    groups.sort(key=lambda group: by_cost(group[0]))
-    heads = ["where, and row", "printed", "what follows", "we use", "it costs"]
-    lines = [audit_line(group) for group in groups]
-    if of == "outside":
-        heads.append("source")
-        for line, group in zip(lines, groups, strict=True):
-            line.append(plain(group[0].source))
-    return table(heads, lines)
-
-
-def by_cost(row: AuditRow) -> tuple[int, float]:
-    """Torques first, then lengths; the largest first."""
-    return COSTS.index(row.effect_unit), -(row.effect or 0.0)
-
-
-def audit_line(group: Sequence[AuditRow]) -> list[str]:
-    """The cells of rows with the same words and figures."""
-    row = group[0]
-    claims = [row.claim, *(r.claim.partition(".")[2] for r in group[1:])]
-    places = list(dict.fromkeys(r.place for r in group))
-    where = places[0] + "".join(f"; {shorter(places[0], p)}" for p in places[1:])
-    names = ", ".join(f"`{claim}`" for claim in claims)
-    follows = f"{capital(row.measures)}: {measured(row)}. {row.finding}"
-    cost = "—"
-    if row.effect is not None:
-        cost = f"{figure(row.effect)} {unit(row.effect_unit)}: {row.cost}"
-    return [
-        f"{where}<br>{names}",
-        plain(row.says),
-        plain(follows.strip()),
-        plain(row.used),
-        plain(cost),
-    ]
-
-
-def errata_table(*names: str) -> str:
-    """Rows of the audit side by side: a column for each, without the place."""
-    rows = {row.claim: row for row in a5.audit()}
-    columns = [audit_line([rows[name]]) for name in names]
-    heads = ["", *(f"`{name}`" for name in names)]
-    words = ("printed", "what follows", "we use", "it costs")
-    return table(heads, zip(words, *(column[1:] for column in columns), strict=True))
-
-
-def capital(text: str) -> str:
-    """A text whose first word starts a sentence, unless it is a symbol."""
-    first = text.partition(" ")[0]
-    return text[0].upper() + text[1:] if first.isalpha() and len(first) > 1 else text
-
-
-def shorter(first: str, place: str) -> str:
-    """What a place says beyond the parts that it shares with the first one."""
-    parts, ours = place.split(", "), first.split(", ")
-    while len(parts) > 1 and ours and parts[0] == ours[0]:
-        parts, ours = parts[1:], ours[1:]
-    return ", ".join(parts)
-
-
-def measured(row: AuditRow) -> str:
-    """The measured figure, its spread, and the expected figure."""
-    spread = row.standard_error or (row.bound if row.bound > 1e-6 else 0.0)
-    width = f" ± {figure(spread, 2)}" if spread else ""
-    must = f"{RELATION[row.relation]}{figure(row.expected)}"
-    return (
-        f"{figure(row.measured)}{width} {unit(row.unit)}".strip() + f", must be {must}"
-    )
-
-
-def figure(value: float, digits: int = 4) -> str:
-    """A number to so many significant digits, without an exponent."""
-    text = f"{value:.{digits}g}"
-    return (
-        text
-        if "e" not in text
-        else f"{value:.0f}"
-        if abs(value) > 1
-        else f"{value:.7f}"
-    )
-
-
-def unit(name: str) -> str:
-    """A unit as a reader writes it."""
-    return name.replace("^2", "²").replace("N m", "N·m")
-
-
-def plain(text: str) -> str:
-    """Words that Markdown would take for markup or mathematics."""
-    return re.sub(r"([*<\[\]])", r"\\\1", text)
-
-
-def corrections() -> str:
-    """The recorded corrections: what is corrected, why, and what it is worth."""
-    rows = (
-        [f"`{c.name}`", plain(c.statement), plain(c.evidence), plain(c.effect)]
-        for c in CORRECTIONS.values()
-    )
-    return table(["name", "what it does", "evidence", "effect"], rows)
 
 
 # ---- what the digits leave open
@@ -320,20 +193,12 @@ def parameter_row(parameter: Any) -> list[str]:
 
 
 TEXTS: dict[str, Callable[[], str]] = {
-    "base_frame": lambda: errata_table("base_frame.link_0"),
-    "motors": lambda: errata_table("friction.actuator_0", "motor_constants.actuator_3"),
-    "link3_cob": lambda: errata_table("cob_inside.link_3"),
-    "two_poses": lambda: errata_table(
-        "inverse_kinematics.branches", "inverse_kinematics.wrapping"
-    ),
-    "tori": lambda: errata_table(
-        "workspace.self_collision", "workspace.downward_centre"
-    ),
-    "errors": lambda: audit_table("error"),
-    "readings": lambda: audit_table("reading"),
-    "transcription": lambda: audit_table("transcription"),
-    "observations": lambda: audit_table("observation"),
-    "outside": lambda: audit_table("outside"),
+    **{name: partial(first_errata, name) for name in FIRST},
+    "errors": partial(other_errata, "error"),
+    "readings": partial(other_errata, "reading"),
+    "transcription": partial(other_errata, "transcription"),
+    "observations": partial(other_errata, "observation"),
+    "outside": partial(other_errata, "outside"),
     "corrections": corrections,
     "commands": commands,
     "torque_intervals": torque_intervals,

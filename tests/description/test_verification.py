@@ -516,23 +516,24 @@ def test_the_report_fits_its_width(
         for category in ("error", "reading", "transcription")
     )
     summary = (
-        f"Documents {agree} agree, {errors} errors, {readings} readings, "
+        f"Documents: {agree} claims agree, {errors} errors, {readings} readings, "
         f"{transcription} matters of transcription; "
-        f"observations {observed_agree} agree, "
+        f"observations: {observed_agree} agree, "
         f"{len(observed) - observed_agree} differ; "
-        f"outside evidence {outside_agree} agree, "
-        f"{len(outside) - outside_agree} differ; files "
+        f"outside evidence: {outside_agree} agree, "
+        f"{len(outside) - outside_agree} differ; files: "
     )
     assert " ".join("\n".join(lines).split()).startswith(summary)
     text = " ".join(" ".join(lines).split())
     assert not any("…" in line for line in lines)
     # One sentence a finding: where, what was measured, figure and bound with units.
     for words in (
-        "differs Section 2.1, Table 2, link 0: largest distance between I_Link and "
-        "I_COM carried to the link frame: 6.625 kg·mm², must be 0 ± 1.4 kg·mm²",
-        "that the two formulas recover: 81.53 ± 0.61 %, must be at least 100 %",
+        "differs Section 2.1, Table 2, link 0: largest difference between an entry of "
+        "I_Link and of I_COM carried to the link frame: "
+        "6.625 kg·mm², expected 0 ± 1.4 kg·mm²",
+        "that the two formulas recover: 81.53 ± 0.61 %, expected at least 100 %",
         "differs Section 2.2.1, Table 4, actuator 0, 1, 2: "
-        "K_t / K_v of one motor, 1 in SI units if ",
+        "K_t / K_v in SI units, which is 1 if ",
         "alpha5_jaws.urdf: 10 passed",
     ):
         assert words in text
@@ -541,13 +542,13 @@ def test_the_report_fits_its_width(
     parts = split_by_heading(text)
     for heading, words in (
         ("Errors of the documents", "horizontal distance of the elbow"),
-        ("Errors of the documents", "the pairs of all but l_4"),
+        ("Errors of the documents", "the theorem's condition on pairs"),
         ("Readings", "K_t / K_v"),
         ("Readings", "if R turns {A} into {B}"),
-        ("Observed in their numbers", "friction seen at the joint"),
+        ("Observed in their numbers", "F Gr, the friction at the joint"),
         ("Observed in their numbers", "K_t U / R Gr eta"),
         ("Observed in their numbers", "mean density"),
-        ("Transcription", "largest miss of I_Link by the equation"),
+        ("Transcription", "the printed I_Link and that of the equation"),
     ):
         assert [name for name, part in parts.items() if words in part] == [heading]
     findings = [

@@ -80,14 +80,19 @@ TABLES = {
     "observation": "observations",
     "outside": "outside",
 }
+#: The tables of the errata that the page shows first.
+FIRST = ("motors", "base_frame", "link3_cob", "tori", "two_poses")
 
 
-def errata(heading: str) -> list[tuple[str, str]]:
-    """(text, name of claim) of each row of a heading's table as built."""
-    text = generated_text.TEXTS[TABLES[heading]]()
-    rows = [line.partition("<br>")[2] for line in text.splitlines()[2:]]
-    cells = [row.partition(" | ") for row in rows]
-    return [(text, claim) for names, _, text in cells for claim in claims(names)]
+def errata(name: str) -> list[tuple[str, str]]:
+    """(text, name of claim) of each row in a generated text of the page."""
+    tables = re.findall(r"(?:^\|.*\n)+", generated_text.TEXTS[name](), re.MULTILINE)
+    heads = [text.partition("\n")[0] for text in tables]
+    return [
+        (text, claim)
+        for text, head in zip(tables, heads, strict=True)
+        for claim in claims(head)
+    ]
 
 
 def claims(names: str) -> list[str]:
@@ -108,23 +113,50 @@ def says(text: str, value: float) -> bool:
     return False
 
 
-@pytest.mark.parametrize("heading", TABLES)
-def test_the_errata_are_what_the_audit_measures(heading: str) -> None:
-    rows = {
-        r.claim: r
-        for r in a5.audit()
-        if (r.category or r.kind) == heading and r.verdict != "agrees"
-    }
-    assert rows
-    covered = set()
-    for text, name in errata(heading):
-        row = rows[name]  # it differs no more if it is not here
-        covered.add(name)
-        figures = [row.measured, row.effect or 0.0, row.standard_error]
+@pytest.mark.parametrize("name", [*TABLES.values(), *FIRST])
+def test_the_errata_are_what_the_audit_measures(name: str) -> None:
+    rows = {row.claim: row for row in a5.audit() if row.verdict != "agrees"}
+    found = errata(name)
+    assert found
+    for text, claim in found:
+        row = rows[claim]  # it differs no more if it is not here
+        figures = [row.measured, row.standard_error]
         figures.append(row.bound if row.bound > 1e-6 else 0.0)
         for figure in figures:
             assert not figure or says(text, figure), (row.claim, figure)
-    assert covered == set(rows)
+        effect = row.effect or 0.0
+        in_micro = 1e6 * effect if "µN·m" in text else effect
+        assert not effect or says(text, in_micro), (row.claim, effect)
+
+
+def test_each_erratum_stands_once_under_its_heading() -> None:
+    rows = [row for row in a5.audit() if row.verdict != "agrees"]
+    first = [claim for name in FIRST for _, claim in errata(name)]
+    assert set(first) <= {row.claim for row in rows}
+    for heading, name in TABLES.items():
+        under = {r.claim for r in rows if (r.category or r.kind) == heading}
+        shown = [claim for _, claim in errata(name)]
+        assert sorted(shown) == sorted(under - set(first)), heading
+
+
+@pytest.mark.parametrize("name", [*TABLES.values(), *FIRST])
+def test_an_erratum_says_what_is_printed_measured_used_and_lost(name: str) -> None:
+    for text, claim in errata(name):
+        lines = [line.split(" | ") for line in text.splitlines()[2:]]
+        said = {line[0].removeprefix("| "): line[1] for line in lines}
+        parts = ("printed", "we measure", "result", "expected", "we use", "it costs")
+        for part in parts:
+            assert said[part].removesuffix(" |"), (claim, part)
+
+
+def test_the_errata_are_sorted_by_their_cost() -> None:
+    rows = {row.claim: row for row in a5.audit()}
+    for name in TABLES.values():
+        units = [rows[claim].effect_unit for _, claim in errata(name)]
+        assert units == sorted(units, key=["N m", "mm", "N m/A", ""].index), name
+        torques = [rows[claim].effect for _, claim in errata(name)]
+        torques = torques[: units.count("N m")]
+        assert torques == sorted(torques, reverse=True), name
 
 
 def test_a_page_that_holds_its_tables_is_up_to_date(tmp_path: Path) -> None:
@@ -137,7 +169,7 @@ def test_a_page_that_holds_its_tables_is_up_to_date(tmp_path: Path) -> None:
         )
     text = holding["errata.md"]
     copy = tmp_path / "errata.md"
-    copy.write_text(text.replace(": 40 ± 1 mm", ": 41 ± 1 mm"), "utf-8")
+    copy.write_text(text.replace("| result | 40 mm |", "| result | 41 mm |"), "utf-8")
     assert generated_text.update(copy)
     assert copy.read_text("utf-8") == text
     assert not generated_text.update(copy)

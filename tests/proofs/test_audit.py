@@ -85,9 +85,10 @@ def test_each_verdict_follows_from_its_figures(row: AuditRow) -> None:
     assert 0 < len(row.says) < 90
     assert row.measures
     assert row.finding == "" or row.finding.endswith(".")
-    # What differs says what is used instead, and what an effect is the size of.
+    # What differs says what is used instead, and what it costs.
     assert (row.used == "") == (row.verdict == "agrees")
-    assert (row.effect is None) == (row.effect_unit == "") == (row.cost == "")
+    assert (row.effect is None) == (row.effect_unit == "")
+    assert (row.cost == "") == (row.verdict == "agrees" and row.effect is None)
     assert row.effect_unit in ("", "N m", "N m/A", "mm")
     assert row.kind in ("claim", "observation", "outside")
     assert (row.category is None) == (row.kind != "claim")
@@ -664,7 +665,7 @@ def test_coupled_strips_overstate_about_three_axes(rows: dict[str, AuditRow]) ->
 
     for joint, ratio in zip(("axis_e", "axis_d", "axis_c"), ratios, strict=True):
         finding = rows[f"circulating_water.{joint}"].finding
-        stated = float(re.search(r"it is (\d\.\d\d)\.$", finding)[1])
+        stated = float(re.search(r"the result is (\d\.\d\d)\.$", finding)[1])
         assert stated == pytest.approx(ratio, abs=0.008)
 
 
@@ -1057,7 +1058,7 @@ def test_the_theorem_with_four_joints(rows: dict[str, AuditRow]) -> None:
 
     assert by_pairs == 0
     assert by_threes > 100
-    assert f"share of the {turning} sets" in row.measures
+    assert f"of the {turning} sets" in row.measures
     assert f", {broken} promises are broken" in row.finding
     assert broken == 0
     tips = [tip for tip in range(1, 11) if hand_turns((3, 3, 3), 1, tip)]
@@ -1428,7 +1429,7 @@ def test_a_mass_without_its_last_digit(rows: dict[str, AuditRow]) -> None:
     lever = math.dist((0, 0, 0), reference.COM[2]) / 1000
     assert row.effect == pytest.approx((0.005 - 0.0005) * 9.81 * lever)
     assert "It may stand for 0.380 kg" in row.finding
-    assert "the two tensors give 0.37990 +-0.00001 kg" in row.finding
+    assert "the two tensors give 0.37990 ± 0.00001 kg" in row.finding
     assert rows["implied_mass.link_2"].measured == pytest.approx(0.3799, abs=5e-6)
     mended = audit_of(DOCUMENT.replace('mass = "0.38"', 'mass = "0.380"'))
     assert not [claim for claim in mended if claim.startswith("printed_digits")]
@@ -1491,7 +1492,7 @@ def test_the_tori_fit_the_underarm_pose(rows: dict[str, AuditRow]) -> None:
 
     share = underarm.shares(TORUS_NUMBERS)["left_out"]
     row = rows["workspace.left_out"]
-    (printed,) = re.findall(r"It is ([\d.]+) % if the tori", row.finding)
+    (printed,) = re.findall(r"The share is ([\d.]+) % if the tori", row.finding)
     assert float(printed) == pytest.approx(share, abs=0.02)
     assert float(printed) < row.measured / 8
 

@@ -175,13 +175,13 @@ def test_what_was_done_is_found_and_nothing_else():
             "axis_d",
             (0.002, 0, 0),
             "axis_d",
-            "stands 22.00 mm from axis_e where ours stands 20.00 mm",
+            "is 22.00 mm from axis_e, ours is 20.00 mm",
         ),
-        ("axis_d", (-0.04, 0, 0), "axis_d", "stands -20.00 mm from axis_e"),
+        ("axis_d", (-0.04, 0, 0), "axis_d", "is -20.00 mm from axis_e"),
         ("axis_d", (0, 0, 0.0008), "axis_d", "lies 47.00 mm above base_link"),
-        ("axis_c", (0.01, 0, 0), "axis_c", "stands 160.71 mm from axis_d"),
+        ("axis_c", (0.01, 0, 0), "axis_c", "is 160.71 mm from axis_d"),
         ("axis_c", (0, 0, 0.003), "axis_c", "beside the plane of the arm"),
-        ("axis_b", (0.00005, 0, 0), "axis_b", "stands 20.05 mm from axis_c"),
+        ("axis_b", (0.00005, 0, 0), "axis_b", "is 20.05 mm from axis_c"),
     ],
 )
 def test_a_wrong_offset_is_measured_and_nothing_else(joint, xyz, where, words):
@@ -214,9 +214,9 @@ def test_a_twisted_axis_is_measured_and_nothing_else(index):
     change = comparison.alignment.changes()[f"alpha_{index}"]
     assert abs(math.degrees(change)) == pytest.approx(1.0, abs=1e-6)
     ours = (90.0, 180.0, -90.0)[index]  # Table 1
-    stands = f"stands {ours + math.degrees(change):.2f} deg"
-    assert comparison.findings[0].text.startswith(stands)
-    assert f"where ours stands {ours:.2f} deg" in comparison.findings[0].text
+    text = comparison.findings[0].text
+    assert text.startswith(f"is {ours + math.degrees(change):.2f} deg")
+    assert f"ours is {ours:.2f} deg" in text
 
 
 @pytest.mark.parametrize(
@@ -636,7 +636,7 @@ def test_costs_of_axes_are_gravity_torques_by_pinocchio():
     expected = {
         ("axis_d", "turns"): gravity(OWN, q * [1, -1, 1, 1]),
         ("axis_c", "its"): gravity(OWN, q - [0, 0, 0.5, 0]),
-        ("axis_c", "stands"): gravity(longer, q),
+        ("axis_c", "is"): gravity(longer, q),
     }
     assert cost.keys() == expected.keys()
     for key, torque in expected.items():

@@ -465,7 +465,7 @@ def test_a_joint_that_nothing_explains_is_off_by_millimetres():
     correction = JointCorrection(joint=joint, origin=origin, axis=joint.axis)
     finding = _misplaced(correction)
     assert finding.where == "tool"  # a joint that does not move
-    assert finding.text.startswith("its origin stands 5.00 mm from where ours would")
+    assert finding.text.startswith("its origin is 5.00 mm from ours")
 
 
 def test_the_largest_differences_are_given_in_millimetres_and_newton_metres(

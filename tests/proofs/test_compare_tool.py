@@ -376,7 +376,7 @@ def test_a_short_pi_says_how_far_it_moves_the_tip():
     comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
     distances, _ = truth(text_of(root), SAMPLES, "tcp", "base_link")
     (found,) = [f for f in comparison.findings if "pi are cut short" in f.text]
-    assert f"the tip lies up to {1e3 * distances.max():.2f} mm beside" in found.text
+    assert f"the tip is up to {1e3 * distances.max():.2f} mm off" in found.text
 
 
 @pytest.mark.parametrize("reversed_too", [False, True])

@@ -144,6 +144,7 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
         measured=direction.value,
         bound=direction.bound + printed_plane.rounding,
         expected=printed_plane.si,
+        apart=np.degrees(printed_plane.si - direction.value),
     )
 
     spread = figure(lambda x: x[1] - x[0], [xx, yy])

@@ -62,6 +62,7 @@ def _sizes(
             expected=1.0,
             joint=joint.name,
             coupled=strips[k] / ours[k],
+            surplus=100 * (theirs[k] / ours[k] - 1),
         )
         for k, joint in enumerate(parameters.joints[:3])
     ]
@@ -77,8 +78,13 @@ def _coupling(
     twist = np.concatenate([-np.cross(turning, middle), turning])
     theirs = twist @ circulating @ twist
     whole = twist @ coupled @ twist
+    factor = theirs / whole
     return audited(
-        "circulating_water.coupling", measured=theirs / whole, bound=1e-3, expected=1.0
+        "circulating_water.coupling",
+        measured=factor,
+        bound=1e-3,
+        expected=1.0,
+        factor=factor,
     )
 
 

@@ -26,7 +26,12 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     largest_angle = max(abs(row.alpha) for row in parameters.dh[:4])
     return [
         audited("frames.first", measured=first_frame),
-        audited("frames.aligned", measured=largest_angle, bound=None),
+        audited(
+            "frames.aligned",
+            measured=largest_angle,
+            bound=None,
+            angle=np.degrees(largest_angle),
+        ),
         *(
             _cross_reference(section, named, right)
             for section, (named, right) in REFERENCES.items()

@@ -62,6 +62,7 @@ def _implied_mass_row(row: InertialRow) -> AuditRow:
         expected=row.mass.si,
         of=row,
         effect=abs(excess.value) * G * lever,
+        more=abs(excess.value) > excess.bound,
     )
 
 

@@ -204,6 +204,7 @@ def _theorem() -> list[AuditRow]:
             whole=len(among),
             longest=LONGEST,
             example=example,
+            share=100 * np.mean(among),
         )
         for subject, among in exceptions.items()
     ]
@@ -239,6 +240,7 @@ def _four_joints() -> AuditRow:
         example=", ".join(map(str, FOUR_LINKS)),
         until=until,
         broken=broken,
+        share=100 * missed / turning,
     )
 
 

@@ -114,4 +114,5 @@ def _share(name: str, hits: BoolArray, recovered: BoolArray) -> AuditRow:
         standard_error=error,
         samples=SAMPLES,
         recovered=100 * recovered.mean(),
+        missing=100 * (1 - share),
     )

@@ -50,12 +50,13 @@ class AuditRow:
         verdict: ``agrees``; ``differs``: the figure is beyond the bound;
             ``impossible``: it is, and no body or formula can be so.
         measures: What ``measured`` is.
-        finding: What follows from it, in sentences; empty where the figure says it all.
+        finding: What follows from it, in sentences; empty if the figure says it all.
         used: What this package takes instead; empty if the verdict is ``agrees``.
         effect: What the difference costs, in ``effect_unit``; None if it costs nothing
             that the audit can compute.
         effect_unit: ``N m``, ``N m/A`` or ``mm``.
-        cost: What ``effect`` is the size of; empty if it is None.
+        cost: What ``effect`` is the size of. If it is None, what the difference costs
+            in other words; empty if the verdict is ``agrees``.
         kind: ``claim``: the documents say so. ``observation``: they do not; their
             numbers are compared with something else, and a difference is not their
             error. ``outside``: somebody else says otherwise, and who is right is open.
@@ -165,7 +166,7 @@ def audited(
         used="" if found == "agrees" else text.get("used", ""),
         effect=None if effect is None else float(effect * per_si_of_effect),
         effect_unit=effect_unit,
-        cost="" if effect is None else text["cost"],
+        cost=text.get("cost", "") if effect is not None or found != "agrees" else "",
         kind=kind,
         standard_error=float(standard_error * per_si),
         category=category if kind == "claim" else None,

@@ -34,6 +34,8 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     """
     # The inverse kinematics are generated for the catalogue's arm.
     exact = workspace.published_errors()
+    beyond_share = exact.unreachable_area / exact.published_area
+    left_out_share = exact.missed_area / exact.reachable_area
     beyond_rounding, missed_rounding = _rounding_of_shares(printed, parameters)
     # The document draws the inner and the downward torus for the underarm pose.
     left_out = area(workspace.reachable_but_unpublished("underarm"))
@@ -41,13 +43,15 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     return [
         audited(
             "workspace.beyond_reach",
-            measured=exact.unreachable_area / exact.published_area,
+            measured=beyond_share,
             bound=beyond_rounding,
+            share=100 * beyond_share,
         ),
         audited(
             "workspace.left_out",
-            measured=exact.missed_area / exact.reachable_area,
+            measured=left_out_share,
             bound=missed_rounding,
+            share=100 * left_out_share,
             underarm=100 * left_out / reached,
         ),
         _self_collision(),
@@ -127,4 +131,5 @@ def _self_collision() -> AuditRow:
         "workspace.self_collision",
         measured=1 - free.share,
         standard_error=free.standard_error,
+        share=100 * (1 - free.share),
     )

@@ -18,7 +18,7 @@ from alpha5_model.numbers import inertia
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import InertialRow
 from alpha5_model.proofs.audit.rounding import Figure, figure, si
-from alpha5_model.proofs.audit.row import AuditRow, audited
+from alpha5_model.proofs.audit.row import PER_SI, AuditRow, audited
 
 
 class Body(NamedTuple):
@@ -178,6 +178,7 @@ def equation(claim: str, row: InertialRow) -> AuditRow:
         link=row.link,
         entry=worst.name,
         beyond=worst.beyond,
+        size=worst.size * PER_SI["kg mm^2"],
     )
 
 
@@ -220,11 +221,13 @@ def rotation(parameters: Alpha5Parameters) -> list[AuditRow]:
 
 
 def _rotation_row(name: str, difference: FloatArray) -> AuditRow:
+    largest = np.abs(difference).max()
     return audited(
         f"equation_1.{name}",
-        measured=np.abs(difference).max(),
+        measured=largest,
         bound=None,
         link="1 to 4",
+        size=largest * PER_SI["kg mm^2"],
     )
 
 
