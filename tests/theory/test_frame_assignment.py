@@ -337,3 +337,13 @@ def test_one_direction_is_asked_for_where_there_is_one(value: list) -> None:
         unit_vectors("directions", [0.0, 0.0, 1.0], 2)
     with pytest.raises(InputError, match=several):
         unit_vectors("directions", [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]], 2)
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 30.0])
+def test_a_tolerance_that_makes_perpendicular_axes_parallel_is_refused(
+    tolerance: float,
+) -> None:
+    with pytest.raises(InputError, match="expected a number below 1"):
+        DHChain.from_axes(np.zeros((3, 3)), np.eye(3), tolerance=tolerance)
+    chain = DHChain.from_axes(np.zeros((3, 3)), np.eye(3), tolerance=0.99)
+    assert np.isfinite(chain.forward_kinematics(np.zeros(3))).all()

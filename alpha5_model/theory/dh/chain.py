@@ -170,7 +170,8 @@ class DHChain:
             options: ``name`` and ``joint_names`` of the chain.
 
         Raises:
-            InputError: No axes, a direction of zero length, shapes that do not fit.
+            InputError: No axes, a direction of zero length, shapes that do not fit, a
+                tolerance of 1 or more.
         """
         p = bounded("points", float_array("points", points, (3,)))
         z = float_array("directions", directions, (3,))

@@ -56,8 +56,14 @@ def frames_on_axes(
         end: transform_end_effector_to_world, (4, 4); without one {N} is {N-1}.
         tolerance: Axes within this angle [rad] count as parallel, within this distance
             [m] as intersecting.
+
+    Raises:
+        InputError: A tolerance with which perpendicular axes would be parallel.
     """
     tolerance = real("tolerance", tolerance, minimum=0.0)
+    if tolerance >= 1.0:
+        expected = "a number below 1 (rad, m), else all axes count as parallel"
+        raise InputError("tolerance", tolerance, expected)
     if end is not None:
         p = np.vstack([p, end[:3, 3]])
         z = np.vstack([z, end[:3, 2]])
