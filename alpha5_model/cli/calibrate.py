@@ -48,7 +48,10 @@ _Vehicle = Annotated[
     ),
 ]
 _Poses = Annotated[int, Option(help="plan: how many poses.", min=1)]
-_Fluid = Annotated[str, Option(help="plan, motors: " + options.FLUID)]
+_Fluid = Annotated[
+    str | None,
+    Option(help=f"{options.FLUID} Default: air for plan, sea for motors."),
+]
 _Gravity = Annotated[
     str | None,
     Option(help="plan, motors: gravity in base_link (m/s^2). Default: 0 0 -9.81."),
@@ -92,7 +95,7 @@ def calibrate(
     files: _Files,
     sensor: _SensorKind = "scales",
     poses: _Poses = 12,
-    fluid: _Fluid = "air",
+    fluid: _Fluid = None,
     gravity: _Gravity = None,
     positions: _Positions = None,
     vehicle: _Vehicle = None,
@@ -135,7 +138,7 @@ def calibrate(
 
     if action == "motors":
         check_outputs([*files, arm_file], output=(output, _FORMATS))
-        return _motors(files, fluid, down, payload, output, own, as_json)
+        return _motors(files, fluid or "sea", down, payload, output, own, as_json)
 
     if len(files) != 1:
         raise InputError("files", " ".join(map(str, files)), "one file to write")
@@ -144,7 +147,7 @@ def calibrate(
     from alpha5_model.studies.calibration import plan_poses, session_text
 
     chosen = _sensor(sensor, positions, noise, zeroed, vehicle, down)
-    density = values.fluid_density(fluid)
+    density = values.fluid_density(fluid or "air")
     if files[0].suffix == ".csv":
         _plan_motion(files[0], chosen, as_json, own, density, down, prior)
         return 0

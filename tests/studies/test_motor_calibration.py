@@ -143,6 +143,8 @@ def test_the_command_writes_an_arm_file(
     assert main([*words, "--output", str(made)]) == 0
     printed = capsys.readouterr().out
     assert "axis_d: friction 4" in printed
+    assert main([*words[:-2], "--output", str(tmp_path / "same.toml")]) == 0
+    assert (tmp_path / "same.toml").read_bytes() == made.read_bytes()
     assert "masses of links: not told" in printed
     record = a5.arm_file(made)
     constant = record.actuators[1].torque_constant
