@@ -18,7 +18,7 @@ from alpha5_model.errors import (
     UnreachableError,
 )
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 if TYPE_CHECKING:
     from alpha5_model import trajectory

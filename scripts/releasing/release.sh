@@ -11,11 +11,11 @@ steps() {
   cat <<TEXT
 The steps of a release, in order. Steps 1 to 6 are commits; each can be tried again.
   1. package.xml: a maintainer address that somebody reads.
-  2. pyproject.toml: the repository's address in [project.urls], "Development Status :: 5 - Production/Stable".
+  2. pyproject.toml: the repository's address in [project.urls].
   3. README.md and docs/start.md: "pip install alpha5-model" in place of "on no package index yet". The index shows README.md
      without its pictures and without links to files.
   4. CHANGELOG.md: read the section Unreleased as a user would, and shorten it.
-  5. python scripts/releasing/set_version.py VERSION, then pip install --editable . and alpha5 generate --update.
+  5. python scripts/releasing/set_version.py VERSION (1.0.0 is set: write the day of the release into CHANGELOG.md and CITATION.cff), then pip install --editable . and alpha5 generate --update.
   6. Commit and push. .ci/run passes in a fresh checkout, and so does the workflow .github/workflows/checks.yml.
   7. scripts/releasing/release.sh builds and audits what this machine can build, into dist/.
   8. Put the wheels of macOS, musl and ARM64 from that workflow's artifacts into dist/ too, then: cd dist && sha256sum alpha5_model-* >SHA256SUMS
