@@ -20,6 +20,7 @@ from alpha5_model.studies.calibration.fitting import estimate
 from alpha5_model.studies.calibration.loads import Motion, load_slopes
 from alpha5_model.studies.calibration.plan_file import SENSORS
 from alpha5_model.studies.calibration.poses import TILT, _table
+from alpha5_model.studies.calibration.possible_bodies import PossibleBodies
 from alpha5_model.studies.calibration.sensors import (
     LOADS,
     placement_matrices,
@@ -243,6 +244,8 @@ def test_an_exciting_motion_can_be_made(kind: str, tmp_path: Path) -> None:
     assert not a5.load().in_collision(np.column_stack(columns)).any()
     by_steps = np.gradient(planned.position, planned.time, axis=0)
     assert np.allclose(by_steps[2:-2], planned.velocity[2:-2], atol=0.01)
+    of_velocity = np.gradient(planned.velocity, planned.time, axis=0)
+    assert np.allclose(of_velocity[2:-2], planned.acceleration[2:-2], atol=0.01)
 
     planned.write(tmp_path / "motion.csv")
     again = a5.trajectory.read_motion(tmp_path / "motion.csv")
@@ -353,6 +356,22 @@ def test_wild_readings_leave_possible_bodies() -> None:
         assert (link.com < link.bounds[:, 1]).all()
         second = np.trace(link.inertia) / 2 * np.eye(3) - link.inertia
         assert np.linalg.eigvalsh(second).min() > 0
+
+
+def test_the_slopes_of_possible_bodies_are_differences() -> None:
+    """Away from the middle, too, where triangles and exponentials have grown."""
+    arm = a5.parameters()
+    unknowns = arm_unknowns(arm, "loose", moving=True)
+    bodies = PossibleBodies(arm, unknowns.middle, unknowns.deviation)
+    free = np.random.default_rng(8).normal(size=len(NAMES))
+    step = 1e-5
+    columns = [
+        (bodies.values(free + step * one) - bodies.values(free - step * one)) / step / 2
+        for one in np.eye(len(NAMES))
+    ]
+    slopes = bodies.slopes(free)
+    scale = np.abs(slopes).max(axis=1, keepdims=True) + 1e-12
+    np.testing.assert_allclose(slopes / scale, np.transpose(columns) / scale, atol=1e-7)
 
 
 def test_moving_arms_tell_moments_of_inertia_of_possible_bodies() -> None:

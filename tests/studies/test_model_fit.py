@@ -17,6 +17,7 @@ import alpha5_model as a5
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
+from alpha5_model.studies.uncertainty.fitting import _root
 from alpha5_model.studies.uncertainty.misfit import Suspect, _gain, _Score
 from alpha5_model.studies.uncertainty.noise import (
     noise_of_channel,
@@ -332,3 +333,17 @@ def test_whitened_noise_is_what_drove_it() -> None:
 def test_a_recording_without_efforts_is_refused() -> None:
     with pytest.raises(InputError, match="recorded efforts"):
         u.identify(MOTION)
+
+
+def test_the_root_of_products_has_these_products() -> None:
+    """Also of columns whose sizes differ by 1e6, one of which is a sum of others."""
+    columns = np.random.default_rng(4).normal(size=(9, 5)) * 10.0 ** np.arange(-3, 2)
+    columns[:, 4] = columns[:, 0] - 2.0 * columns[:, 3]
+    products = columns.T @ columns
+    root = _root(products)
+    sizes = np.linalg.norm(columns, axis=0)
+    np.testing.assert_allclose(
+        root.T @ root / np.outer(sizes, sizes),
+        products / np.outer(sizes, sizes),
+        atol=1e-13,
+    )

@@ -27,7 +27,8 @@ from alpha5_model.errors import Alpha5Error, InputError
 from alpha5_model.numbers.inertia import pseudo_inertia
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import RigidBody
-from alpha5_model.studies.uncertainty import linear_maps, printed
+from alpha5_model.studies.uncertainty import linear_maps, printed, sampling
+from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
 u = a5.uncertainty
@@ -214,6 +215,17 @@ def test_no_sample_is_an_impossible_body(monkeypatch: pytest.MonkeyPatch) -> Non
     heavy = drawn.values[:, drawn.names.index("link_2.mass")]
     # Of draws from -0.62 to 1.38 kg, 31 % have no mass.
     assert heavy.min() < 0.2
+
+
+def test_half_widths_without_possible_bodies_are_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sampling, "_MOST_ROUNDS", 5)
+    monkeypatch.setattr(
+        ArmNumbers, "possible", lambda self, sets: np.zeros(len(sets), bool)
+    )
+    with pytest.raises(InputError, match="0 possible sets in 5 rounds"):
+        u.sample(3)
 
 
 def test_impossible_bodies_are_recognised() -> None:

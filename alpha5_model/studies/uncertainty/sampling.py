@@ -32,6 +32,8 @@ from alpha5_model.studies.uncertainty.printed import Names
 
 #: Standard deviation of a number that is uniform in -1 to 1.
 DEVIATION = 3**-0.5
+#: Sets that are still missing are drawn again so many times, some seconds in all.
+_MOST_ROUNDS = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +116,8 @@ def sample(
             `bounds` gives, which has the same choice.
 
     Raises:
-        InputError: ``n`` or ``seed`` is not such a number, or alternatives for an arm
-            of your own.
+        InputError: ``n`` or ``seed`` is not such a number, alternatives for an arm of
+            your own, or hardly any numbers within its half widths are possible.
         UnknownNameError: No such distribution or alternative.
     """
     rng = generator(seed)
@@ -127,7 +129,12 @@ def sample(
     fixed = are_lengths(numbers.names) & (not flag("lengths", lengths))
     middle = numbers.middle
     values = np.empty((0, middle.size))
+    rounds = 0
     while len(values) < size:
+        rounds += 1
+        if rounds > _MOST_ROUNDS:
+            found = f"{len(values)} possible sets in {_MOST_ROUNDS} rounds"
+            raise InputError("arm", found, "half widths with more possible bodies")
         shape = (size - len(values), middle.size)
         if distribution == "normal":
             drawn = rng.normal(0, DEVIATION, shape)
