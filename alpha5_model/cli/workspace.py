@@ -156,7 +156,7 @@ def _regions(errors: space.PublishedErrors, names: dict[str, str]) -> list[str]:
 
 def _boundary(arcs: Iterable[space.Arc]) -> printing.Lines:
     yield (
-        "\nboundary where both poses can turn; "
+        "\nboundary in a half-plane that both poses can face;\n"
         "R from the axis of axis_e, z above base_link"
     )
     rows = [
