@@ -13,6 +13,7 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli import main
+from alpha5_model.studies.sweep import workers
 from alpha5_model.studies.sweep.extent import Extent
 
 distributed = pytest.importorskip("distributed")
@@ -171,3 +172,14 @@ def test_ctrl_c_with_workers_prints_one_line(tmp_path: Path) -> None:
     assert len(before) <= 1
     assert all("rows in" in line for line in before)
     assert list(parts.glob("*.sha256"))
+
+
+def test_workers_keep_their_memory_and_one_thread() -> None:
+    from dask import config
+
+    name = "distributed.nanny.pre-spawn-environ"
+    before = dict(config.get(name))
+    with workers._memory_kept():
+        assert "MALLOC_TRIM_THRESHOLD_" not in config.get(name)
+        assert config.get(name)["OMP_NUM_THREADS"] == 1
+    assert config.get(name) == before

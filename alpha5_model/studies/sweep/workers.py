@@ -62,7 +62,7 @@ def _client(workers: int, scheduler: str | None) -> Any:
     try:
         if scheduler:
             return Client(scheduler, timeout=10)
-        with _interrupts_ignored():
+        with _interrupts_ignored(), _memory_kept():
             return Client(
                 n_workers=workers,
                 threads_per_worker=1,
@@ -72,6 +72,20 @@ def _client(workers: int, scheduler: str | None) -> Any:
     except (OSError, ValueError):
         expected = "the address of a Dask scheduler"
         raise InputError("scheduler", scheduler, expected) from None
+
+
+def _memory_kept() -> Any:
+    """A setting of Dask: workers that start meanwhile reuse the memory of a chunk.
+
+    By default Dask has them give it back to the system after each array. Getting it
+    again took as long as half of the work.
+    """
+    import dask
+
+    name = "distributed.nanny.pre-spawn-environ"
+    variables = dict(dask.config.get(name))
+    variables.pop("MALLOC_TRIM_THRESHOLD_", None)
+    return dask.config.set({name: variables})
 
 
 def _wait_for_a_worker(client: Any, scheduler: str) -> None:
