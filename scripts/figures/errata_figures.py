@@ -108,7 +108,7 @@ def _point(axes: Any, name: str, at: np.ndarray, color: str, shift: int = 11) ->
     axes.plot(*mm, "o", ms=6, color=color, zorder=6)
     written_at(
         axes,
-        f"{name} ({', '.join(f'{x:.0f}' for x in mm)})",
+        f"{name} ({', '.join(f'{x:z.0f}' for x in mm)})",
         mm,
         (0, shift),
         ha="center",
