@@ -67,6 +67,8 @@ def test_an_arm_comes_back_from_its_urdf(k: int, tmp_path: Path) -> None:
         assert tip == pytest.approx(expected, abs=1e-12)
         matrix = own.mass_matrix(record, row)
         assert arm.mass_matrix(row) == pytest.approx(matrix, abs=1e-13)
+    # base_link stays where the model has it, and does not move along the yaw axis.
+    assert back.dh[0].d == pytest.approx(record.dh[0].d, abs=1e-12)
     for ours, theirs in zip(record.joints[:4], back.joints[:4], strict=True):
         assert vars(ours) == pytest.approx(vars(theirs), abs=1e-12)
 
