@@ -91,7 +91,7 @@ python_of() {
 
 # The same wheel, and the first lines of README, on each Python that is here.
 awk '/^```python$/ {inside = 1; next} /^```$/ {if (inside) exit} inside' "$repository/README.md" >first.py
-echo 'print(a5.backend(), tau); assert tau.shape == (4,) and np.isfinite(tau).all()' >>first.py
+echo 'import numpy as np; print(a5.backend(), tau); assert tau.shape == (4,) and np.isfinite(tau).all()' >>first.py
 echo 'assert a5.backend().startswith("compiled")' >>first.py
 main=$("$work/venv/bin/python" -c "import sys; print('%d.%d' % sys.version_info[:2])")
 ln -s "$work/venv" "$work/$main"

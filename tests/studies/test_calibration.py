@@ -261,6 +261,8 @@ def test_more_evaluations_tell_more_and_scales_are_refused() -> None:
         calibrate.plan_excitation(SENSOR["scales"])
     with pytest.raises(InputError, match="evaluations"):
         calibrate.plan_excitation(SENSOR["efforts"], evaluations=0)
+    with pytest.raises(InputError, match="duration: expected at most 3600 s, got"):
+        calibrate.plan_excitation(SENSOR["efforts"], duration=1e9)
 
 
 # --- fits -----------------------------------------------------------------------------

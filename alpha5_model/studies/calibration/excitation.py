@@ -45,6 +45,8 @@ from alpha5_model.studies.calibration.unknowns import NAMES, ArmUnknowns, arm_un
 _HARMONICS = 3
 #: Samples of the motion per second, and readings of the sensor [Hz].
 _RATE = 20.0
+#: No motion is repeated after more than an hour [s].
+_LONGEST = 3600.0
 #: Samples that are looked at, and those of the motion that is checked.
 _SAMPLES = 40
 _CHECKED = 400
@@ -126,7 +128,7 @@ def plan_excitation(
         fluid_density: [kg/m^3].
         gravity: In base_link, (3,) [m/s^2]; None for that of a level mount.
         prior: As of `fit`.
-        duration: Of one period [s].
+        duration: Of one period, at most an hour [s].
         evaluations: Motions to compare; more find better ones.
         seed: Of the random numbers.
 
@@ -138,9 +140,12 @@ def plan_excitation(
         expected = "a force-torque sensor or efforts: scales need an arm at rest"
         raise InputError("sensor", chosen.kind, expected)
     record = chosen_arm(arm)
+    period = real("duration", duration, minimum=0.0, strict=True)
+    if period > _LONGEST:
+        raise InputError("duration", period, f"at most {_LONGEST:g} s")
     search = _Search(
         arm=record,
-        period=real("duration", duration, minimum=0.0, strict=True),
+        period=period,
         rng=generator(seed),
     )
     unknowns = _without_lengths(arm_unknowns(record, prior, moving=True))
