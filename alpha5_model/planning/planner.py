@@ -39,6 +39,10 @@ MARGIN = 0.005
 #: A motion beyond a limit is tried again in this times its time, up to so many times.
 _SLOWER = 1.1
 _SLOWEST = 10.0
+#: Slower joints take days for a degree [rad/s, rad/s^2].
+_LEAST = 1e-8
+#: A day: longer motions are not meant [s].
+_LONGEST = 86_400.0
 #: The motion along a route, within limits of the joints.
 _Samples = Callable[[JointLimits], Samples]
 
@@ -174,6 +178,9 @@ def _per_joint(name: str, given: ArrayLike) -> FloatArray:
     values = float_array(name, given, ())
     if values.shape not in ((), (4,)) or not (values > 0.0).all():
         raise InputError(name, values.tolist(), "one number above 0, or four")
+    if (values < _LEAST).any():
+        expected = f"at least {_LEAST:g}, else a degree takes days"
+        raise InputError(name, values.tolist(), expected)
     return np.broadcast_to(values, (4,))
 
 
@@ -284,7 +291,8 @@ def _timed(
         drive: Of its motors.
 
     Raises:
-        InputError: A joint of the arm must move, and its rated speed is 0.
+        InputError: A joint of the arm must move, and its rated speed is 0; or the
+            motion would take more than a day.
         MotionLimitError: A limit is exceeded at any speed.
     """
     moves = (route.way != route.way[0]).any(axis=0)
@@ -295,6 +303,10 @@ def _timed(
     slowed = 1.0
     while True:
         samples = samples_within(limits.slower(slowed))
+        duration = float(samples.time[-1])
+        if not duration <= _LONGEST:
+            expected = f"ones with which the motion takes at most {_LONGEST:g} s"
+            raise InputError("speed, acceleration", f"{duration:g} s", expected)
         analysis = replayed(samples, arm, *drive)
         found = list(peaks(analysis))
         beyond = worst(found)

@@ -353,6 +353,8 @@ BAD: list[tuple[dict[str, object], str]] = [
     ({"speed": 0.0}, "speed: expected one number above 0, or four"),
     ({"speed": [1, 1, 1]}, "speed"),
     ({"acceleration": [1, 1, 1, -1]}, "acceleration"),
+    ({"speed": 1e-7}, "speed, acceleration: expected ones with which the motion"),
+    ({"speed": 1e-300}, "speed: expected at least 1e-08"),
     ({"margin": -0.1}, "margin"),
     ({"wrist": 1.0, "target": HOME}, "wrist: expected no value"),
     ({"obstacles": 3}, "obstacles"),
