@@ -391,8 +391,10 @@ def _run(folder: Path) -> Callable[[list[str]], Any]:
         # What else there is to say makes way for a file on standard output.
         aside = said.status != 2 and "-" in args
         _check_what_it_says(said, complaint, aside)
-        others = args[0] == "generate" or "--explain" in args
-        if said.status < 2 and "--json" in args and not others:
+        # After -- there are no options.
+        options = args[: args.index("--")] if "--" in args else args
+        others = args[0] == "generate" or "--explain" in options
+        if said.status < 2 and "--json" in options and not others:
             text = _without_lines(complaint, "wrote ") if aside else said.answer
             return json.loads(text, parse_constant=_refuse)
         if said.status == 2:
