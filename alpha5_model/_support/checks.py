@@ -54,8 +54,8 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
         raise InputError(name, value, "an array of real numbers, without mask or unit")
 
     if array.dtype != np.float64:
-        # A long double may overflow: it is named below.
-        with np.errstate(over="ignore"):
+        # A long double may overflow, a NaN may signal: both are named below.
+        with np.errstate(over="ignore", invalid="ignore"):
             array = array.astype(np.float64)
     # A view, a mapped file or a column of records may be neither.
     if not (array.flags.c_contiguous and array.flags.aligned):

@@ -116,4 +116,5 @@ def _stl_vertices(path: Path) -> FloatArray:
     if not count or len(body) != count * _TRIANGLE.itemsize:
         raise FileFormatError(path, "is no binary STL file with triangles")
     triangles = np.frombuffer(body, _TRIANGLE)["numbers"][:, 1:]
-    return triangles.reshape(-1, 3).astype(np.float64)
+    with np.errstate(invalid="ignore"):  # a signalling NaN, which is refused later
+        return triangles.reshape(-1, 3).astype(np.float64)

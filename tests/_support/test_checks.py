@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from alpha5_model._support import checks
-from alpha5_model.errors import InputError
+from alpha5_model.errors import InputError, NonFiniteError
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -22,3 +22,10 @@ def test_the_largest_number_is_taken_and_the_next_is_not(sign: float) -> None:
         checks.bounded("q", np.array([0.0, beyond, 1.0]))
     with pytest.raises(InputError, match=r"^mass"):
         checks.real("mass", beyond)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_signalling_nan_is_refused_without_a_warning() -> None:
+    row = np.frombuffer(b"\x00\x00\xa0\x7f" * 3, "<f4")
+    with pytest.raises(NonFiniteError, match=r"^q"):
+        checks.float_array("q", row, (3,))

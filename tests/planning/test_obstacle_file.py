@@ -107,3 +107,15 @@ def test_a_file_that_is_no_text(tmp_path: Path) -> None:
     path.write_text("[a]\nmesh = 'cut.stl'", "utf-8")
     with pytest.raises(FileFormatError, match="no binary STL"):
         read_obstacles(tmp_path / "scene.toml")
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_mesh_with_a_signalling_nan_is_refused_without_a_warning(
+    tmp_path: Path,
+) -> None:
+    content = bytearray(stl(CORNERS))
+    content[-14:-10] = b"\x00\x00\xa0\x7f"
+    file = written(tmp_path, "[a]\nmesh = 'frame.stl'")
+    (tmp_path / "frame.stl").write_bytes(content)
+    with pytest.raises(InputError, match=r"a\.vertices"):
+        read_obstacles(file)
