@@ -138,7 +138,8 @@ def calibrate(
 
     if action == "motors":
         check_outputs([*files, arm_file], output=(output, _FORMATS))
-        return _motors(files, fluid or "sea", down, payload, output, own, as_json)
+        known = "sea" if fluid is None else fluid
+        return _motors(files, known, down, payload, output, own, as_json)
 
     if len(files) != 1:
         raise InputError("files", " ".join(map(str, files)), "one file to write")
@@ -147,7 +148,7 @@ def calibrate(
     from alpha5_model.studies.calibration import plan_poses, session_text
 
     chosen = _sensor(sensor, positions, noise, zeroed, vehicle, down)
-    density = values.fluid_density(fluid or "air")
+    density = values.fluid_density("air" if fluid is None else fluid)
     if files[0].suffix == ".csv":
         _plan_motion(files[0], chosen, as_json, own, density, down, prior)
         return 0

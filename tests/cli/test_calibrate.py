@@ -74,6 +74,7 @@ def test_a_problem_is_said_first(
         (["plan", "new.toml", "--sensor", "scale"], "choose from scales, weight"),
         (["plan", "new.toml", "--positions", "1 2 3"], "positions"),
         (["plan", "new.toml", "--sensor", "efforts", "--zeroed"], "no such option"),
+        (["plan", "new.toml", "--fluid", ""], "expected sea, fresh, air or a density"),
         (["plan", "new.toml", "--prior", "tight"], "choose from digits, loose"),
         (["plan", "new.toml", "--gravity", "0 -9.81 0"], "right angle"),
         (["fit", "missing.toml"], "missing.toml"),
