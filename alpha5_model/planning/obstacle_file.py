@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, array, real
+from alpha5_model._support.checks import FloatArray, array, float_array, real
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
@@ -116,5 +116,4 @@ def _stl_vertices(path: Path) -> FloatArray:
     if not count or len(body) != count * _TRIANGLE.itemsize:
         raise FileFormatError(path, "is no binary STL file with triangles")
     triangles = np.frombuffer(body, _TRIANGLE)["numbers"][:, 1:]
-    with np.errstate(invalid="ignore"):  # a signalling NaN, which is refused later
-        return triangles.reshape(-1, 3).astype(np.float64)
+    return float_array("vertices", triangles.reshape(-1, 3), (3,))

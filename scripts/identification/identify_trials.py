@@ -16,8 +16,10 @@ size, and how often the fault explains more than another cause, which looks alik
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from statistics import NormalDist
 from typing import Any
 
@@ -34,11 +36,15 @@ from alpha5_model.studies.uncertainty.misfit import SIGNIFICANCE
 from alpha5_model.studies.uncertainty.recorded import recording_of
 from alpha5_model.studies.uncertainty.unknowns import Unknowns
 
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from identification.correlated import CORRELATION, correlated
+
 u = a5.uncertainty
 SAMPLES = 500
 STEP = 0.05
 DEVIATION = 0.003
-CORRELATION = 0.95
 DIGIT = 0.01
 WIDE = 1.96
 #: What the recording is, and the components of it.
@@ -67,13 +73,7 @@ def noise(kind: str, seed: int, channels: int) -> np.ndarray:
     """Noise of a recording, (N, channels)."""
     rng = np.random.default_rng(seed)
     driving = rng.normal(scale=DEVIATION, size=(SAMPLES, channels))
-    if kind != "ar":
-        return driving
-    out = driving.copy()
-    for k in range(1, SAMPLES):
-        driven = np.sqrt(1 - CORRELATION**2) * driving[k]
-        out[k] = CORRELATION * out[k - 1] + driven
-    return out
+    return correlated(driving) if kind == "ar" else driving
 
 
 def recorded(exact: np.ndarray, kind: str, seed: int) -> np.ndarray:

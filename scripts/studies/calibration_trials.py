@@ -17,7 +17,9 @@ pose before. Scales always show whole grams.
 from __future__ import annotations
 
 import argparse
+import sys
 import time
+from pathlib import Path
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
@@ -33,6 +35,11 @@ from alpha5_model.studies.calibration.unknowns import (
 )
 from alpha5_model.studies.uncertainty.linear_maps import possible
 
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from identification.correlated import correlated
+
 #: Half width of a 95 % interval in standard deviations.
 WIDE = NormalDist().inv_cdf(0.975)
 #: Poses whose torques are predicted.
@@ -42,8 +49,6 @@ FIXED = ("zeros.axis_d", "zeros.axis_c", "links.link_2.mass")
 #: Whole grams.
 GRAM = 1e-3
 NOISE = ("white", "ar", "quantised")
-#: Of two readings, one after the other, with the noise ``ar``.
-CORRELATION = 0.95
 #: Width of a step over the standard deviation of rounding to it.
 STEP = 12**0.5
 CASES = {
@@ -98,9 +103,7 @@ def noisy(
         return np.asarray(step * np.round(clean / step))
     error = rng.normal(size=clean.shape)
     if kind == "ar":
-        for k in range(1, len(error)):
-            fresh = np.sqrt(1 - CORRELATION**2) * error[k]
-            error[k] = CORRELATION * error[k - 1] + fresh
+        error = correlated(error)
     return np.asarray(clean + deviation * error)
 
 

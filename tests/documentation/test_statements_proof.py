@@ -581,6 +581,13 @@ def whole_arm(pose: str) -> dict[str, Any]:
     return found
 
 
+def least_and_most(pose: str) -> tuple[float, float]:
+    """Of the shares along or about one axis of the base, and about the joints."""
+    found = whole_arm(pose)
+    shares = [*found["base"], *found["joints"]]
+    return min(shares), max(shares)
+
+
 @statement(
     WATER,
     "has {} to {} of the sum when it moves across itself or turns. When a joint moves, "
@@ -618,9 +625,7 @@ def along_the_stretched_arm() -> Sequence[Figure]:
     "In a working pose the arm has {} to {} of the sum.",
 )
 def working_arm() -> Sequence[Figure]:
-    found = whole_arm("working")
-    most = [*found["base"], *found["joints"]]
-    return [Near(min(most)), Near(max(most))]
+    return [Near(share) for share in least_and_most("working")]
 
 
 @statement(
@@ -636,23 +641,21 @@ def motions_about_one_axis() -> Sequence[Figure]:
     low, nominal, high = map(float, factors)
     assert nominal == 1.0
     for pose in ("extended", "working"):
-        found = whole_arm(pose)
-        most = [*found["base"], *found["joints"]]
-        assert low < min(most)
-        assert max(most) < high
+        least, most = least_and_most(pose)
+        assert low < least
+        assert most < high
     return [Near(low), Near(high)]
 
 
 @statement(WATER, "Folded it has {} to {}, which the interval does not cover")
 def folded_arm() -> Sequence[Figure]:
-    found = whole_arm("folded")
-    most = [*found["base"], *found["joints"]]
+    least, most = least_and_most("folded")
     low, nominal, high = (
         hydrodynamics(level=level)["link_2"].added_mass[1, 1] for level in LEVELS
     )
-    assert min(most) < low / nominal
-    assert max(most) > high / nominal
-    return [Near(min(most)), Near(max(most))]
+    assert least < low / nominal
+    assert most > high / nominal
+    return [Near(least), Near(most)]
 
 
 # --- MuJoCo --------------------------------------------------------------------------
