@@ -22,8 +22,15 @@ from alpha5_model.studies.sweep.run import sweep as run_study
 _PRINTED = 5
 #: Work that takes longer is announced [s].
 _LONG = 2.0
-#: Log levels of Dask: an error on a cluster is one line of ours.
-_QUIET = "{'distributed': 'critical', 'distributed.client': 'critical'}"
+#: Log levels of Dask: an error on a cluster is one line of ours. The last of them
+#: reports callbacks that come after an interruption.
+_QUIET = str(
+    {
+        "distributed": "critical",
+        "distributed.client": "critical",
+        "tornado.application": "critical",
+    }
+)
 
 
 def sweep(
