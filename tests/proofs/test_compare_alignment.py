@@ -707,3 +707,8 @@ def test_a_tool_is_fixed_to_the_wrist() -> None:
         text = without.replace("</robot>", gripper.format(kind=kind) + "</robot>")
         expected = "tool" if kind == "fixed" else ""
         assert tool_link(parse_urdf(text), "link_4") == expected
+
+
+def test_an_alignment_of_nothing_changes_no_position() -> None:
+    q = np.array([0.1, 0.2, 0.3, 0.4])
+    assert Alignment().theirs(q) == pytest.approx(q, abs=0.0)

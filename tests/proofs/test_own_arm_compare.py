@@ -81,6 +81,20 @@ def test_the_catalogues_urdf_gives_the_catalogues_arm(tmp_path: Path) -> None:
     assert "which no URDF has" in text
 
 
+@pytest.mark.parametrize(
+    ("name", "plain"),
+    [("blue arm", "blue_arm"), ("5th/arm", "arm_5th_arm"), ("臂", "arm")],
+)
+def test_the_name_of_an_arm_starts_with_a_letter(
+    name: str, plain: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "arm.urdf"
+    text, count = re.subn(r'<robot name="\w+"', f'<robot name="{name}"', urdf())
+    assert count == 1
+    file.write_text(text, encoding="utf-8")
+    assert arm_of_model(file).record.name == plain
+
+
 @pytest.mark.parametrize("k", [0, 1, 9])
 def test_a_model_of_your_arm_agrees_with_it_alone(k: int) -> None:
     record = own.RECORDS[k]

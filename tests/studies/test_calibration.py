@@ -436,6 +436,8 @@ def test_a_fault_is_named_first(
     faulty = calibrate.with_readings(planned, FAULTS[name](readings))
     found = calibrate.fit(faulty)
     assert found.problems[0].name == name
+    changed = (faulty.readings - readings) / planned.sensor.noise
+    assert 9.0 < found.problems[0].gain < 1.5 * (changed**2).sum()
     assert str(found).startswith(f"problem 1: {name} (session): ")
     assert found.text().startswith(f"# problem 1: {name}")
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import importlib.util
 import io
 import math
+import sys
 import threading
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,7 +20,7 @@ from shared_recordings import JOINT_STATES
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
-from alpha5_model.viewer import annotations
+from alpha5_model.viewer import annotations, film_frames
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.canvas import Canvas, Window, shade
 from alpha5_model.viewer.film_frames import pictures
@@ -129,6 +131,18 @@ def test_a_film_has_the_pictures_of_its_scenes_in_their_order(
 
     close = replace(seen, camera=Camera(np.array([0.02, 0, 0.05]), np.zeros(3), FIELD))
     assert picture(close, size).shape == (100, 160, 3), "the eye is within the arm"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux can fork safely")
+@pytest.mark.parametrize(
+    ("threads", "expected"), [(1, ProcessPoolExecutor), (2, ThreadPoolExecutor)]
+)
+def test_a_film_forks_only_where_no_other_thread_runs(
+    threads: int, expected: type, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(threading, "active_count", lambda: threads)
+    with film_frames._pool(1) as pool:
+        assert type(pool) is expected
 
 
 @pytest.mark.parametrize("near_first", [True, False])
@@ -277,6 +291,15 @@ def test_every_group_changes_the_picture(arm: a5.Arm) -> None:
     ):
         shown = picture(replace(scene, show=("bodies", group)), SIZE).astype(int)
         assert (np.abs(shown - plain).max(axis=2) > 8).sum() > 60, group
+
+
+def test_a_label_has_its_colour_and_the_ground_is_light(arm: a5.Arm) -> None:
+    scene = build_scene(arm, show=["labels", "com"])
+    red = tuple(replace(label, color=(1.0, 0.0, 0.0)) for label in scene.labels)
+    pixels = picture(replace(scene, labels=red), SIZE).reshape(-1, 3)
+    assert (pixels == [255, 0, 0]).all(axis=1).any()
+    corner = pixels[-1].astype(int)
+    assert 190 < corner[0] < corner[1] < corner[2]
 
 
 def test_the_words_of_a_bar_are_beside_its_end(arm: a5.Arm) -> None:

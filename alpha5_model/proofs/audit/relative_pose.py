@@ -75,16 +75,10 @@ def _axis_labels(chain: DHChain, middle: FloatArray) -> AuditRow:
     frames = chain.frames(middle)
     one_radian_on = chain.frames(middle + np.array([1.0, 0.0, 0.0, 0.0]))
     turn = one_radian_on[1, :3, :3] @ frames[1, :3, :3].T
-    axis = np.array(
-        [
-            turn[2, 1] - turn[1, 2],
-            turn[0, 2] - turn[2, 0],
-            turn[1, 0] - turn[0, 1],
-        ]
-    )
-
-    along = [float(axis @ frame[:3, 2]) for frame in frames[:2]]
-    turning = int(np.argmax(along))
+    # A rotation leaves its axis where it is.
+    z = frames[:2, :3, 2]
+    moved = np.linalg.norm(z @ turn.T - z, axis=1)
+    turning = int(np.argmin(moved))
     return audited("relative_pose.axis_labels", measured=turning, expected=1)
 
 
