@@ -316,6 +316,10 @@ def test_the_noise_is_that_of_the_restricted_likelihood_with_full_matrices() -> 
     np.testing.assert_allclose(
         ours.coefficients, stationary(np.tanh(theirs)), atol=2e-3
     )
+    # The mean of n independent samples has the variance gamma_0 / n.
+    gamma = covariance(np.tanh(theirs), 2000)[0]
+    correlated = (gamma[0] + 2 * gamma[1:].sum()) / gamma[0]
+    assert ours.independent == pytest.approx(78 / correlated, rel=0.02)
 
 
 def test_whitened_noise_is_what_drove_it() -> None:

@@ -215,6 +215,11 @@ def test_what_is_refused() -> None:
     degrees = np.full((2, 2), 12.0)
     with pytest.raises(InputError, match="in rad, within a quarter turn"):
         calibrate.session(sensor, q, degrees, fluid_density=WATER)
+    steep = np.array([[1.56, 0.0], [0.0, -1.56]])
+    calibrate.session(sensor, q, steep, fluid_density=WATER)
+    beyond = np.array([[1.58, 0.0], [0.0, -1.56]])
+    with pytest.raises(InputError, match="in rad, within a quarter turn"):
+        calibrate.session(sensor, q, beyond, fluid_density=WATER)
     with pytest.raises(InputError, match="noise"):
         calibrate.vehicle_tilt(FACTS, noise=0.0)
     with pytest.raises(InputError, match="vehicle"):
