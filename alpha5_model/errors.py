@@ -154,7 +154,7 @@ class SelfCollisionError(UnreachableError):
     Attributes:
         position: The target, (3,) [m].
         links: Names of the two links that touch.
-        depth: How deep they overlap [m].
+        depth: How deep they overlap [m]; NaN if the package coal is not installed.
         wrist: The nearest theta_3 that reaches the target freely [rad]; NaN if there is
             none.
         yaw: The least turn of the target about the yaw axis that frees it [rad]; NaN if
@@ -190,7 +190,9 @@ class SelfCollisionError(UnreachableError):
         if math.isnan(wrist) and not math.isnan(self.distance):
             off = f"{self.distance * 1e3:.3g} mm away"
             remedies.append(f"{_metres(nearest)} is free, {off}")
-        overlap = f"{links[0]} and {links[1]} overlap by {depth * 1e3:.3g} mm"
+        overlap = f"{links[0]} and {links[1]} overlap"
+        if not math.isnan(depth):
+            overlap += f" by {depth * 1e3:.3g} mm"
         Alpha5Error.__init__(
             self,
             f"{_metres(position)} cannot be reached without self-collision{place}: "

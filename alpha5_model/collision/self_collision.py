@@ -8,12 +8,13 @@ joint are not compared, and neither are those that cannot meet
 Three routes give the same answers. Tables hold most joint positions of the catalogue's
 arm, with a proof (`alpha5_model.collision.cells`). For the rest, and for other arms,
 open jaws and margins, the compiled kernels test the shapes; without a compiler coal
-does. How deep bodies overlap is always coal's answer.
+does. How deep bodies overlap is always coal's answer; without coal it stays unknown.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -26,6 +27,7 @@ from alpha5_model.collision.cells_file import committed_cells
 from alpha5_model.collision.coal_scene import CoalScene, Contact
 from alpha5_model.collision.compiled import CompiledScene, is_compiled
 from alpha5_model.collision.turning_radii import distance_rates
+from alpha5_model.errors import MissingDependencyError, needing
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: A line that comes nearer to a contact than this is not proved free [m].
@@ -69,6 +71,9 @@ class SelfCollision:
 
     @cached_property
     def _coal(self) -> CoalScene:
+        needed_for = "the depth of an overlap, or self-collision without a compiler,"
+        with needing(needed_for, "pip install coal"):
+            import coal  # noqa: F401
         return CoalScene(self.bodies)
 
     @cached_property
@@ -151,7 +156,26 @@ class SelfCollision:
 
     def links(self, contact: Contact) -> tuple[str, str]:
         """Names of the links of a contact's bodies."""
-        one, other = (self.bodies.shapes[shape][0] for shape in contact.shapes)
+        return self._links_of(contact.shapes)
+
+    def overlap(self, angles: FloatArray) -> tuple[tuple[str, str], float]:
+        """Which two links overlap most at angles (B-1,), and how deep [m].
+
+        Without coal it is the first two links that are found to overlap, and the depth
+        is NaN.
+        """
+        try:
+            contact = self.nearest(angles)
+        except MissingDependencyError:
+            if self._compiled is None:
+                raise
+            distance, *shapes = self._compiled.nearest(_plain(angles)[None])[0, :3]
+            depth = math.nan if distance <= 0.0 else 0.0
+            return self._links_of([int(shape) for shape in shapes]), depth
+        return self.links(contact), max(0.0, -contact.distance)
+
+    def _links_of(self, shapes: Sequence[int]) -> tuple[str, str]:
+        one, other = (self.bodies.shapes[shape][0] for shape in shapes)
         return self.bodies.names[one], self.bodies.names[other]
 
     def gradient(self, angles: FloatArray) -> FloatArray:

@@ -57,12 +57,12 @@ def collision_error(
         scene: Of the arm.
         place: Which of several targets it is, for the message.
     """
-    contact = scene.nearest(q)
+    links, depth = scene.overlap(q)
     wrist, yaw, nearest = _remedies(target, float(q[3]), shape, scene)
     return SelfCollisionError(
         target,
-        links=scene.links(contact),
-        depth=max(0.0, -contact.distance),
+        links=links,
+        depth=depth,
         wrist=wrist,
         yaw=yaw,
         nearest=nearest,

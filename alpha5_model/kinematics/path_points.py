@@ -136,11 +136,11 @@ class PathPoints(NamedTuple):
         """
         scene = instance("scene", self.scene, SelfCollision)
         share = scene.free_shares(start[None], end[None])[0]
-        contact = scene.nearest(start + share * (end - start))
+        links, depth = scene.overlap(start + share * (end - start))
         return SelfCollisionError(
             self.solutions.position[k],
-            links=scene.links(contact),
-            depth=max(0.0, -contact.distance),
+            links=links,
+            depth=depth,
             place=f" from the position before (row {k})",
         )
 

@@ -9,6 +9,7 @@ another package, or if the kernels are not compiled though ALPHA5_REQUIRE_KERNEL
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from pathlib import Path
@@ -18,6 +19,11 @@ import numpy as np
 
 import alpha5_model as a5
 from alpha5_model.codegen.kernels.choice import module
+from alpha5_model.errors import (
+    JointLimitError,
+    SelfCollisionError,
+    UnreachableError,
+)
 
 TARGET = (0.25, 0.10, 0.10)
 
@@ -59,6 +65,21 @@ def about_z(angle: float) -> np.ndarray:
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
+def refuses_self_collision() -> bool:
+    """Whether the links that touch are named at a target reached in collision only."""
+    home = a5.named_pose("home")
+    rng = np.random.default_rng(0)
+    for target in rng.uniform(-0.15, 0.15, (4000, 3)):
+        try:
+            a5.inverse_kinematics(target).best(home)
+        except SelfCollisionError as error:
+            named = all(link.startswith("link_") for link in error.links)
+            return named and math.isnan(error.depth)
+        except (JointLimitError, UnreachableError):
+            continue
+    return False
+
+
 def main() -> int:
     """Run the checks; returns the exit status."""
     solutions = a5.inverse_kinematics(TARGET)
@@ -78,6 +99,7 @@ def main() -> int:
         "a point out of reach has a nearest one": bool(
             a5.reachable(a5.nearest_reachable(outside)) and not a5.reachable(outside)
         ),
+        "a target in self-collision is refused by name": refuses_self_collision(),
         "the bus devices are known": np.allclose(
             a5.q_from_devices(a5.devices_from_q(q)), q
         ),

@@ -36,8 +36,15 @@ def run(code: str) -> subprocess.CompletedProcess[str]:
 def test_the_promised_part_needs_numpy_alone() -> None:
     done = run(f"runpy.run_path({str(SCRIPT)!r}, run_name='__main__')")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.count("yes ") == 6
+    assert done.stdout.count("yes ") == 7
     assert "other packages: none" in done.stdout
+
+
+def test_without_a_compiler_self_collision_needs_coal() -> None:
+    code = "import alpha5_model as a5; a5.inverse_kinematics([0.25, 0.1, 0.1]).collides"
+    done = run(f"import os; os.environ['ALPHA5_KERNELS'] = 'numpy'; {code}")
+    *_, last = done.stderr.splitlines()
+    assert "self-collision without a compiler, needs coal, which is not" in last
 
 
 def test_what_needs_more_says_so() -> None:
