@@ -73,8 +73,8 @@ class Excitation:
         position, velocity, acceleration: (N, 4) each [rad, rad/s, rad/s^2].
         evaluations: Motions that were compared.
         information: Natural logarithm of the factor by which the standard deviation of
-            the torque at rest shrinks, over random positions; the sum of axis_d and
-            axis_c.
+            the torque at rest shrinks, over random positions; the sum over axis_d
+            and axis_c.
     """
 
     time: FloatArray
@@ -119,9 +119,9 @@ def plan_excitation(
 
     Each joint follows a Fourier series of three harmonics. Of random motions and
     variations of the best, this is the one after which the torques at rest of axis_d
-    and axis_c are known best [Atkinson2007]. All stay within the limits with a margin of 3 deg,
-    within 95 % of the rated speeds, and are proved free of self-collision. Lengths
-    count as known.
+    and axis_c are known best [Atkinson2007]. All stay within the limits with a margin
+    of 3 deg, within 95 % of the rated speeds, and are proved free of self-collision.
+    Lengths count as known.
 
     Args:
         sensor: From `force_torque` or `efforts`; scales need an arm at rest.
