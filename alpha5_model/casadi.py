@@ -80,8 +80,9 @@ def load(
     Returns:
         casadi.Functions by the names of `Arm`'s methods, ``link_poses`` and
         ``inverse_kinematics``, each with names, shapes and units in its ``__doc__``.
-        Poses are (4, 4), flags 0 or 1. ``parameters`` are the arm's base parameters,
-        (41,); ``with_payload`` makes those of the arm that holds a body.
+        Poses are (4, 4), flags 0 or 1. ``parameters`` are the arm's 38 base parameters
+        and its gravity, (41,); ``with_payload`` makes those of the arm that holds a
+        body.
 
     Raises:
         InputError: The arm's base floats, or its jaws move.
@@ -139,11 +140,10 @@ def approximate_collision_distance(
 ) -> casadi.Function:
     """An approximate distance of an arm from itself with its jaws closed.
 
-    It is smooth, for optimisers, and the distance of shapes that can touch within the
-    joint limits. It is an approximation: of thousands of random positions, it was
-    within 12 mm of these shapes' exact distance, mostly some millimetres too small, and
-    above 0 only if the arm was free. Check results with `Arm.in_collision`, which is
-    exact.
+    It is smooth, for optimisers, and counts the shapes that can touch within the joint
+    limits. At thousands of random positions it was within 12 mm of their exact
+    distance, mostly some millimetres too small, and above 0 only if the arm was free.
+    Check results with `Arm.in_collision`, which is exact.
 
     Args:
         arm: Record of the arm, whose numbers become constants; None is the catalogue's.

@@ -351,7 +351,7 @@ class MissingDependencyError(Alpha5Error, ImportError):
 
 @contextmanager
 def needing(needed_for: str, remedy: str, dependency: str = "") -> Iterator[None]:
-    """Raise a `MissingDependencyError` if an optional package cannot be imported in it.
+    """A context in which a failed import raises `MissingDependencyError`.
 
     Args:
         needed_for: What needs the package.

@@ -93,7 +93,8 @@ class JaxArm:
     of `alpha5_model.Arm`; q, v, a and tau are (4,), and `jax.vmap` adds axes.
 
     Attributes:
-        parameters: Base parameters, (41,), see `alpha5_model.codegen.regrouping`.
+        parameters: 38 base parameters and gravity, (41,), see
+            `alpha5_model.codegen.regrouping`.
             A NumPy array is folded into what is compiled; a JAX array is an input like
             any other.
         fluid_density: Around a payload [kg/m^3].
@@ -281,11 +282,10 @@ def approximate_collision_distance(
 ) -> Array:
     """An approximate distance of the arm from itself with its jaws closed, () [m].
 
-    It is smooth, for optimisers, and the distance of shapes that can touch within the
-    joint limits. It is an approximation: of thousands of random positions, it was
-    within 12 mm of these shapes' exact distance, mostly some millimetres too small, and
-    above 0 only if the arm was free. Check results with `Arm.in_collision`, which is
-    exact.
+    It is smooth, for optimisers, and counts the shapes that can touch within the joint
+    limits. At thousands of random positions it was within 12 mm of their exact
+    distance, mostly some millimetres too small, and above 0 only if the arm was free.
+    Check results with `Arm.in_collision`, which is exact.
 
     Args:
         q: Joint positions, (4,) [rad].

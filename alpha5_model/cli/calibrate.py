@@ -36,7 +36,8 @@ _SensorKind = Annotated[
     str,
     Option(
         "--sensor",
-        help="plan: scales, weight, force-torque, efforts or vehicle-tilt.",
+        help="plan: scales (three), weight (one scale), force-torque, efforts or "
+        "vehicle-tilt.",
     ),
 ]
 _Vehicle = Annotated[
@@ -58,7 +59,9 @@ _Gravity = Annotated[
 ]
 _Positions = Annotated[
     str | None,
-    Option(help="plan: where three scales carry the plate: x y z of each (m)."),
+    Option(
+        help="plan: where three scales carry the plate: x y z of each in base_link (m)."
+    ),
 ]
 _Noise = Annotated[
     float | None, Option(help="plan: standard deviation of a reading (kg, N m or rad).")

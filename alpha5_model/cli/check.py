@@ -41,7 +41,8 @@ def check(
     A document that contradicts itself is a finding, not a failure. It is an
     error, a matter of reading, or a matter of transcription. The exit status is
     1 only if a file fails. --verbose also shows what holds, what is printed, and
-    what we use instead. With --arm the file is compared with your own arm.
+    what we use instead. With --arm, the file of --urdf is compared with your
+    own arm.
 
     Example: alpha5 check --urdf my_arm.urdf
     """  # noqa: E501 (a line of the help)

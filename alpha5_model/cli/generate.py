@@ -194,7 +194,7 @@ _Controllers = Annotated[
     Option("--controllers", help="sdf: add position controllers and joint states."),
 ]
 _Drag = Annotated[
-    bool, Option("--drag", help="mjcf: switch on MuJoCo's own drag; not published.")
+    bool, Option("--drag", help="mjcf: MuJoCo's own fluid model; not published.")
 ]
 _Hydrodynamics = Annotated[
     bool, Option("--hydrodynamics", help=options.HELP["moving_water"])

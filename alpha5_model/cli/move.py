@@ -59,7 +59,7 @@ _Wrist = Annotated[
 ]
 _Line = Annotated[
     bool,
-    Option("--line", help="Move the tcp along a straight line to a point, by toppra."),
+    Option("--line", help="Move the tcp in a straight line to a point (needs toppra)."),
 ]
 _SupplyVoltage = Annotated[
     float | None, Option(help="Supply voltage of the motors (V); not published.")

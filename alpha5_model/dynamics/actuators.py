@@ -8,17 +8,19 @@ With motor speed ``w = ratio * velocity`` and, at the motor shaft, gearbox input
     T = torque * eta / ratio          the joint drives the motor (torque * velocity < 0)
     u = R i + L di/dt + K_e w         winding
 
+K_e is the back-EMF constant: K_v or K_t, by the choice of `constants`.
+
 At rest the direction of friction and gear loss is undefined: `Actuator.current` then
 leaves both out, and `Actuator.holding_current` gives the whole interval of currents at
 which the joint stays still.
 
 **The printed motor constants contradict each other.** In SI units K_t [N m/A] and K_v
 [V s/rad] of one motor are the same number, because the power ``K_v w i`` that leaves
-the winding is the power ``K_t i w`` that reaches the shaft. Table 4 prints two numbers
-(`Actuator.constants_ratio`: K_t is about 15 % above K_v for actuators 0 to 2 and half
-of it for 3 and 4; factors near 2/sqrt(3) and 1/2 would arise from constants given per
-phase and line to line, but the document does not say). Which ones to believe is the
-caller's choice, `constants`:
+the winding is the power ``K_t i w`` that reaches the shaft. Table 4 prints two numbers:
+K_t is about 15 % above K_v for actuators 0 to 2 and half of it for 3 and 4
+(`Actuator.constants_ratio`). Constants given per phase and line to line would differ by
+factors near 2/sqrt(3) and 1/2, but the document does not say. Which ones to believe is
+the caller's choice, `constants`:
 
 - ``"printed"``: K_t for torque, K_v for voltage, as printed; then electrical and
   mechanical power do not balance, and `ActuatorPower.contradiction` holds what is left

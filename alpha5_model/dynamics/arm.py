@@ -268,9 +268,9 @@ class Arm(ArmModel):
         """Whether the arm touches itself.
 
         The bodies are primitives that enclose the drawn ones within 3 mm; links that
-        turn against each other at a joint are not compared. Payloads and
-        attached bodies have no shape. With other lengths, the bodies
-        of the links stay in their frames; a spacer moves those of the jaws.
+        turn against each other at a joint are not compared. Payloads and attached
+        bodies have no shape. If an arm of your own has other lengths, the bodies stay
+        in the frames of their links; a spacer (`AttachedBody`) moves the jaws' bodies.
 
         The answer is exact for these bodies: an overlap deeper than a nanometre is
         found. `alpha5_model.collision.self_collision` says how.
@@ -493,10 +493,10 @@ class Arm(ArmModel):
                 and below.
             v: (N, nv).
             a: (N, nv).
-            threads: How many Pinocchio uses at most, if the kernels
-                (`alpha5_model.backend`) do not know the arm: on a floating base, with
-                jaws. None for all that this process may use; one for each full 5000
-                states is used, and only one in a forked process.
+            threads: At most, for Pinocchio, which computes an arm on a floating base or
+                with jaws that move. None for all that this process may use. There is
+                one for each full 5000 states, and only one in a forked process. For
+                all other arms the kernels use one thread (`alpha5_model.backend`).
 
         Returns:
             (N, nv).

@@ -83,8 +83,8 @@ class Solutions(SolutionArrays):
         Raises:
             UnreachableError: A target that no branch reaches within the limits, with
                 the distance to the nearest point that is reached and that point.
-            SelfCollisionError: A kind of it: all branches within the limits collide.
-                The error names the links and what would free the target.
+            SelfCollisionError: A kind of `UnreachableError`: all branches within the
+                limits collide. It names the links and what would free the target.
             JointLimitError: The given wrist angle is beyond the limits of axis_b.
         """
         return catalogue().best(self, q_reference, allow_collision)

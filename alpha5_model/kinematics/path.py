@@ -35,8 +35,8 @@ def inverse_kinematics_path(
 
     The sum of the Euclidean joint steps is the least possible. On the yaw axis theta_0
     turns from its value before the axis to its value after it, in proportion to the
-    steps of the other joints. If the whole path lies on the axis, it is the middle of
-    its range. There are two exceptions to the least sum. If ``max_step`` limits the
+    steps of the other joints. If the whole path lies on the axis, theta_0 is the middle
+    of its range. There are two exceptions to the least sum. If ``max_step`` limits the
     turn of theta_0 and still lets the elbow change on the axis, the elbow is chosen by
     the travel of the other joints alone. And if that way along the axis collides, no
     other way of the elbow is tried.
@@ -59,7 +59,7 @@ def inverse_kinematics_path(
         DiscontinuousPathError: Names the first point that no continuous motion reaches.
         SelfCollisionError: Names the first point that is reached only by a collision,
             at it or on the line to it, and the links.
-        UnreachableError: A point out of reach, reached before any such jump.
+        UnreachableError: A point out of reach, if it comes before any such point.
         JointLimitError: A wrist angle beyond its limits.
         InputError: Bad input.
     """

@@ -67,7 +67,8 @@ class PoseSolutions(PoseSolutionArrays):
 
         Raises:
             UnreachableError: A position that no branch reaches within the limits.
-            SelfCollisionError: A kind of it: all branches within the limits collide.
+            SelfCollisionError: A kind of `UnreachableError`: all branches within the
+                limits collide.
         """
         return catalogue().best_pose(self, q_reference, allow_collision)
 

@@ -42,8 +42,8 @@ class Torus(NamedTuple):
 class PublishedErrors:
     """The published region against the reachable set with the joint limits.
 
-    Areas are of the half-plane where both poses can turn to it; volumes count the
-    closed wedges too.
+    Areas are of a half-plane to which theta_0 can turn both poses. Volumes also count
+    the azimuths that it leaves to one pose.
 
     Attributes:
         published_area, reachable_area: [m^2].

@@ -21,7 +21,7 @@ class Covariance:
     """Covariance of some numbers of an arm: ``D (1 - F F^T) D``.
 
     D holds the standard deviations before a calibration, and each column of F is a
-    combination of numbers that it has made smaller.
+    combination of numbers that the calibration has made more certain.
 
     Attributes:
         names: Key of the arm file and component, such as ``links.link_2.com.x`` or

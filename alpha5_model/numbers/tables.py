@@ -369,8 +369,8 @@ class HydrodynamicRow:
         added_mass: 6x6, linear before angular, about and in the link's frame, for 1000
             kg/m^3.
         added_mass_factor: Of all its entries: low, nominal, high.
-        shape_low, shape_high: What the shape, which no document prints, can make of the
-            added mass of each motion along and about the axes at its centre.
+        shape_low, shape_high: Factors by which the shape, which no document prints, can
+            change the added mass of a motion along and about each axis at its centre.
         strips: Along which the water drags.
         status: One of ``STATUSES``.
         source: Its source, in words.

@@ -70,12 +70,12 @@ def plan(
 ) -> PlannedMotion:
     """A motion from a joint position to a target, free of collision, within limits.
 
-    The path is a straight joint line to the branch that it reaches first. If that is
-    not free, it leads to another branch, or by retracted poses. Each line is proved
-    free between its ends, not sampled (`alpha5_model.planning.surroundings`). Joints
-    move by S-curves and rest where two lines meet. The motion is replayed through
-    `alpha5_model.trajectory.analyse`; if a torque, a current or a voltage is beyond
-    its limit, the motion is slowed down.
+    The path is a straight joint line to the branch that is reached first. If that line
+    is not free, the path leads to another branch, or by retracted poses, with the hand
+    near the yaw axis. Each line is proved free between its ends, not sampled
+    (`alpha5_model.planning.surroundings`). Joints move by S-curves and rest where two
+    lines meet. The motion is replayed through `alpha5_model.trajectory.analyse`; if a
+    torque, a current or a voltage is beyond its limit, the motion is slowed down.
 
     This is no general planner: there may be a path although none is found. Attached
     bodies, and what the jaws hold, are not compared with obstacles.

@@ -110,7 +110,8 @@ def smooth(
 
     Args:
         motion: Samples.
-        method: One of `METHODS`; see the docstring of this module.
+        method: ``spline``, ``savgol`` (Savitzky-Golay), or ``interpolate`` for motions
+            without noise.
         bandwidth: -3 dB frequency [Hz]; no effect on ``"interpolate"``.
         use_velocity: Compute velocities and accelerations from the velocities of the
             motion instead of its positions; None does so if there are any. Recordings

@@ -50,7 +50,7 @@ def view(
         port: Of the page on this machine; 0 for a free one.
 
     Returns:
-        A `meshcat.Visualizer`.
+        An `ArmVisualizer`, which is a `meshcat.Visualizer`.
 
     Raises:
         InputError, UnknownNameError: Arguments that do not fit the arm.

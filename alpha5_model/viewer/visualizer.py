@@ -305,7 +305,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         self.show("frames", visible=visibility)
 
     def setCameraPreset(self, preset_key: str) -> None:
-        """Look from one of `alpha5_model.viewer.scene.VIEWS` at all that is shown."""
+        """Look at all that is shown from ``home``, ``front``, ``side`` or ``top``."""
         view = choice("view", preset_key, tuple(VIEWS))
         self._move_camera(**vars(framed(self.scene, view=view).camera))
 

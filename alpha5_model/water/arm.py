@@ -290,12 +290,12 @@ class HydrodynamicArm:
         """What a current that changes with time adds, at any velocity.
 
         Other methods take the current of an instant as steady. If it accelerates, add
-        the torque to that of `inverse_dynamics`, or take it from the torque given to
-        `forward_dynamics`, and add the wrench to `base_wrench`.
+        the torque to that of `inverse_dynamics`, or subtract it from the torque given
+        to `forward_dynamics`, and add the wrench to `base_wrench`.
 
         The water pushes each body by ``(A + m_w) du/dt`` [Morison1950]_: by its added
         mass, and by the pressure that accelerates the water of mass m_w which the body
-        displaces. It remains uniform: all water accelerates alike.
+        displaces. The current remains uniform: all water accelerates alike.
 
         Args:
             q: (nq,).
@@ -318,7 +318,7 @@ class HydrodynamicArm:
         """Kinetic energy of the arm and of the water that it moves [J].
 
         The arm has ``v^T M v / 2`` in the world, and the water ``nu^T A nu / 2`` with
-        velocities nu relative to it.
+        velocities nu relative to the water.
         """
         state = self._tree_state(q, v)
         return self._tree.kinetic_energy(state, self._checked(current))

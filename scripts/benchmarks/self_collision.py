@@ -116,7 +116,10 @@ def _solutions(q: np.ndarray) -> list[Row]:
             "best(), free of collision": partial(one.best, reference),
         }
     )
-    works = {"IK of 100 000 targets": many, "IK of one target": single}
+    works = {
+        "IK of 100 000 positions with wrist angles": many,
+        "IK of the same position again and again": single,
+    }
     return [
         Row(work=work, candidate=name, seconds=seconds)
         for work, times in works.items()

@@ -665,7 +665,7 @@ def test_coupled_strips_overstate_about_three_axes(rows: dict[str, AuditRow]) ->
 
     for joint, ratio in zip(("axis_e", "axis_d", "axis_c"), ratios, strict=True):
         finding = rows[f"circulating_water.{joint}"].finding
-        stated = float(re.search(r"the result is (\d\.\d\d)\.$", finding)[1])
+        stated = float(re.search(r"the result is (\d\.\d{3})\.$", finding)[1])
         assert stated == pytest.approx(ratio, abs=0.008)
 
 

@@ -26,8 +26,9 @@ class COptions:
         corrections: Recorded corrections to the document.
         arm: Record of an arm of your own, which has its corrections already; None for
             the catalogue's.
-        real: Type of all numbers, one of `REALS`.
-        parameters: Where the arm's parameters are, one of `PARAMETERS`.
+        real: Type of all numbers, ``double`` or ``float``.
+        parameters: Where the arm's parameters are: ``folded`` into the code, or in a
+            ``struct`` that the functions take.
 
     Raises:
         InputError: An arm together with corrections that it does not have.

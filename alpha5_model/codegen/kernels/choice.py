@@ -79,7 +79,7 @@ def compute(name: str, parameters: FloatArray, *arrays: FloatArray) -> None:
 
 
 def backend() -> str:
-    """Which kernels run.
+    """Which kernels compute batches, inverse kinematics and self-collision here.
 
     Returns:
         "compiled (avx512)", "(avx2)", "(sse2)", "(neon)" or "(scalar)", or "numpy".

@@ -50,8 +50,9 @@ class Calibration:
         prior, deviation: Their standard deviations before and after, (K,).
         other_names, other_estimate, other_deviation: The same of tilts, gains, offsets
             and so on, each with the number of its session, (n,).
-        squared, readings: Least sum of squared misfits and changes, each in standard
-            deviations, and the number of readings, which is what to expect.
+        squared: Least sum of squared misfits and changes, each in standard deviations;
+            near ``readings`` if the model holds.
+        readings: Number of readings.
         density: Of the fluid of the next two [kg/m^3].
         torque_before, torque_after: Standard deviation of the torques that hold the arm
             still at reported joint positions, averaged over poses, (4,) [N m].
@@ -133,7 +134,8 @@ def fit(
     The result is the most probable arm: the least sum of squares of the readings'
     misfits and of the changes from what was known before, each in standard deviations.
     Tilt of the mount, gains, offsets and places of the sensor are unknown in each
-    session. All bodies are possible, with their centres of mass in their bounds.
+    session. The bodies found are physically possible, and their centres of mass lie
+    within the bounds.
 
     Args:
         sessions: From `session` or `read_session`; for example one in air and one in

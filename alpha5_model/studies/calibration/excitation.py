@@ -72,8 +72,9 @@ class Excitation:
         time: (N,) [s].
         position, velocity, acceleration: (N, 4) each [rad, rad/s, rad/s^2].
         evaluations: Motions that were compared.
-        information: Logarithm by which the standard deviation of the torque that holds
-            the arm still shrinks, over random positions, axis_d and axis_c together.
+        information: Natural logarithm of the factor by which the standard deviation of
+            the torque at rest shrinks, over random positions; the sum over axis_d
+            and axis_c.
     """
 
     time: FloatArray
@@ -116,11 +117,11 @@ def plan_excitation(
 ) -> Excitation:
     """A motion in which a sensor tells the most about an arm [Swevers1997].
 
-    Each joint follows a Fourier series of three harmonics. The one is taken after which
-    the torques at rest of axis_d and axis_c are known best [Atkinson2007], among random
-    ones and variations of the best. All stay within the limits with a margin of 3 deg,
-    within 95 % of the rated speeds, and are proved free of self-collision. Lengths
-    count as known.
+    Each joint follows a Fourier series of three harmonics. Of random motions and
+    variations of the best, this is the one after which the torques at rest of axis_d
+    and axis_c are known best [Atkinson2007]. All stay within the limits with a margin
+    of 3 deg, within 95 % of the rated speeds, and are proved free of self-collision.
+    Lengths count as known.
 
     Args:
         sensor: From `force_torque` or `efforts`; scales need an arm at rest.

@@ -84,9 +84,9 @@ class MotorCalibration(NamedTuple):
         joints: Of axis_e to axis_b.
         payload: What the tool point carries, if that was asked for.
         parameters: The arm's record with these motors; see `write`.
-        gravity_deviation: How closely the currents tell the load's amplitude: the
-            smallest relative standard deviation of all joints. The printed digits leave
-            0.004 on axis_d: masses of links cannot be told.
+        gravity_deviation: Relative standard deviation to which the currents tell the
+            torque of gravity, the smallest of all joints. The printed digits leave
+            0.004 on axis_d, so currents cannot tell the masses of links.
     """
 
     joints: tuple[JointMotor, ...]

@@ -35,8 +35,9 @@ class JointMotor(NamedTuple):
         armature_deviation: Of that.
         torque_per_ampere: K_t times the gear ratio [N m/A].
         relative_deviation: Standard deviation of that over it, by the data.
-        known: Whether the data tell it; else it is the arm's own.
-        noise: Standard deviation of what drives the current's noise [A].
+        known: Whether the data tell torque_per_ampere; else it is the arm's own.
+        noise: Standard deviation of the white noise that drives the current's
+            autoregressive noise [A].
     """
 
     name: str

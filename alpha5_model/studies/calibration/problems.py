@@ -64,8 +64,9 @@ class Problem:
             known cause explains the misfit.
         message: What it is, in words.
         session: Of the readings; empty for what all sessions share.
-        gain: By how much the squared misfit shrinks if the cause is taken into account,
-            in standard deviations, less what as many free numbers gain by chance.
+        gain: By how much the squared misfit, in standard deviations, shrinks if the
+            cause is taken into account, less what chance explains with as many free
+            numbers.
         rank: From 1, the likeliest first. Only the first is likely to be the cause.
     """
 

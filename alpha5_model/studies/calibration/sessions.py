@@ -71,8 +71,8 @@ def session(
             poses that are only planned.
         fluid_density: [kg/m^3]; air by default.
         v, a: Rates of joints that move, (N, 4); None for an arm at rest.
-        gravity: In base_link, (3,) [m/s^2]. None for that of a level mount, or of a
-            level vehicle, whose tilt leaves no other.
+        gravity: In base_link, (3,) [m/s^2]. None for that of a level mount. If a
+            vehicle's tilt is read, it must be None: that of a level vehicle.
         name: For messages.
 
     Raises:
@@ -107,7 +107,7 @@ def with_readings(planned: Session, readings: FloatArray) -> Session:
     """The same poses with readings (N, k); NaN for one that is missing.
 
     Raises:
-        InputError: Not a session and so many numbers.
+        InputError: Not a session, or numbers of another shape.
     """
     poses = instance("planned", planned, Session)
     found = _with_gaps(readings, poses.readings.shape)

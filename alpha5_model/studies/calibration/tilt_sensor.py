@@ -36,7 +36,7 @@ def vehicle_tilt(
             [rad], which are 0 if they are not given. Or an `alpha5_model.Vehicle`.
         noise: Standard deviation of a reading [rad].
         gain: That of the factor of roll and of pitch: the vehicle's stiffness, which is
-            its weight times the height of the centre of buoyancy over that of mass.
+            its weight times the height of its centre of buoyancy above that of mass.
         offset: That of roll and pitch with a level arm: trim, ballast, and the attitude
             sensor's own mount [rad].
         yaw: That of the arm's turn about the vehicle's z axis [rad].

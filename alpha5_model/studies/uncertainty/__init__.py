@@ -8,11 +8,12 @@ A torque, load or energy is a sum over the links of
 
     m s(c) + w . I + V (w_V + w_b . b)
 
-with mass m, COM c, tensor I, volume V and centre of buoyancy b. s is quadratic in c. No
-number is part of two terms, so the extremes of the sum are the sums of the terms'
-extremes, and those of a product of two intervals are at its corners. At rest s is
-linear, and the bounds are attained. In motion its quadratic part about the middle of c
-is replaced by its largest possible value. The lengths of Table 1 are taken as printed.
+with mass m, COM c, tensor I, volume V and centre of buoyancy b. The function s and the
+weights w, w_V and w_b follow from the state. s is quadratic in c. No number is part of
+two terms, so the extremes of the sum are the sums of the terms' extremes, and those of
+a product of two intervals are at its corners. At rest s is linear, and the bounds are
+attained. In motion its quadratic part about the middle of c is replaced by its largest
+possible value. The lengths of Table 1 are taken as printed.
 With ``lengths=True`` their share is added to first order; `sample` has the same choice.
 """
 

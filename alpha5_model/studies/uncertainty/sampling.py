@@ -70,7 +70,9 @@ class Sample:
     def base_parameters(
         self, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
     ) -> FloatArray:
-        """Base parameters of every set, (n, 41), see `alpha5_model.codegen.regrouping`.
+        """38 base parameters and gravity of every set, (n, 41).
+
+        See `alpha5_model.codegen.regrouping`.
 
         They are for the generated kernels with the lengths of the arm, and contain no
         jaws that a spacer has moved: an arm with a spacer is refused.

@@ -116,8 +116,9 @@ def necessary_conditions(arm: PlanarArm) -> Conditions:
     is the sum of their angles. Two more joints must place the end effector. The notes
     have another first condition, a revolute joint without limits. It is not necessary:
     with +-2.967 rad on every joint the notes' arm (5, 4, 1) has a dexterous workspace
-    of 155.8. The conditions concern the interior: a 2R arm of equal lengths reaches its
-    own base with every orientation, which is a single point. They are not sufficient.
+    of 155.8. (`alpha5_model.audit` estimates it from random points.) The conditions
+    concern the interior: a 2R arm of equal lengths reaches its own base with every
+    orientation, which is a single point. They are not sufficient.
     """
     turn = _total_turn(instance("arm", arm, PlanarArm))
     reasons = []
