@@ -81,6 +81,19 @@ def test_the_catalogues_urdf_gives_the_catalogues_arm(tmp_path: Path) -> None:
     assert "which no URDF has" in text
 
 
+@pytest.mark.parametrize("joint", ["axis_e", "axis_d", "axis_c", "axis_b"])
+def test_a_reversed_axis_leaves_the_lengths(joint: str, tmp_path: Path) -> None:
+    before, found, after = urdf().partition(f'<joint name="{joint}"')
+    assert after.count('<axis xyz="0 0 1"/>')
+    after = after.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>', 1)
+    file = tmp_path / "arm.urdf"
+    file.write_text(before + found + after, encoding="utf-8")
+    rows = arm_of_model(file).record.dh
+    for row, own_row in zip(rows, a5.parameters().dh, strict=True):
+        expected = [own_row.d, own_row.a]
+        assert [row.d, row.a] == pytest.approx(expected, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("name", "plain"),
     [("blue arm", "blue_arm"), ("5th/arm", "arm_5th_arm"), ("臂", "arm")],
