@@ -102,6 +102,18 @@ def test_workspace_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(answer["boundary"]["both"]) == len(a5.workspace.boundary("both"))
 
 
+def test_the_share_without_self_collision_is_sampled_and_printed_first(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    words = ["workspace", "--self-collision", "--samples", "200", "--json"]
+    assert main(words) == 0
+    answer = json.loads(capsys.readouterr().out)
+    expected = a5.workspace.sampled_share(a5.without_self_collision, 200)
+    assert answer["without_self_collision"]["share"] == expected.share
+    assert answer["volume"] == a5.workspace.volume()
+    assert next(iter(answer)) == "without_self_collision"
+
+
 def test_the_filled_loops_have_the_exact_area() -> None:
     from alpha5_model.viewer.outlines import loops
 

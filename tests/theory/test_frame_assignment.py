@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from example_robot_data import load
+from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
@@ -347,3 +348,14 @@ def test_a_tolerance_that_makes_perpendicular_axes_parallel_is_refused(
         DHChain.from_axes(np.zeros((3, 3)), np.eye(3), tolerance=tolerance)
     chain = DHChain.from_axes(np.zeros((3, 3)), np.eye(3), tolerance=0.99)
     assert np.isfinite(chain.forward_kinematics(np.zeros(3))).all()
+
+
+@pytest.mark.parametrize("direction", [[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]])
+def test_a_single_joint_turns_about_its_axis(direction: list[float]) -> None:
+    point = np.array([0.1, -0.2, 0.3])
+    chain = DHChain.from_axes([point], [direction])
+    poses = chain.forward_kinematics(np.array([[0.0], [0.7]]))
+    turned = poses[1] @ np.linalg.inv(poses[0])
+    expected = Rotation.from_rotvec(0.7 * np.array(direction)).as_matrix()
+    np.testing.assert_allclose(turned[:3, :3], expected, atol=1e-12)
+    np.testing.assert_allclose(turned[:3, :3] @ point + turned[:3, 3], point, atol=1e-9)

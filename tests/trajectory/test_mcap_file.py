@@ -147,6 +147,8 @@ def test_times_that_no_stamp_can_have_are_refused(start: float, tmp_path: Path) 
     analysis = analysed(start=0.0)
     smooth = replace(analysis.smooth, time=analysis.smooth.time + start)
     path = tmp_path / "motion.mcap"
-    with pytest.raises(a5.errors.InputError, match="0 to 2147483647 s, as ROS counts"):
+    given = f"got '{smooth.time[0]:.10g} to {smooth.time[-1]:.10g} s'"
+    words = f"expected 0 to 2147483647 s, as ROS counts, {given}"
+    with pytest.raises(a5.errors.InputError, match=words):
         a5.trajectory.write(replace(analysis, smooth=smooth), path)
     assert not path.exists()

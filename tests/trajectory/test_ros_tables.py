@@ -18,6 +18,7 @@ from pyarrow import parquet
 import alpha5_model as a5
 from alpha5_model.cli.program import main
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
+from alpha5_model.trajectory.ros_columns import echoed_names
 
 #: In the order of a driver: from the jaws to the base.
 NAMES = [f"axis_{letter}" for letter in "abcde"]
@@ -211,3 +212,19 @@ def test_a_map_that_does_not_fit_is_one_line(
         assert main(["trajectory", str(path), "--map", wrong]) == 2
         out, err = capsys.readouterr()
         assert (out, err.count("\n")) == ("", 1)
+
+
+@pytest.mark.parametrize("numbers", [0, 3, 5, 7, 13])
+def test_a_row_is_of_joint_states_only_if_each_joint_has_its_numbers(
+    numbers: int,
+) -> None:
+    row = ["12", "500", "", "a", "b", "c", "d"]
+    assert echoed_names([*row, *["1.5"] * numbers]) is None
+    assert echoed_names([*row[:3], *["1.5"] * 4]) is None
+    names = echoed_names([*row, *["1.5"] * 12])
+    assert names is not None
+    assert names[7:] == [
+        f"{quantity}[{k}]"
+        for quantity in ("position", "velocity", "effort")
+        for k in range(4)
+    ]

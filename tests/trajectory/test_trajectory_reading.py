@@ -251,8 +251,9 @@ def test_motion_from_arrays() -> None:
         a5.trajectory.motion(time, q, joints=["axis_e"] * 4)
     with pytest.raises(InputError, match="runs back"):
         a5.trajectory.motion(time[::-1], q)
-    with pytest.raises(ShapeError):
-        a5.trajectory.motion(time, q[:5])
+    for other in (q[:5], q[..., None], q[0]):
+        with pytest.raises(ShapeError, match=r"position.*shape \(6, 4\), or \(6, 5\)"):
+            a5.trajectory.motion(time, other)
     bad = q.copy()
     bad[2, 1] = np.nan
     with pytest.raises(InputError, match=r"position\[2, 1\]"):
