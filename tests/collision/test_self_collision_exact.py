@@ -346,3 +346,13 @@ def test_wrong_input_is_refused_in_one_line() -> None:
     afloat = a5.load(floating_base=True)
     with pytest.raises(ValueError, match="unit quaternion"):
         afloat.in_collision(np.ones((2, 11)))
+
+
+def test_the_quick_function_answers_for_plain_angles_only(scene: SelfCollision) -> None:
+    quick = scene.one()
+    rows = sample(200, 5)
+    answers = scene.touches(rows).tolist() if module.is_compiled() else [None] * 200
+    assert [quick(row, 0.0) for row in rows] == answers
+    for angles in (rows[0].tolist(), np.append(rows[0], [0.0, 0.0]), rows[0][:3]):
+        assert quick(angles, 0.0) is None
+    assert quick(np.array([np.nan, 0.0, 0.0, 0.0]), 0.0) is None
