@@ -94,6 +94,19 @@ def test_a_reversed_axis_leaves_the_lengths(joint: str, tmp_path: Path) -> None:
         assert [row.d, row.a] == pytest.approx(expected, abs=1e-12)
 
 
+def test_an_axis_beside_the_plane_is_left_out_of_the_file(tmp_path: Path) -> None:
+    before, found, after = urdf().partition('<joint name="axis_b"')
+    moved = after.replace('xyz="0.02 0.0 0.0"', 'xyz="0.02 0.0 0.003"', 1)
+    assert moved != after
+    file = tmp_path / "arm.urdf"
+    file.write_text(before + found + moved, encoding="utf-8")
+    described = arm_of_model(file)
+    assert described.left_out[0] == "axis_b stands 3 mm beside the plane of the arm"
+    for row, own_row in zip(described.record.dh, a5.parameters().dh, strict=True):
+        expected = [own_row.d, own_row.a]
+        assert [row.d, row.a] == pytest.approx(expected, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("name", "plain"),
     [("blue arm", "blue_arm"), ("5th/arm", "arm_5th_arm"), ("臂", "arm")],
