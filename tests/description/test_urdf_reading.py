@@ -362,3 +362,21 @@ def test_shapes() -> None:
         urdf_shapes(
             ROBOT.replace('<geometry><mesh filename="seen.obj"/></geometry>', "")
         )
+
+
+@pytest.mark.parametrize(
+    ("written", "multiplier", "offset"),
+    [("", 1.0, 0.0), ('multiplier="2"', 2.0, 0.0), ('offset="-3"', 1.0, -3.0)],
+)
+def test_a_mimic_joint_follows_one_to_one_unless_told(
+    written: str, multiplier: float, offset: float
+) -> None:
+    text = ROBOT.replace(
+        "</robot>",
+        '<link name="end"/><joint name="second" type="prismatic">'
+        '<parent link="root"/><child link="end"/><limit velocity="1" effort="1"/>'
+        f'<mimic joint="slide" {written}/></joint></robot>',
+    )
+    joint = parse_urdf(text).joints["second"]
+    assert (joint.multiplier, joint.offset) == (multiplier, offset)
+    assert joint.source == "slide"

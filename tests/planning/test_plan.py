@@ -25,6 +25,7 @@ from alpha5_model.errors import (
 )
 from alpha5_model.numbers.motors import Motors
 from alpha5_model.planning import Obstacle, PlannedMotion, plan
+from alpha5_model.planning.goals import goals, target_of
 from alpha5_model.planning.s_curve import JointLimits, travel_time
 
 HOME = a5.named_pose("home")
@@ -401,3 +402,14 @@ def test_the_file_is_a_motion_and_nothing_else(tmp_path: Path) -> None:
     assert np.array_equal(table[:, 3::3], motion.acceleration)
     with pytest.raises(ValueError, match="motion format"):
         motion.write(tmp_path / "motion.txt")
+
+
+def test_a_target_on_the_yaw_axis_keeps_theta_0() -> None:
+    q0 = np.array([2.5, 1.2, 1.6, 0.4])
+    heights = np.linspace(-0.3, 0.45, 200)
+    points = np.column_stack([np.zeros((200, 2)), heights])
+    reached = points[a5.reachable(points)]
+    assert len(reached)
+    for found in goals(target_of(reached[0]), q0, None, a5.parameters()):
+        assert found.q[0] == q0[0]
+        assert tip(found.q) == pytest.approx(reached[0], abs=1e-9)

@@ -21,6 +21,7 @@ from urdf_edits import OWN, with_mass
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH
 from alpha5_model.cli import main
+from alpha5_model.cli.compare import _differences
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import (
@@ -520,3 +521,13 @@ def test_a_picture_without_matplotlib_is_one_clear_line(
     assert main(["compare", a5.URDF_PATH, "--plot", str(path)]) == 2
     assert "pip install 'alpha5-model[plot]'" in capsys.readouterr().err
     assert not path.exists()
+
+
+def test_the_verdict_is_green_only_if_the_model_agrees() -> None:
+    good = compare_robots(parse_urdf(urdf()), samples=5)
+    heavy = urdf().replace('<mass value="', '<mass value="1', 1)
+    bad = compare_robots(parse_urdf(heavy), samples=5)
+    for comparison, green in ((good, True), (bad, False)):
+        printed = "".join(_differences(comparison))
+        assert comparison.agrees is green
+        assert f"\x1b[{32 if green else 31}m{comparison.verdict}" in printed

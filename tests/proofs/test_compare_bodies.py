@@ -192,6 +192,18 @@ def test_what_to_write_instead_is_in_the_frame_of_the_other_models_link():
     )
 
 
+def test_a_part_without_an_inertial_is_named_whatever_its_name():
+    for name in ("a_shell", "z_shell"):
+        root = edited()
+        ET.SubElement(root, "link", name=name)
+        joint = ET.SubElement(root, "joint", name=f"{name}_fixed", type="fixed")
+        ET.SubElement(joint, "parent", link="link_3")
+        ET.SubElement(joint, "child", link=name)
+        assert f"no <inertial> in {name}" in " ".join(
+            f.text for f in compared(root).findings
+        )
+
+
 def test_a_missing_inertial_is_given_whole():
     root = edited()
     node = root.find("link[@name='link_2']")

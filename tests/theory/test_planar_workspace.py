@@ -24,7 +24,7 @@ from alpha5_model.theory.planar import (
     annulus,
     workspace,
 )
-from alpha5_model.theory.planar.boundary import _distinct, _merged
+from alpha5_model.theory.planar.boundary import _distinct, _merged, _united
 
 TURN = 2 * math.pi
 QUARTER = math.pi / 2
@@ -456,3 +456,18 @@ def test_the_ends_of_an_arc_belong_to_it() -> None:
     beyond = np.array([[1.0, -1e-6], [-1e-6, 1.0]])
     assert np.isnan(arc.parameter(beyond, 1e-9)).all()
     assert arc.parameter(beyond, 1e-5).tolist() == [0.0, math.pi / 2]
+
+
+@pytest.mark.parametrize("radius", [0.01, 1.0, 300.0])
+def test_parts_of_a_circle_are_united_across_gaps_within_the_tolerance(
+    radius: float,
+) -> None:
+    """The tolerance is a length, whatever the radius."""
+    first = Arc(center=(0.0, 0.0), radius=radius, start=0.5, span=1.0)
+    for gap, count in ((0.9e-6, 1), (1.1e-6, 2)):
+        after = Arc(
+            center=(0.0, 0.0), radius=radius, start=1.5 + gap / radius, span=1.0
+        )
+        united = _united([first, after], 1e-6)
+        assert len(united) == count
+        assert united[0].span == pytest.approx(2.0 / count, abs=2e-4)
