@@ -11,7 +11,7 @@ import hashlib
 import json
 import shutil
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -200,13 +200,17 @@ class Seen:
     def _chosen(
         self, tiers: list[Tests], mutant: Mutant, asked: frozenset[str]
     ) -> list[Selection]:
-        """What the budget affords of the tiers, without what was asked before."""
+        """What the budget affords of the tiers, without what was asked before.
+
+        At first each file of a tier has the same part, so that one whose tests are dear
+        is asked, too; then up to `SHARE`.
+        """
         weight = {t: len(by_line) for t, by_line in self._lines(mutant.file).items()}
         selections: list[Selection] = []
         total = 0.0
-        for tier in tiers:
+        for tier, most in self._parts(tiers):
             new = {t: names - asked for t, names in tier.items() if names - asked}
-            for selection, seconds in self._affordable(new, weight):
+            for selection, seconds in self._affordable(new, weight, most):
                 if selections and total + seconds > self.budget:
                     continue
                 selections.append(selection)
@@ -214,17 +218,23 @@ class Seen:
                 total += seconds
         return selections
 
+    def _parts(self, tiers: list[Tests]) -> Iterator[tuple[Tests, float]]:
+        """Each tier twice, with what one of its files may take [s]."""
+        for tier in tiers:
+            yield tier, self.budget / max(len(tier), 1)
+            yield tier, SHARE * self.budget
+
     def _affordable(
-        self, tests: dict[str, set[str]], weight: dict[str, int]
+        self, tests: dict[str, set[str]], weight: dict[str, int], most: float
     ) -> list[tuple[Selection, float]]:
-        """Of each test file what fits its share; first what is cheap and near."""
+        """Of each test file what takes so long; first what is cheap and near."""
         found = []
         for file, names in tests.items():
             chosen: list[str] = []
             total = OPENING
             for name in _one_of_each_first(names, self.seconds[file]):
                 cost = self.seconds[file][name]
-                if not chosen or total + cost <= SHARE * self.budget:
+                if not chosen or total + cost <= most:
                     chosen.append(name)
                     total += cost
             found.append((Selection(file, tuple(chosen)), total))
