@@ -82,7 +82,7 @@ class BroadPhase:
         return float(distances[link]), self.names[link]
 
     def free_shares(
-        self, start: FloatArray, end: FloatArray, margin: float = 0.0
+        self, start: FloatArray, end: FloatArray, margin: float
     ) -> FloatArray:
         """How much of straight lines of angles is proved free of the mesh.
 
