@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fk import fk, sample
+from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
@@ -65,6 +66,18 @@ def test_a_weighed_link_costs_its_weight_times_its_lever() -> None:
     assert change.torque == pytest.approx(expected, rel=1e-4)
     assert change.tcp == 0.0
     assert found["all"].torque == change.torque
+
+
+def test_a_tool_is_compared_with_the_point_of_table_1() -> None:
+    """Frame {5} in link_4: Tz(-180 mm) Rx(90 deg) Rz(-90 deg)."""
+    turn = Rotation.from_euler("XZ", [90.0, -90.0], degrees=True).as_matrix()
+    longer = ToolPose(position=np.array([0.0, 0.0, -0.2]), rotation=turn.round(12))
+    found = by_key(dataclasses.replace(ARM, tool=longer))
+    (difference,) = found["tool"].differences
+    assert difference.name == "position"
+    assert difference.printed == pytest.approx([0.0, 0.0, -0.18], abs=1e-15)
+    assert difference.own == pytest.approx([0.0, 0.0, -0.2])
+    assert found["tool"].tcp == pytest.approx(0.02, rel=1e-9)
 
 
 def test_a_length_moves_the_tcp_by_itself() -> None:

@@ -15,6 +15,7 @@ from alpha5_model.numbers.hydrodynamics import (
     BodyHydrodynamics,
     gauss_rule,
     hydrodynamics,
+    scaled_at_centre,
 )
 from alpha5_model.numbers.reading import hydrodynamics as read
 from alpha5_model.numbers.reading import parse_hydrodynamics
@@ -270,3 +271,13 @@ def test_an_added_mass_of_other_units_is_judged_in_its_own():
 def test_the_example_runs(capsys):
     runpy.run_path(str(ROOT / "examples" / "arm_on_bluerov2.py"), run_name="__main__")
     assert "net weight" in capsys.readouterr().out
+
+
+def test_shares_of_an_added_mass_at_both_ends() -> None:
+    matrix = np.diag([1.0, 2.0, 3.0, 0.1, 0.2, 0.3])
+    matrix[1, 5] = matrix[5, 1] = 0.4
+    assert np.array_equal(scaled_at_centre(matrix, np.ones(6)), matrix)
+    assert not scaled_at_centre(matrix, np.zeros(6)).any()
+    np.testing.assert_allclose(
+        scaled_at_centre(matrix, np.full(6, 0.25)), matrix / 4, atol=1e-15
+    )
