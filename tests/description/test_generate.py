@@ -181,6 +181,19 @@ def test_the_committed_files_are_fresh(capsys):
     assert "generated files are fresh" in capsys.readouterr().out
 
 
+def test_every_file_in_the_folders_of_descriptions_is_generated():
+    """A description that nothing generates any more would become stale unseen."""
+    root = Path(REPOSITORY_PATH)
+    found = {
+        path.relative_to(root).as_posix()
+        for folder in ("config", "meshes", "mjcf", "urdf")
+        for path in (root / folder).rglob("*")
+        if path.is_file()
+    }
+    pictures = {"mjcf/alpha5.png"}
+    assert found - pictures <= set(generated_files())
+
+
 def test_a_stale_file_is_found_and_mended(tmp_path):
     update(str(tmp_path))
     urdf_file = tmp_path / "urdf" / "alpha5.urdf"
