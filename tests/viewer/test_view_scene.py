@@ -386,6 +386,9 @@ def test_tour_rests_at_its_ends_and_keeps_the_speeds() -> None:
     bound = np.array([30, 30, 30, 50, 0]) * math.pi / 180 + [0, 0, 0, 0, 3e-3]
     assert (speed <= bound * 1.001).all()
     assert (speed / bound).max() > 0.95, "the fastest joint sets the time"
+    for waypoints in (ends[0], ends[:1], ends[None]):
+        with pytest.raises(InputError, match="at least two poses in rows"):
+            tour(waypoints, a5.parameters())
 
 
 @pytest.mark.parametrize(
