@@ -94,9 +94,8 @@ class JaxArm:
 
     Attributes:
         parameters: 38 base parameters and gravity, (41,), see
-            `alpha5_model.codegen.regrouping`.
-            A NumPy array is folded into what is compiled; a JAX array is an input like
-            any other.
+            `alpha5_model.codegen.regrouping`. A NumPy array is folded into what is
+            compiled; a JAX array is an input like any other.
         fluid_density: Around a payload [kg/m^3].
         dimensions: Lengths, zeros and tool, (24,), see
             `alpha5_model.codegen.dimensions`; None for the catalogue's.

@@ -220,9 +220,10 @@ class Seen:
 
     def _parts(self, tiers: list[Tests]) -> Iterator[tuple[Tests, float]]:
         """Each tier twice, with what one of its files may take [s]."""
+        most = SHARE * self.budget
         for tier in tiers:
-            yield tier, self.budget / max(len(tier), 1)
-            yield tier, SHARE * self.budget
+            yield tier, min(most, self.budget / max(len(tier), 1))
+            yield tier, most
 
     def _affordable(
         self, tests: dict[str, set[str]], weight: dict[str, int], most: float

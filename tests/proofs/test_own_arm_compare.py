@@ -81,44 +81,38 @@ def test_the_catalogues_urdf_gives_the_catalogues_arm(tmp_path: Path) -> None:
     assert "which no URDF has" in text
 
 
+def edited(joint: str, written: str, instead: str) -> ArmOfModel:
+    """The arm of the catalogue's URDF with one attribute of a joint changed."""
+    before, name, after = urdf().partition(f'<joint name="{joint}"')
+    assert written in after
+    text = before + name + after.replace(written, instead, 1)
+    return arm_of_robot(parse_urdf(text))
+
+
+def assert_lengths_of_the_catalogue(record: Alpha5Parameters) -> None:
+    for row, printed in zip(record.dh, a5.parameters().dh, strict=True):
+        assert [row.d, row.a] == pytest.approx([printed.d, printed.a], abs=1e-12)
+
+
 @pytest.mark.parametrize("joint", ["axis_e", "axis_d", "axis_c", "axis_b"])
-def test_a_reversed_axis_leaves_the_lengths(joint: str, tmp_path: Path) -> None:
-    before, found, after = urdf().partition(f'<joint name="{joint}"')
-    assert after.count('<axis xyz="0 0 1"/>')
-    after = after.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>', 1)
-    file = tmp_path / "arm.urdf"
-    file.write_text(before + found + after, encoding="utf-8")
-    rows = arm_of_model(file).record.dh
-    for row, own_row in zip(rows, a5.parameters().dh, strict=True):
-        expected = [own_row.d, own_row.a]
-        assert [row.d, row.a] == pytest.approx(expected, abs=1e-12)
+def test_a_reversed_axis_leaves_the_lengths(joint: str) -> None:
+    described = edited(joint, '<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>')
+    assert_lengths_of_the_catalogue(described.record)
 
 
-def test_an_axis_beside_the_plane_is_left_out_of_the_file(tmp_path: Path) -> None:
-    before, found, after = urdf().partition('<joint name="axis_b"')
-    moved = after.replace('xyz="0.02 0.0 0.0"', 'xyz="0.02 0.0 0.003"', 1)
-    assert moved != after
-    file = tmp_path / "arm.urdf"
-    file.write_text(before + found + moved, encoding="utf-8")
-    described = arm_of_model(file)
+def test_an_axis_beside_the_plane_is_left_out_of_the_file() -> None:
+    described = edited("axis_b", 'xyz="0.02 0.0 0.0"', 'xyz="0.02 0.0 0.003"')
     assert described.left_out[0] == "axis_b stands 3 mm beside the plane of the arm"
-    for row, own_row in zip(described.record.dh, a5.parameters().dh, strict=True):
-        expected = [own_row.d, own_row.a]
-        assert [row.d, row.a] == pytest.approx(expected, abs=1e-12)
+    assert_lengths_of_the_catalogue(described.record)
 
 
 @pytest.mark.parametrize(
     ("name", "plain"),
     [("blue arm", "blue_arm"), ("5th/arm", "arm_5th_arm"), ("臂", "arm")],
 )
-def test_the_name_of_an_arm_starts_with_a_letter(
-    name: str, plain: str, tmp_path: Path
-) -> None:
-    file = tmp_path / "arm.urdf"
-    text, count = re.subn(r'<robot name="\w+"', f'<robot name="{name}"', urdf())
-    assert count == 1
-    file.write_text(text, encoding="utf-8")
-    assert arm_of_model(file).record.name == plain
+def test_the_name_of_an_arm_starts_with_a_letter(name: str, plain: str) -> None:
+    robot = dataclasses.replace(parse_urdf(urdf()), name=name)
+    assert arm_of_robot(robot).record.name == plain
 
 
 @pytest.mark.parametrize("k", [0, 1, 9])
