@@ -20,7 +20,7 @@ from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.codegen.regrouping import (
     MOVING_LINKS,
     SECOND,
-    pose_in_link_before,
+    inwards,
     regrouped,
 )
 from alpha5_model.numbers.hydrodynamics import DragStrip, gauss_count
@@ -103,21 +103,22 @@ def water_parameters(
     if drag is None:
         return None
 
-    rigid_parts = np.zeros((5, 2, 4, 4))
     values = dict.fromkeys(WATER_PARAMETERS, 0.0) | drag
+    rigid_parts: list[FloatArray] = []
     handed_down = np.zeros((6, 6))
-    for link in (4, 3, 2, 1):
+    for link, to_link_before in inwards(parameters):
         total = added_mass[link - 1] + handed_down
         turning = _turning_with_the_joint(total)
         own = total - turning
 
-        rigid_parts[link, 0] = _rigid_part(own)
+        rigid_parts.insert(0, _rigid_part(own))
         values |= _values_of_link(link, own)
-        if link > 1:
-            handed_down = _in_link_before(turning, link, parameters)
+        handed_down = _in_link_before(turning, to_link_before)
 
-    added = regrouped(rigid_parts, np.zeros(3), parameters)
-    return added, np.array([*values.values()])
+    of_links = [np.zeros((4, 4)), *rigid_parts]
+    weightless = [np.stack([part, np.zeros_like(part)]) for part in of_links]
+    added = regrouped(weightless, np.zeros(3), parameters)
+    return added, np.array([values[name] for name in WATER_PARAMETERS])
 
 
 def _turning_with_the_joint(added_mass: FloatArray) -> FloatArray:
@@ -132,13 +133,11 @@ def _rigid_part(added_mass: FloatArray) -> FloatArray:
     coupling = added_mass[:3, 3:]
     inertia = added_mass[3:, 3:]
     first_moments = (coupling.T - coupling) / 2  # [h]x
+    mass = added_mass[2, 2]
 
-    moments = np.zeros((4, 4))
-    moments[:3, :3] = np.trace(inertia) / 2 * np.eye(3) - inertia
-    moments[:3, 3] = first_moments[2, 1], first_moments[0, 2], first_moments[1, 0]
-    moments[3, :3] = moments[:3, 3]
-    moments[3, 3] = added_mass[2, 2]
-    return moments
+    h = [[first_moments[2, 1]], [first_moments[0, 2]], [first_moments[1, 0]]]
+    second_moments = np.trace(inertia) / 2 * np.eye(3) - inertia
+    return np.block([[second_moments, np.array(h)], [np.transpose(h), mass]])
 
 
 def _values_of_link(link: int, added_mass: FloatArray) -> dict[str, float]:
@@ -155,11 +154,14 @@ def _values_of_link(link: int, added_mass: FloatArray) -> dict[str, float]:
     return values
 
 
-def _in_link_before(
-    added_mass: FloatArray, link: int, parameters: Alpha5Parameters
-) -> FloatArray:
-    """An added mass (6, 6) of a link in the frame of the link before."""
-    back = np.linalg.inv(pose_in_link_before(link, parameters))
+def _in_link_before(added_mass: FloatArray, to_link_before: FloatArray) -> FloatArray:
+    """An added mass (6, 6) of a link in the frame of the link before.
+
+    Args:
+        added_mass: In the link.
+        to_link_before: Pose (4, 4) of the link in the link before.
+    """
+    back = np.linalg.inv(to_link_before)
     rotation = back[:3, :3]
     twist = np.kron(np.eye(2), rotation)
     twist[:3, 3:] = cross_matrix(back[:3, 3]) @ rotation

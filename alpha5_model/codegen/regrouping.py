@@ -107,16 +107,27 @@ def regrouped(
     for axis, component in zip("xyz", np.asarray(gravity), strict=True):
         values[f"gravity.{axis}"] = component
 
-    handed_down = np.zeros((2, 4, 4))
-    for link in (4, 3, 2, 1, 0):
-        own = handed_down + moments_of_links[link]
+    link_0, *moving_links = moments_of_links
+    handed_down = np.zeros_like(link_0)
+    for link, to_link_before in inwards(parameters):
+        own = handed_down + moving_links.pop()
         values |= _values_of_link(link, *own)
-
-        handed_down = _on_the_joint_axis(own)
-        if link > 1:
-            to_link_before = pose_in_link_before(link, parameters)
-            handed_down = to_link_before @ handed_down @ to_link_before.T
+        on_axis = _on_the_joint_axis(own)
+        handed_down = to_link_before @ on_axis @ to_link_before.T
+    values |= _values_of_link(0, *(handed_down + link_0))
     return np.array([values[name] for name in BASE_PARAMETERS])
+
+
+def inwards(parameters: Alpha5Parameters) -> list[tuple[int, FloatArray]]:
+    """The moving links from tip to base, each with its pose in the link before.
+
+    The poses (4, 4) are those of joints that are not turned. Link 1 has the origin and
+    the z axis of base_link.
+    """
+    poses = [np.eye(4)]
+    for row in parameters.dh[:3]:
+        poses.append(pose((row.a, 0.0, row.d), (row.alpha, 0.0, 0.0)))
+    return [*zip(MOVING_LINKS, poses, strict=True)][::-1]
 
 
 def _values_of_link(link: int, mass: FloatArray, net: FloatArray) -> dict[str, float]:
@@ -139,12 +150,6 @@ def _on_the_joint_axis(moments: FloatArray) -> FloatArray:
     on_axis[:, :2] = 0.0
     on_axis[:, :, :2] = 0.0
     return on_axis
-
-
-def pose_in_link_before(link: int, parameters: Alpha5Parameters) -> FloatArray:
-    """Pose (4, 4) of link 2, 3 or 4 in the link before, its joint not turned."""
-    row = parameters.dh[link - 2]
-    return pose((row.a, 0.0, row.d), (row.alpha, 0.0, 0.0))
 
 
 def moments(

@@ -42,8 +42,9 @@ NOT_RUN = (
     "test_view_hand",
     "test_view_travel",
 )
-#: Tests of all records: a class is defined by an import, which belongs to no test.
-OF_RECORDS = "tests/package/test_records.py"
+#: Tests of all records and of all public signatures. A class and a default are computed
+#: by an import, which belongs to no test.
+OF_IMPORTS = ("tests/package/test_records.py", "tests/package/test_public_api.py")
 #: For the C code of the kernels, in this order.
 KERNEL_TESTS = (
     "tests/codegen/test_kernels_compiled.py",
@@ -135,17 +136,26 @@ class Seen:
         """
         if is_c(mutant.file):
             return self._c_job(mutant)
-        selections = self._chosen(self._tiers_at_home(mutant), mutant, frozenset())
-        return self._job(mutant, selections)
+        return self._job(mutant, self._at_home(mutant))
 
     def job_elsewhere(self, mutant: Mutant) -> Job:
         """All other tests of a mutant, those that are likely to see it first."""
         if is_c(mutant.file):
             return Job(mutant, (), 0.0)
-        at_home = self._chosen(self._tiers_at_home(mutant), mutant, frozenset())
+        at_home = self._at_home(mutant)
         asked = frozenset(name for own in at_home for name in own.names)
         selections = self._chosen(self._tiers(mutant), mutant, asked)
         return self._job(mutant, selections)
+
+    def _at_home(self, mutant: Mutant) -> list[Selection]:
+        """What the budget affords at home, then all tests of imports besides."""
+        of_imports = [
+            Selection(file, tuple(self.seconds[file]))
+            for file in OF_IMPORTS
+            if file in self.seconds
+        ]
+        asked = frozenset(name for file in of_imports for name in file.names)
+        return self._chosen(self._tiers_at_home(mutant), mutant, asked) + of_imports
 
     def _c_job(self, mutant: Mutant) -> Job:
         files = KERNEL_TESTS
@@ -163,7 +173,7 @@ class Seen:
         return Job(mutant, tuple(selections), seconds)
 
     def _tiers_at_home(self, mutant: Mutant) -> list[Tests]:
-        """Tests of the statement, then all others of their files, then of records.
+        """Tests of the statement, then all others of their files.
 
         The folder of tests that mirrors the package comes first: other folders pass
         many lines, and judge few of their results.
@@ -176,8 +186,7 @@ class Seen:
         }
         of_line = _of_statement(self.texts[mutant.file], mutant.line, own)
         beside = {t: set(self.seconds[t]) for t, names in of_line.items() if names}
-        of_records = {OF_RECORDS: set(self.seconds.get(OF_RECORDS, ()))}
-        return [of_line, beside, of_records]
+        return [of_line, beside]
 
     def _tiers(self, mutant: Mutant) -> list[Tests]:
         """Tests of the statement, then of the file, the room, and the rest.
@@ -300,7 +309,7 @@ def tests_of(room_: str) -> list[str]:
     if room_ == C_ROOM:
         return list(C_TESTS)
     home = home_of(room_)
-    return [f for f in test_files() if f.startswith(home) or f == OF_RECORDS]
+    return [f for f in test_files() if f.startswith(home) or f in OF_IMPORTS]
 
 
 def test_files() -> list[str]:
