@@ -42,9 +42,13 @@ NOT_RUN = (
     "test_view_hand",
     "test_view_travel",
 )
-#: Tests of all records and of all public signatures. A class and a default are computed
-#: by an import, which belongs to no test.
-OF_IMPORTS = ("tests/package/test_records.py", "tests/package/test_public_api.py")
+#: Tests of all records, all public signatures and all that is generated of constants.
+#: Classes, defaults and constants are computed by an import, which belongs to no test.
+OF_IMPORTS = (
+    "tests/package/test_records.py",
+    "tests/package/test_public_api.py",
+    "tests/codegen/test_generated_sources.py",
+)
 #: For the C code of the kernels, in this order.
 KERNEL_TESTS = (
     "tests/codegen/test_kernels_compiled.py",
