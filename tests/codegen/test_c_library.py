@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import own_arm_dynamics as own
 import pytest
@@ -193,6 +196,78 @@ def test_without_casadi_it_says_what_to_install(
         "needs casadi, which is not installed: pip install casadi\n"
     )
     assert not (tmp_path / "c").exists()
+
+
+#: Share by which all results are off, which is far above the bounds of the program.
+OFF = {"double": 1e-7, "float": 1e-2}
+
+
+@pytest.mark.parametrize("real", OFF)
+def test_the_program_sees_that_each_function_is_a_little_off(
+    real: str, tmp_path: Path
+) -> None:
+    """Poses that are off are seen at every target with a solution, at edges, too."""
+    options = COptions(real=real, parameters="struct")
+    written(tmp_path, options)
+    source = (tmp_path / "alpha5.c").read_text()
+    results = re.compile(r"^    ([\w*\[\]>-]+) = (.+);$", re.MULTILINE)
+    wrong = results.sub(rf"    \1 = (\2) * (alpha5_real){1 + OFF[real]};", source)
+    (tmp_path / "alpha5.c").write_text(wrong)
+    done = built(tmp_path, "gcc")
+    assert done.returncode == 1
+
+    rows: dict[str, set[int]] = {}
+    for name, row in re.findall(
+        r"^([\w ]+), row (\d+): off$", done.stdout, re.MULTILINE
+    ):
+        rows.setdefault(name, set()).add(int(row))
+    seen = {*SUMMARIES, "position", "joint position"} - {"inverse_kinematics"}
+    assert rows.keys() == seen
+    rows_of_targets = [*enumerate(targets(options))]
+    assert rows["position"] == {i for i, one in rows_of_targets if any(one["exists"])}
+    assert rows["joint position"] == {i for i, one in rows_of_targets if one["known"]}
+
+
+def targets(options: COptions) -> list[dict[str, Any]]:
+    """The targets of the test program."""
+    program = c_files(options)["test_alpha5.c"].decode()
+    (table,) = re.findall(r"targets\[\] = (.*?);", program)
+    # Numbers below 0 are in brackets, and single ones end with f.
+    rows = json.loads(re.sub(r"[()f]", "", table.translate({123: "[", 125: "]"})))
+    names = ("position", "wrist", "exists", "within_limits", "singular", "known", "q")
+    return [dict(zip(names, row, strict=True)) for row in rows]
+
+
+@pytest.mark.parametrize("arm", [None, own.RECORDS[2]], ids=["catalogue", "own tool"])
+def test_the_targets_are_of_every_kind(arm: a5.Alpha5Parameters | None) -> None:
+    joints = (arm or a5.parameters()).joints[:4]
+    ends = [(joint.lower, joint.upper) for joint in joints]
+    *found, out_of_reach = targets(COptions(arm=arm))
+    made, on_axis, turned_too_far = found[::3], found[1::3], found[2::3]
+    assert not any(out_of_reach["exists"])
+
+    anywhere, at_limits, stretched = made[:8], made[8:16], made[16:]
+    assert len(stretched) == 8
+    assert all(one["known"] for one in anywhere)
+    corners = {tuple(one["q"][1:]) for one in at_limits}
+    assert corners == set(itertools.product(*ends[1:]))
+    assert all(one["singular"] and any(one["exists"]) for one in stretched)
+    for one in anywhere:
+        assert all(
+            low < x < high for x, (low, high) in zip(one["q"], ends, strict=True)
+        )
+
+    for one, other, turned in zip(made, on_axis, turned_too_far, strict=True):
+        assert any(one["exists"])
+        assert other["position"] == [0.0, 0.0, one["position"][2]]
+        assert turned["position"] == one["position"]
+        assert not any(turned["within_limits"])
+    if arm is None:
+        reached = [one for one in on_axis if any(one["exists"])]
+        assert all(one["singular"] for one in reached)
+        assert any(any(one["within_limits"]) for one in reached)
+        assert len(on_axis) > len(reached) > len(on_axis) / 2
+        assert all(any(one["exists"]) for one in turned_too_far)
 
 
 #: Something wrong in the inverse kinematics -> what the program says of it.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,7 +86,7 @@ def _states(parameters: Alpha5Parameters, real: str) -> list[dict[str, FloatArra
     shape = (_STATES, 4)
     drawn = {}
     for name in ("q", "v", "a", "tau"):
-        drawn[name] = rng.normal(scale=2.0, size=shape)
+        drawn[name] = rng.normal(size=shape)
     lower, upper = _limits(parameters)
     drawn["q"] = rng.uniform(lower, upper, shape)
 
@@ -124,13 +124,10 @@ def _test_of_states(
 
 def _test_of_payload(arm: Arm, states: Sequence[State], real: str) -> str:
     """A test of an arm that holds a body: its torques in every state."""
-    body: dict[str, Any] = {
-        "mass": 0.6,
-        "com": [0.01, -0.02, 0.05],
-        "inertia": [[4e-4, 1e-5, -2e-5], [1e-5, 5e-4, 3e-5], [-2e-5, 3e-5, 6e-4]],
-        "volume": 2.3e-4,
-        "cob": [-0.01, 0.015, 0.04],
-    }
+    # The arm holds another link_1: a body whose numbers are all unlike 0.
+    _, link_1, *_ = arm.parameters.links
+    names = ("mass", "com", "inertia", "volume", "cob")
+    body: dict[str, Any] = {name: getattr(link_1, name) for name in names}
     call = f"alpha5_parameters loaded; alpha5_with_payload({_DEFAULT}"
     for value in (*body.values(), arm.fluid_density):
         if np.ndim(value):
@@ -214,25 +211,29 @@ def _as_array(output: Any) -> FloatArray:
 def _targets(arm: Arm) -> list[list[Any]]:
     """Rows of a target, its solutions' flags and, if they are known, its joint angles.
 
-    Targets are anywhere in the workspace, at joint limits, stretched, on the yaw axis,
-    out of reach, or with the wrist turned too far.
+    Targets are anywhere in the workspace, at all ends of the joint limits, and
+    stretched. Each comes on the yaw axis, too, and with the wrist turned too far. The
+    last one is out of reach.
     """
     rng = np.random.default_rng(7)
     lower, upper = np.array(_limits(arm.parameters))
-    q = rng.uniform(lower, upper, (40, 4))
-    at_limit = rng.random((16, 3)) < 0.5
-    q[10:26, 1:] = np.where(at_limit, lower[1:], upper[1:])
     kinematics = ArmKinematics(arm.parameters)
-    q[26:34, 2] = [_stretched(kinematics, wrist) for wrist in q[26:34, 3]]
+    anywhere = rng.uniform(lower, upper, (8, 4))
+    at_limits = anywhere.copy()
+    at_limits[:, 1:] = [*product(*zip(lower[1:], upper[1:], strict=True))]
+    stretched = anywhere.copy()
+    stretched[:, 2] = [_stretched(kinematics, wrist) for wrist in stretched[:, 3]]
+    *_, too_far = np.mean([lower, upper], axis=0) + math.pi
 
     rows = []
-    for angles in q:
+    for angles in (*anywhere, *at_limits, *stretched):
         position = arm.forward_kinematics(angles).translation
-        rows.append(_target(kinematics, position, angles[3], angles))
-    for height in (-0.1, 0.1, 0.3):
-        rows.append(_target(kinematics, (0.0, 0.0, height), 1.0))
-    for position in rng.uniform(0.3, 0.6, (4, 3)):
-        rows.append(_target(kinematics, position, 6.25))
+        *_, wrist = angles
+        on_axis = position * [0.0, 0.0, 1.0]
+        rows.append(_target(kinematics, position, wrist, angles))
+        rows.append(_target(kinematics, on_axis, wrist))
+        rows.append(_target(kinematics, position, too_far))
+    rows.append(_target(kinematics, np.ones(3), wrist))
     return rows
 
 
@@ -248,7 +249,7 @@ def _stretched(kinematics: ArmKinematics, wrist: float) -> float:
 
 def _target(
     kinematics: ArmKinematics,
-    position: Sequence[float] | FloatArray,
+    position: FloatArray,
     wrist: float,
     angles: FloatArray | None = None,
 ) -> list[Any]:
