@@ -69,7 +69,7 @@ class BroadPhase:
         """
         return self._distances(angles, np.full(len(self._moving), math.inf))
 
-    def touches(self, angles: FloatArray, margin: float = 0.0) -> BoolArray:
+    def touches(self, angles: FloatArray, margin: float) -> BoolArray:
         """Whether a link comes within a margin [m] at angles (N, B-1), (N,)."""
         enough = np.full(len(self._moving), margin)
         hits = [(self._distances(row, enough) <= margin).any() for row in angles]

@@ -28,8 +28,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.planning.broad_phase import BroadPhase
 from alpha5_model.planning.obstacles import Mesh, Obstacle, seen_from
 
-#: Obstacles, each beside one arm, that are kept.
-_KEPT = 256
 #: A box around a mesh is larger by this for rounding, and flat nowhere [m].
 _LARGER = 1e-6
 #: Edges of a box for a point: far below the tolerance of any distance [m].
@@ -56,11 +54,11 @@ class Obstruction:
 class _Compared(Protocol):
     """What is compared with the arm: itself, or one obstacle."""
 
-    def touches(self, angles: FloatArray, margin: float = 0.0) -> BoolArray:
+    def touches(self, angles: FloatArray, margin: float) -> BoolArray:
         """Whether they come within a margin at angles (N, 4), (N,)."""
 
     def free_shares(
-        self, start: FloatArray, end: FloatArray, margin: float = 0.0
+        self, start: FloatArray, end: FloatArray, margin: float
     ) -> FloatArray:
         """How much of lines (N, 4) is proved free, (N,)."""
 
@@ -154,11 +152,11 @@ class _ExactBodies:
         self._bodies = bodies
         self._radius = radius
 
-    def touches(self, angles: FloatArray, margin: float = 0.0) -> BoolArray:
+    def touches(self, angles: FloatArray, margin: float) -> BoolArray:
         return self._bodies.touches(angles, margin + self._radius)
 
     def free_shares(
-        self, start: FloatArray, end: FloatArray, margin: float = 0.0
+        self, start: FloatArray, end: FloatArray, margin: float
     ) -> FloatArray:
         return self._bodies.free_shares(start, end, margin + self._radius)
 
@@ -175,13 +173,13 @@ class _MeshBody:
         self._bodies = bodies
         self._box = box
 
-    def touches(self, angles: FloatArray, margin: float = 0.0) -> BoolArray:
+    def touches(self, angles: FloatArray, margin: float) -> BoolArray:
         hits = self._box.touches(angles, margin)
         hits[hits] = self._bodies.touches(angles[hits], margin)
         return hits
 
     def free_shares(
-        self, start: FloatArray, end: FloatArray, margin: float = 0.0
+        self, start: FloatArray, end: FloatArray, margin: float
     ) -> FloatArray:
         shares = self._box.free_shares(start, end, margin)
         left = np.flatnonzero(shares < 1.0)
@@ -200,7 +198,7 @@ def _itself(arm: Alpha5Parameters) -> _Compared:
     return _ExactBodies(self_collision(arm))
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=256)
 def _beside(arm: Alpha5Parameters, obstacle: Obstacle) -> _Compared:
     """An obstacle beside an arm, made once."""
     bodies = _bodies_of(arm)

@@ -35,13 +35,15 @@ from alpha5_model.dynamics.load import load
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.numbers.fluids import FRESH_WATER, GRAVITY
 from alpha5_model.trajectory import Motion
+from alpha5_model.water.vehicle import trim_angles
 
 #: Step of the times that are compared [s].
 STEP = 0.05
 #: Delays of the vehicle that are tried [s].
-DELAYS = tuple(np.round(np.arange(0.0, 1.001, 0.05), 2).tolist())
-#: Angles that are tried [rad], and the step at which the search for the best ends.
-_YAWS = np.radians(np.arange(-180.0, 180.0, 5.0))
+DELAYS = tuple(k / 20 for k in range(21))
+#: Step of the angles that are tried, and that at which the search for the best ends
+#: [rad].
+_FIRST_YAW_STEP = np.radians(5.0)
 _YAW_STEP = 1e-7
 #: Passes of the fit: the yaw also turns gravity as the arm sees it.
 _PASSES = 3
@@ -82,7 +84,7 @@ class TiltRecording:
         if time.ndim != 1 or up.shape != (time.size, 3):
             raise ShapeError("up", up.shape, f"({time.size}, 3), one row for each time")
         if time.size < 2 or (np.diff(time) <= 0).any():
-            raise InputError("time", time.tolist()[:5], "ascending times")
+            raise InputError("time", time.tolist(), "ascending times")
         length = np.linalg.norm(up, axis=1)
         worst = int(np.abs(length - 1).argmax())
         if abs(length[worst] - 1) > _LENGTH:
@@ -107,8 +109,7 @@ class TiltRecording:
     @property
     def tilt(self) -> FloatArray:
         """Roll and pitch of the vehicle at `time`, (N, 2) [rad]."""
-        x, y, z = self.up.T
-        return np.column_stack([np.arctan2(y, z), -np.arcsin(np.clip(x, -1, 1))])
+        return np.column_stack(trim_angles(self.up))
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +146,8 @@ class TiltFit:
         """Tilt at the times of the recording's grid, without its mean, (M, 2) [rad]."""
         pulled = _pulled(self.arm)
         signal = _signal(recording, pulled, self.yaw, (self.delay,), self.average)
-        return np.asarray(signal.moment[0] / self.stiffness)
+        (moment,) = signal.moment
+        return np.asarray(moment / self.stiffness)
 
     def score(self, recordings: Iterable[TiltRecording]) -> FloatArray:
         """Share of the variance in recordings that is explained, (2,).
@@ -201,8 +203,6 @@ def fit_tilt(
         yaw += best.yaw
 
     of_others = [_best(sums[:k] + sums[k + 1 :]) for k in range(len(sums))]
-    several = len(sums) > 1
-    unknown = np.full(2, np.nan)
     return TiltFit(
         arm=chosen,
         stiffness=_stiffness(best),
@@ -212,14 +212,14 @@ def fit_tilt(
         delay=float(tried[best.delay]),
         average=length,
         r2=_explained(signals, [best] * len(signals)),
-        held_out_r2=_explained(signals, of_others) if several else unknown,
+        held_out_r2=_explained(signals, of_others),
     )
 
 
 def averaged(
     at: FloatArray, time: FloatArray, values: FloatArray, length: float
 ) -> FloatArray:
-    """Moving average of values that are joined by straight lines, (M, K).
+    """Moving average of values, (M, K); between two times it counts the mean of both.
 
     Before the first value and after the last one they stay as they are. A sum that ends
     there would be taken for a tilt if the mean is not 0.
@@ -230,7 +230,7 @@ def averaged(
         values: (N, K).
         length: Of the average.
     """
-    beyond = length + max(time[0] - at.min(), at.max() - time[-1], 0.0)
+    beyond = length + np.ptp(np.concatenate([at, time]))
     time = np.concatenate([[time[0] - beyond], time, [time[-1] + beyond]])
     values = np.vstack([values[:1], values, values[-1:]])
     areas = (values[1:] + values[:-1]) / 2 * np.diff(time)[:, None]
@@ -330,7 +330,7 @@ def _recorded(recording: TiltRecording, average: float) -> FloatArray:
 
 
 def static_moment(
-    recording: TiltRecording, pulled: Sequence[Arm], yaw: float = 0.0
+    recording: TiltRecording, pulled: Sequence[Arm], yaw: float
 ) -> FloatArray:
     """Moment of weight less buoyancy about the vehicle's x and y axes, (N, 2) [N m].
 
@@ -372,12 +372,13 @@ def _best(sums: Sequence[_Sums]) -> _Answer:
     if total is None:
         return _Answer(delay=0, yaw=np.nan, compliance=np.full(2, np.nan))
 
-    gains = np.array([_gain(total.moments, total.both, yaw) for yaw in _YAWS])  # (Y, D)
+    yaws = np.arange(-np.pi, np.pi, _FIRST_YAW_STEP)
+    gains = np.array([_gain(total.moments, total.both, yaw) for yaw in yaws])  # (Y, D)
     row, column = np.unravel_index(gains.argmax(), gains.shape)
     delay = int(column)
     moments = total.moments[delay]
     both = total.both[delay]
-    yaw = _refined(moments[None], both[None], float(_YAWS[row]))
+    yaw = _refined(moments[None], both[None], float(yaws[row]))
     return _Answer(delay=delay, yaw=yaw, compliance=_compliance(moments, both, yaw))
 
 
@@ -428,7 +429,7 @@ def _gain(moments: FloatArray, both: FloatArray, yaw: float) -> FloatArray:
 
 def _refined(moments: FloatArray, both: FloatArray, yaw: float) -> float:
     """The best yaw near one of the grid, by halving the step."""
-    step = float(np.diff(_YAWS)[0])
+    step = _FIRST_YAW_STEP
     while step > _YAW_STEP:
         near = [yaw - step, yaw, yaw + step]
         gains = [_gain(moments, both, one)[0] for one in near]
@@ -463,7 +464,7 @@ def _jackknife(without_each: Sequence[FloatArray]) -> FloatArray:
     """
     answers = np.array(without_each)
     count = len(answers)
-    if count < 2 or not np.isfinite(answers).all():
+    if not np.isfinite(answers).all():
         return np.full(answers.shape[1], np.nan)
     deviations = answers - answers.mean(axis=0)
     return np.asarray(np.sqrt((count - 1) / count * (deviations**2).sum(axis=0)))

@@ -61,7 +61,7 @@ _RANDOM = 100
 #: Size of the first variations, and by what they grow and shrink.
 _VARIATION = 0.3
 _GROWTH = 1.5
-_SHRINKING = 0.9
+_SHRINKING = 0.9**0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,7 +298,7 @@ class _Search:
             if better:
                 found, told, genes = series, value, tried
             if not random:
-                size *= _GROWTH if better else _SHRINKING ** (1 / 4)
+                size *= _GROWTH if better else _SHRINKING
                 size = max(size, 0.02)
         if found is None:
             expected = "more: none was free of self-collision"

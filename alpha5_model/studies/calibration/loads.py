@@ -104,11 +104,6 @@ def gravity_slopes(
     return np.moveaxis(np.array(found), 0, -1)
 
 
-def density_slopes(arm: Alpha5Parameters, density: float, motion: Motion) -> FloatArray:
-    """Derivative of `loads` by the density of the fluid; they are linear in it."""
-    return loads(arm, density + 1.0, motion) - loads(arm, density, motion)
-
-
 def _by_bodies(
     unknowns: ArmUnknowns, values: FloatArray, density: float, motion: Motion
 ) -> FloatArray:

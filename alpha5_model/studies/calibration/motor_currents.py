@@ -158,7 +158,7 @@ def motors(
         for k in range(4)
     ]
     joints = tuple(_motor(fit, k, arm.parameters) for k, fit in enumerate(fits))
-    weighed = _weighed(fits, arm, joints) if payload else None
+    weighed = _weighed(fits, joints) if payload else None
     relative = [joint.relative_deviation for joint in joints]
     return MotorCalibration(
         joints=joints,
@@ -252,7 +252,7 @@ def _averaged(
 
 def _nuisances(time: FloatArray, velocity: FloatArray, joint: Any) -> FloatArray:
     """Columns of friction at low speed, drifting friction, and a drifting zero."""
-    half_turns = np.pi * (time - time[0]) / max(np.ptp(time), 1e-9)
+    half_turns = np.pi * (time - time[0]) / np.ptp(time)
     waves = np.cos(np.outer(half_turns, np.arange(_most_waves(time) + 1)))
     direction = np.sign(velocity)[:, None]
     slow = np.exp(-np.abs(velocity) / (_STRIBECK * joint.velocity))
@@ -321,7 +321,7 @@ def _motor(fit: _Fit, k: int, record: Alpha5Parameters) -> JointMotor:
     )
 
 
-def _weighed(fits: list[_Fit], arm: Arm, joints: tuple[JointMotor, ...]) -> Payload:
+def _weighed(fits: list[_Fit], joints: tuple[JointMotor, ...]) -> Payload:
     """The payload's mass, from all joints by their certainty.
 
     Raises:

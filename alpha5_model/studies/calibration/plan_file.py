@@ -29,6 +29,7 @@ from alpha5_model.errors import Alpha5Error, FileFormatError
 from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.studies.calibration.sensors import (
+    ANY_MASS,
     Sensor,
     efforts,
     force_torque,
@@ -263,8 +264,7 @@ def _fluid(density: float) -> str:
 
 def _settings(sensor: Sensor) -> list[str]:
     """The lines of a sensor's settings."""
-    noise = sensor.noise[0]
-    lines = [f"noise = {float(noise):g}", f"gain = {float(sensor.gain[0]):g}"]
+    lines = [f"noise = {sensor.noise.max():g}", f"gain = {sensor.gain.max():g}"]
     match sensor.kind:
         case "scales":
             assert sensor.positions is not None
@@ -275,12 +275,13 @@ def _settings(sensor: Sensor) -> list[str]:
         case "weight":
             lines.append(f"zeroed = {_is_zeroed(sensor)}")
         case "force-torque":
-            lines[0] = f"force_noise = {float(noise):g}"
-            lines.append(f"torque_noise = {float(sensor.noise[3]):g}")
+            force, torque = np.split(sensor.noise, 2)
+            lines[0] = f"force_noise = {force.max():g}"
+            lines.append(f"torque_noise = {torque.max():g}")
         case "vehicle-tilt":
             lines += _vehicle(sensor)
         case _:
-            lines.append(f"offset = {float(sensor.offset[0]):g}")
+            lines.append(f"offset = {sensor.offset.max():g}")
     return lines
 
 
@@ -290,7 +291,7 @@ def _vehicle(sensor: Sensor) -> list[str]:
     assert carrier is not None
     rpy = np.array(rpy_from_rotation(carrier.mount[:3, :3]))
     return [
-        f"offset = {float(sensor.offset[0]):g}",
+        f"offset = {sensor.offset.max():g}",
         f"yaw = {sensor.placement:g}",
         "",
         "[settings.vehicle]  # without the arm; base_link stands at xyz, rpy",
@@ -311,7 +312,7 @@ def _gravity(planned: Session) -> list[str]:
 
 
 def _is_zeroed(sensor: Sensor) -> str:
-    return "true" if sensor.offset[0] < 1.0 else "false"
+    return "false" if (sensor.offset == ANY_MASS).all() else "true"
 
 
 def _list(numbers: FloatArray) -> str:

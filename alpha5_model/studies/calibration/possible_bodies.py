@@ -63,8 +63,7 @@ class PossibleBodies:
             for number in (first, first + _VOLUME):
                 self._positive(number, free, values, slopes)
             for axis in range(3):
-                bounds = None if link.bounds is None else link.bounds[axis]
-                self._between(first + 1 + axis, bounds, free, values, slopes)
+                self._between(first + 1 + axis, link.bounds[axis], free, values, slopes)
             at = slice(first + _INERTIA.start, first + _INERTIA.stop)
             if self._deviation[at].any():
                 values[at], slopes[at, at] = self._tensor(at, free)
@@ -84,13 +83,13 @@ class PossibleBodies:
     def _between(
         self,
         k: int,
-        bounds: FloatArray | None,
+        bounds: FloatArray,
         free: FloatArray,
         values: FloatArray,
         slopes: FloatArray,
     ) -> None:
-        """A number between bounds, if it is there beforehand."""
-        if bounds is None or not bounds[0] < self._middle[k] < bounds[1]:
+        """A number between bounds, if it is not on one of them beforehand."""
+        if self._middle[k] in bounds:
             return
         width = bounds[1] - bounds[0]
         share = (self._middle[k] - bounds[0]) / width

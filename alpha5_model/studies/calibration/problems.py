@@ -259,8 +259,6 @@ class _Part:
     def poses(self) -> Iterator[Problem]:
         """A pose whose readings are all far off: it is not the one that is noted."""
         count, size = self._read.shape
-        if size == 1:
-            return
         found = []
         alone = []
         for pose in range(count):
@@ -279,8 +277,6 @@ class _Part:
         """Readings that fit far better in another order, of poses or of channels."""
         before = self._innovation.squared
         tried = [*self._other_orders(), *self._other_channels()]
-        if not tried:
-            return
         squared = [self._squared(readings) for _, _, readings in tried]
         best = int(np.argmin(squared))
         fits = squared[best] < _FITS * len(self._innovation.rest)
@@ -364,8 +360,6 @@ def _of_arm(
             )
     for joint, name in enumerate(JOINT_NAMES[:4]):
         row = OF_BODIES + joint
-        if not equations.deviation[row]:
-            continue
         sizes, gain = innovation.explained(slopes[:, [row]])
         if gain > _limit(4):
             off = np.degrees(float(sizes[0]))

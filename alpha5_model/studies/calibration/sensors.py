@@ -25,7 +25,7 @@ STANDARD_GRAVITY = float(np.linalg.norm(GRAVITY))
 #: Corners of a triangle under base_link, all 0.18 m from its middle [m].
 TRIANGLE = ((0.18, 0.0, -0.03), (-0.09, 0.156, -0.03), (-0.09, -0.156, -0.03))
 #: Prior of an offset that is not known at all [kg, N, N m].
-_ANY_MASS = 10.0
+ANY_MASS = 10.0
 _ANY_FORCE = 10.0
 _ANY_TORQUE = 1.0
 #: Scales that lie nearer to a line than this carry no moment about it [m].
@@ -95,7 +95,7 @@ def scales(
     """
     points = array("positions", positions, 3, 3)
     noise = real("noise", noise, minimum=0.0, strict=True)
-    offset = 2.0 * noise if flag("zeroed", zeroed) else _ANY_MASS
+    offset = 2.0 * noise if flag("zeroed", zeroed) else ANY_MASS
     return Sensor(
         kind="scales",
         channels=("scale_1", "scale_2", "scale_3"),
@@ -139,7 +139,7 @@ def weight(
         matrix=frozen(matrix),
         noise=_same(noise, 1),
         gain=_same(real("gain", gain, minimum=0.0), 1),
-        offset=_same(2.0 * noise if flag("zeroed", zeroed) else _ANY_MASS, 1),
+        offset=_same(2.0 * noise if flag("zeroed", zeroed) else ANY_MASS, 1),
     )
 
 
@@ -228,7 +228,8 @@ def plane(positions: FloatArray) -> FloatArray:
     normal = np.cross(first, positions[2] - positions[0])
     height = -normal @ positions[0]
     upward = height if abs(height) > 1e-12 else normal[2]
-    normal *= 1.0 if upward >= 0 else -1.0
+    if upward < 0:
+        normal = -normal
     normal /= np.linalg.norm(normal)
     along = first / np.linalg.norm(first)
     return np.array([along, np.cross(normal, along), normal])
@@ -241,9 +242,9 @@ def _support_matrix(positions: FloatArray) -> FloatArray:
         InputError: Points of no triangle.
     """
     sides = positions - positions[[1, 2, 0]]
-    area = np.linalg.norm(np.cross(sides[0], sides[1])) / 2
+    twice_area = np.linalg.norm(np.cross(sides[0], sides[1]))
     longest = np.linalg.norm(sides, axis=1).max()
-    if longest < _FLAT or area / longest < _FLAT / 2:
+    if twice_area <= _FLAT * longest:
         expected = f"three points at least {_FLAT:g} m off one line, in m"
         raise InputError("positions", positions.tolist(), expected)
 

@@ -178,11 +178,10 @@ def _check_level(made: Session) -> None:
     if sensor.kind not in ("scales", "weight"):
         return
     pull = made.motion.gravity
-    size = float(np.linalg.norm(pull))
-    # The readings of a unit force along gravity add up to what it weighs.
+    # The readings of a force along gravity add up to what it weighs.
     load = np.zeros(sensor.matrix.shape[1])
-    load[4:7] = pull / size if size else 0.0
-    total = float((sensor.matrix @ load).sum()) * STANDARD_GRAVITY
-    if total < _LEVEL:
+    load[4:7] = pull
+    total = (sensor.matrix @ load).sum() * STANDARD_GRAVITY
+    if total <= _LEVEL * np.linalg.norm(pull):
         expected = "gravity at a right angle to the plane of the scales, towards them"
         raise InputError("gravity", pull.tolist(), expected)

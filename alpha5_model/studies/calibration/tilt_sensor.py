@@ -98,7 +98,7 @@ def check_readings(readings: FloatArray) -> None:
     Raises:
         InputError: Beyond a quarter turn [rad]; NaN is a reading that is missing.
     """
-    largest = np.nanmax(np.abs(readings), initial=0.0)
-    if largest > np.pi / 2:
+    beyond = readings[np.abs(readings) > np.pi / 2]
+    if beyond.size:
         expected = "roll and pitch in rad, within a quarter turn"
-        raise InputError("readings", float(largest), expected)
+        raise InputError("readings", float(beyond[0]), expected)

@@ -116,12 +116,13 @@ def arm_unknowns(
     middle = np.concatenate([*map(_numbers, arm.links), np.zeros(4), _lengths(arm)])
     numbers = arm_numbers(arm)
     half_widths = {**_of_digits(numbers), **_of_measured(arm)}
-    deviation = DEVIATION * np.array([half_widths.get(name, 0.0) for name in NAMES])
+    known = [
+        DEVIATION * half_widths[name] if name in half_widths else zeros
+        for name in NAMES
+    ]
+    deviation = np.array(known)
     if prior == "loose":
         deviation[:OF_BODIES] = np.ravel([_loose(link) for link in by_body(middle)])
-    for row in range(OF_BODIES, OF_BODIES + 4):
-        if NAMES[row] not in half_widths:
-            deviation[row] = zeros
     if not moving:
         deviation[[".inertia." in name for name in NAMES]] = 0.0
     return ArmUnknowns(arm=arm, middle=middle, deviation=deviation, prior=prior)
