@@ -319,3 +319,12 @@ def test_residuals_of_rounding_are_no_noise(unit: float) -> None:
     assert len(found.likely) == 16
     # A gap costs a sample and the three after it; the column costs one.
     assert found.independent == 100 - 2 * 4 - 1
+
+
+def test_noise_in_a_corner_of_what_is_possible_is_all_that_is_drawn() -> None:
+    """The likelihood is long across the corner, so that no other point is possible."""
+    best = np.array([4.3, 1.8, 1.8])
+    along = np.array([1.0, -1.0, 0.0]) / 2**0.5
+    curvature = 1e8 * (np.eye(3) - np.outer(along, along))
+    drawn = _drawn(lambda x: float((x - best) @ curvature @ (x - best)) / 2, best)
+    assert np.array_equal(drawn, np.tile(best, (16, 1)))
