@@ -12,6 +12,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 import alpha5_model as a5
+from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
 from alpha5_model.studies.uncertainty.digit_bounds import payload
 from alpha5_model.studies.uncertainty.fitting import System, Weights, lagged_products
@@ -247,3 +248,67 @@ def test_the_prediction_is_that_of_the_fitted_numbers(case: Case) -> None:
     one = found.fitted.torque(*(rows[0] for rows in some))
     np.testing.assert_allclose(one.torque, predicted.torque[:1])
     np.testing.assert_allclose(one.deviation, predicted.deviation[:1])
+
+
+def test_unknowns_are_all_that_a_recording_may_show(case: Case) -> None:
+    """Of lengths those of the joints: the tool's and zeros of Table 1 move nothing."""
+    unknowns = case.system.unknowns
+    geometric = {unknowns.names[k] for k in unknowns.geometric}
+    # d_3 moves the tool only.
+    lengths = {"link_0.a", "link_0.d", "link_2.a"}
+    assert geometric == {*lengths, "elbow.opposite", "elbow.adjacent"}
+    bodies = {
+        f"link_{link}.{quantity}"
+        for link in range(5)
+        for quantity in ("mass", "volume")
+    }
+    assert bodies <= set(unknowns.names)
+    assert not any(name.startswith("actuator") for name in unknowns.names)
+    assert unknowns.count == len(unknowns.names) == len(unknowns.half_width)
+
+
+def test_causes_of_mass_and_density_are_differences_of_base_parameters(
+    case: Case,
+) -> None:
+    unknowns = case.system.unknowns
+    record = a5.parameters()
+    plain = base_parameters(record.links, parameters=record)[:38]
+    denser = base_parameters(record.links, 1026.0, parameters=record)[:38]
+    np.testing.assert_allclose(unknowns.by_density(), denser - plain, atol=1e-12)
+    slopes = unknowns.by_mass()
+    for k, link in enumerate(record.links):
+        # Twice the mass at the same centre, with the same tensor there.
+        links = list(record.links)
+        links[k] = replace(link, mass=2.0 * link.mass)
+        heavier = base_parameters(links, parameters=record)[:38]
+        np.testing.assert_allclose(slopes[k], heavier - plain, atol=1e-12)
+
+
+def test_what_an_identification_says_of_its_fit(case: Case) -> None:
+    found = u.identify(case.motion, case.arm, method="interpolate")
+    unknowns = case.system.unknowns
+    fitted = found.fitted
+    off = np.abs(fitted.values - unknowns.middle) / unknowns.half_width
+    at_end = np.isclose(off, 1.0, rtol=0.0, atol=1e-8)
+    assert found.pinned == tuple(np.array(fitted.names)[at_end].tolist())
+    assert set(found.pinned) < set(fitted.names)
+
+    by_data = np.sqrt(np.diag(found.covariance))
+    by_digits = UNIFORM * np.linalg.norm(unknowns.slope, axis=0)
+    assert np.array_equal(found.supported, 2.0 * by_data < by_digits)
+    assert 0 < found.supported.sum() < 38
+    inside = found.supported & (np.abs(found.estimate) > 0)
+    assert (found.upper - found.lower)[inside].max() > 0
+    assert (found.upper - found.lower <= 2 * 1.96 * by_data + 1e-12).all()
+
+    z = (fitted.values - unknowns.middle) / unknowns.half_width
+    rows = whitened_rows(columns(case.system, z), best_noise(case.weights))
+    of_data = rows[:, : unknowns.count]
+    squares, directions = np.linalg.eigh(of_data.T @ of_data)
+    gains = np.sqrt(squares[::-1][:8]) * UNIFORM
+    np.testing.assert_allclose(found.gains[:8], gains, rtol=1e-4)
+    # Each combination is a deviation by the digits long.
+    best = UNIFORM * directions[:, -1] @ unknowns.slope
+    side = np.sign(best @ found.combinations[0])
+    size = np.abs(best).max()
+    np.testing.assert_allclose(found.combinations[0], side * best, atol=0.01 * size)
