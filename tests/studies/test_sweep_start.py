@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import signal
 import subprocess
@@ -13,8 +14,12 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli import main
+from alpha5_model.errors import InputError
+from alpha5_model.studies.sweep import extent as of_extent
 from alpha5_model.studies.sweep import workers
-from alpha5_model.studies.sweep.extent import Extent
+from alpha5_model.studies.sweep.chunks import Chunks, chunks_of
+from alpha5_model.studies.sweep.extent import Extent, extent_of
+from alpha5_model.studies.sweep.study import read_study
 
 distributed = pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
@@ -183,3 +188,89 @@ def test_workers_keep_their_memory_and_one_thread() -> None:
         assert "MALLOC_TRIM_THRESHOLD_" not in config.get(name)
         assert config.get(name)["OMP_NUM_THREADS"] == 1
     assert config.get(name) == before
+
+
+def test_what_is_large_is_a_billion_rows_or_ten_gigabytes() -> None:
+    small = Extent(rows=10**9, parts=1, of_parts=1, table_bytes=10**10, seconds=None)
+    assert not small.is_large
+    assert dataclasses.replace(small, rows=10**9 + 1).is_large
+    assert dataclasses.replace(small, table_bytes=10**10 + 1).is_large
+    assert not dataclasses.replace(small, rows=None).is_large
+
+
+#: Cases of one block each.
+CASES = """
+[axes]
+axis_e_pos = 0.1
+axis_d_pos = 1.0
+axis_c_pos = 1.0
+axis_b_pos = {{from = 0, to = 1, count = {states}}}
+mount_roll = {{from = 0, to = 1, count = {cases}}}
+[outputs.all]
+quantity = "torque"
+as = "peak"
+"""
+
+
+def chunks(folder: Path, cases: int, states: int = 1) -> Chunks:
+    study = folder / "study.toml"
+    study.write_text(CASES.format(cases=cases, states=states), encoding="utf-8")
+    return chunks_of(read_study(study), 1)
+
+
+def test_only_a_study_of_more_than_fifty_blocks_is_timed(tmp_path: Path) -> None:
+    assert extent_of(chunks(tmp_path, 50), 50, 0).seconds is None
+    assert extent_of(chunks(tmp_path, 51), 51, 0).seconds is not None
+    assert extent_of(chunks(tmp_path, 60), 50, 0).seconds is None
+
+
+@pytest.mark.parametrize(
+    ("cases", "states", "blocks"), [(60, 1, 60), (30, 8193, 60), (60, 2, 60)]
+)
+@pytest.mark.parametrize(("workers", "share"), [(0, 1.0), (1, 1.0), (4, 0.25)])
+def test_the_time_is_that_of_the_arms_and_of_the_blocks(
+    cases: int,
+    states: int,
+    blocks: int,
+    workers: int,
+    share: float,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By a clock that shows 9 s for loading, 5 s with an arm, and 2 s without."""
+    clock = iter([100.0, 109.0, 200.0, 205.0, 300.0, 302.0])
+    monkeypatch.setattr(of_extent, "perf_counter", lambda: next(clock))
+    found = extent_of(chunks(tmp_path, cases, states), blocks, workers)
+    assert found.seconds == pytest.approx(share * (cases * 3.0 + blocks * 2.0))
+    assert found.rows == cases * states
+    assert (found.parts, found.of_parts, found.table_bytes) == (blocks, blocks, 0)
+    assert next(clock, None) is None
+
+
+def test_a_first_block_that_is_faster_needs_no_time_for_its_arm(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = iter([0.0, 9.0, 0.0, 1.0, 0.0, 2.0])
+    monkeypatch.setattr(of_extent, "perf_counter", lambda: next(clock))
+    assert extent_of(chunks(tmp_path, 60), 60, 0).seconds == 120.0
+
+
+def test_an_arm_that_cannot_be_is_named_by_its_chunk_not_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def impossible(*_: object) -> None:
+        raise InputError("mass", -1.0, "one above 0")
+
+    monkeypatch.setattr(of_extent, "_timed", impossible)
+    found = extent_of(chunks(tmp_path, 60), 60, 0)
+    assert (found.seconds, found.table_bytes) == (0.0, 0)
+
+
+def test_the_extent_of_recordings_is_their_number(tmp_path: Path) -> None:
+    """They are not read before."""
+    study = tmp_path / "study.toml"
+    axes = '[axes]\nrecordings = ["a.csv", "b.csv", "c.csv"]\n'
+    output = '[outputs.all]\nquantity = "torque"\nas = "table"\n'
+    study.write_text(f"{axes}{output}", encoding="utf-8")
+    found = extent_of(chunks_of(read_study(study), 1), 2, 0)
+    assert found == Extent(rows=None, parts=2, of_parts=3, table_bytes=0, seconds=None)

@@ -188,8 +188,9 @@ def check_arm(arm: Alpha5Parameters, states: Mapping[str, Sequence[float]]) -> N
         }
         for rate, (lower, upper, unit) in limits.items():
             name = f"{joint.name}_{rate}"
-            given = states.get(name, [0.0] if rate == "vel" else [lower])
-            farthest = max(given, key=lambda x: max(lower - x, x - upper))
+            if name not in states:
+                continue
+            farthest = max(states[name], key=lambda x: max(lower - x, x - upper))
             if max(lower - farthest, farthest - upper) > _SLACK:
                 range_text = f"{lower:.6g} to {upper:.6g} {unit}"
                 expected = f"values within the limits of {arm.name}, {range_text}"

@@ -107,7 +107,7 @@ def values_of_row(study: Study, row: int) -> dict[str, Any]:
     if "recording" not in study.cases:
         number += state // BLOCK
 
-    block = next(blocks_of(study, number, number + 1))
+    (block,) = blocks_of(study, number, number + 1)
     table = table_of_block(study, block)
     at = int(np.searchsorted(block.rows, row))
     return {name: values[at].item() for name, values in table.items()}

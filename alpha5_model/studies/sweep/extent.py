@@ -37,7 +37,8 @@ class Extent:
     @property
     def is_large(self) -> bool:
         """Whether it should be confirmed."""
-        return (self.rows or 0) > MOST_ROWS or self.table_bytes > MOST_BYTES
+        has_many_rows = self.rows is not None and self.rows > MOST_ROWS
+        return has_many_rows or self.table_bytes > MOST_BYTES
 
 
 def extent_of(chunks: Chunks, missing: int, workers: int) -> Extent:

@@ -101,11 +101,13 @@ class Quantiles(Histogram):
         """The levels, then for each column the edges of the bins of its quantiles."""
         levels = np.array(self.output.levels)
         table: Columns = {"level": levels}
-        edges = np.append(self._edges, np.nan)  # NaN if there are no numbers at all
+        # NaN if there are no numbers at all.
+        low = np.append(self._edges[:-1], np.nan)
+        high = np.append(self._edges[1:], np.nan)
         for name, counts in self.counts_by_column().items():
             place = _bins_of_levels(levels, counts)
-            table[f"{name}_low"] = edges[place]
-            table[f"{name}_high"] = edges[place + 1]
+            table[f"{name}_low"] = low[place]
+            table[f"{name}_high"] = high[place]
         return table
 
 

@@ -157,8 +157,9 @@ def read_study(study: PathLike, arm: Alpha5Parameters | None = None) -> Study:
     own = None if arm is None or _is_default(arm) else _packed(arm)
     found = _study(text.replace("\r\n", "\n"), str(study), folder, None, own)
     for name, limits in _PLAUSIBLE.items():
-        farthest = max(found.cases.get(name, [0.0]), key=abs)
-        plausibility.check(f"axes.{name}", farthest, limits)
+        if name in found.cases:
+            farthest = max(found.cases[name], key=abs)
+            plausibility.check(f"axes.{name}", farthest, limits)
     return found
 
 

@@ -107,10 +107,9 @@ class ArmNumbers:
         links = self.bodies(values)[:, :5]
         found = possible(links)
         for i, link in enumerate(self.arm.links):
-            if link.bounds is not None:
-                com = split(links[:, i]).com
-                lower, upper = link.bounds.T
-                found &= ((lower <= com) & (com <= upper)).all(axis=-1)
+            com = split(links[:, i]).com
+            lower, upper = link.bounds.T
+            found &= ((lower <= com) & (com <= upper)).all(axis=1)
         return found
 
     def grouping(self, density: float) -> FloatArray:

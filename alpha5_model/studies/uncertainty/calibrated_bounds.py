@@ -15,12 +15,12 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.dimensions import Dimensions
-from alpha5_model.codegen.regrouping import base_parameters
+from alpha5_model.dynamics.arm import Arm
 from alpha5_model.numbers.arm_checks import LENGTHS
-from alpha5_model.numbers.loaded_links import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, are_lengths
+from alpha5_model.studies.uncertainty.carried import base_parameters_carried
 from alpha5_model.studies.uncertainty.linear_maps import split
 
 #: Of central differences by angles and lengths [rad, m].
@@ -37,47 +37,33 @@ def without_calibrated(numbers: ArmNumbers) -> ArmNumbers:
     return replace(numbers, half_width=half_width)
 
 
-def calibrated_half_width(
-    linear: Linear, known: FloatArray, density: float, numbers: ArmNumbers
-) -> FloatArray:
+def calibrated_half_width(linear: Linear, arm: Arm, numbers: ArmNumbers) -> FloatArray:
     """How far the numbers of a covariance move quantities, (N, ...).
 
     Args:
         linear: The quantities.
-        known: Base parameters of what the arm carries, (38,).
-        density: Of the fluid [kg/m^3].
-        numbers: Of the arm, with a covariance.
+        arm: On a fixed base, with its jaws locked and all that it carries.
+        numbers: Of its record, with a covariance.
     """
     found = numbers.calibrated
     assert found is not None
-    arm = numbers.arm
-    at_middle = linear(_dimensions(arm))
-    by_bodies = at_middle @ _body_slopes(numbers, density)[found.rows].T
+    at_middle = linear(_dimensions(numbers.arm))
+    by_bodies = at_middle @ _body_slopes(numbers, arm.fluid_density)[found.rows].T
     for k, row in enumerate(found.rows.tolist()):
-        moved = _moved(arm, numbers.names[row])
+        moved = _moved(numbers.arm, numbers.names[row])
         if moved is not None:
-            after, before = (
-                linear(_dimensions(other))
-                @ (
-                    base_parameters(loaded_links(other), density, parameters=other)[:-3]
-                    + known
-                )
-                for other in moved
-            )
+            after, before = (_value(linear, arm, other) for other in moved)
             by_bodies[..., k] = (after - before) / (2 * _STEP)
     return np.asarray(np.linalg.norm(by_bodies @ found.root, axis=-1))
 
 
-def half_width_by_lengths(
-    linear: Linear, known: FloatArray, density: float, numbers: ArmNumbers
-) -> FloatArray:
+def half_width_by_lengths(linear: Linear, arm: Arm, numbers: ArmNumbers) -> FloatArray:
     """How far the digits of the lengths move quantities, each alone, (N, ...).
 
     Args:
         linear: The quantities.
-        known: Base parameters of what the arm carries, (38,).
-        density: Of the fluid [kg/m^3].
-        numbers: Of the arm.
+        arm: On a fixed base, with its jaws locked and all that it carries.
+        numbers: Of its record.
     """
     total = np.zeros(1)
     rows = [] if numbers.calibrated is None else numbers.calibrated.rows.tolist()
@@ -88,11 +74,15 @@ def half_width_by_lengths(
         for side in (-1, 1):
             values = numbers.middle.copy()
             values[k] += side * numbers.half_width[k]
-            moved = numbers.parameters(values)
-            own = base_parameters(loaded_links(moved), density, parameters=moved)
-            ends.append(linear(_dimensions(moved)) @ (own[:-3] + known))
+            ends.append(_value(linear, arm, numbers.parameters(values)))
         total = total + np.abs(ends[1] - ends[0]) / 2
     return np.asarray(total)
+
+
+def _value(linear: Linear, arm: Arm, record: Alpha5Parameters) -> FloatArray:
+    """Quantities of an arm with the links and joints of another record, (N, ...)."""
+    carried = base_parameters_carried(arm, record)
+    return np.asarray(linear(_dimensions(record)) @ carried)
 
 
 def _body_slopes(numbers: ArmNumbers, density: float) -> FloatArray:
@@ -150,7 +140,8 @@ def _with(
     rows = list(arm.dh)
     own: dict[str, Any] = {field: getattr(rows[row], field) + change}
     rows[row] = replace(rows[row], **own)
-    return replace(arm, dh=tuple(rows))
+    # No torque depends on the tool, which a spacer keeps at the end of the last length.
+    return replace(arm, dh=tuple(rows), tool=None)
 
 
 def _dimensions(arm: Alpha5Parameters) -> FloatArray:

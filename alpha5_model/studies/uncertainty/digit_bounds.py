@@ -121,11 +121,11 @@ def bounds(
         else:
             others = without_calibrated(numbers)
             lower, upper = extremes(at_middle, known, density, others)
-            half = calibrated_half_width(linear, known, density, numbers)
+            half = calibrated_half_width(linear, arm, numbers)
             lower = lower - half
             upper = upper + half
         if with_lengths:
-            half = half_width_by_lengths(linear, known, density, numbers)
+            half = half_width_by_lengths(linear, arm, numbers)
             lower = lower - half
             upper = upper + half
         return Interval(

@@ -354,12 +354,12 @@ def lagged_products(rows: FloatArray) -> FloatArray:
     """Sums of products of rows with the ORDER rows before, without missing ones.
 
     Args:
-        rows: (N, k).
+        rows: (N, k), more than ORDER.
 
     Returns:
         (ORDER + 1, ORDER + 1, k, k).
     """
-    count = max(len(rows) - ORDER, 0)
+    count = len(rows) - ORDER
     shifts = [rows[ORDER - k : ORDER - k + count] for k in range(ORDER + 1)]
     lagged = np.stack(shifts, axis=1)
     complete = lagged[np.isfinite(lagged).all(axis=(1, 2))]

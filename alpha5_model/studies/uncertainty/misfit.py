@@ -57,15 +57,15 @@ class Problem(NamedTuple):
     deviation: FloatArray
     unit: str
     gain: float
-    rank: int
+    rank: int = 1
 
     def __str__(self) -> str:
         if self.name == "untested":
-            return f"too few samples ({self.size[0]:.0f}): the model was not tested"
+            return f"too few samples ({self.size.item():.0f}): the model was not tested"
         if self.name == "tables":
             return (
                 "your data contradict the tables: the best numbers within the digits "
-                f"leave {self.size[0]:.3g} times the misfit that noise explains"
+                f"leave {self.size.item():.3g} times the misfit that noise explains"
             )
         unit = f" {self.unit}" if self.unit else ""
         parts = [
@@ -115,9 +115,9 @@ def suspects(
         by_mass: Their derivative by each link's mass over the printed one, (5, 38).
         density: Of the fluid [kg/m^3].
     """
-    efforts = regressor.shape[1] == velocity.shape[1]
-    channels = JOINT_NAMES[:4] if efforts else _COMPONENTS
     computed = regressor @ nominal
+    efforts = computed.shape == velocity.shape
+    channels = JOINT_NAMES[:4] if efforts else _COMPONENTS
     ones = np.ones_like(computed)
     later = -np.gradient(computed, time, axis=0)[..., None]
     units = "N m" if efforts else "N, N m"
@@ -233,7 +233,6 @@ def named_causes(
             deviation=best.deviation,
             unit=cause.unit,
             gain=_gain(cause, best, likely[0].samples),
-            rank=0,
         )
 
 
@@ -246,7 +245,7 @@ def _gain(cause: Suspect, score: _Score, samples: int) -> float:
     free = score.squared - score.kept.size * np.log(samples)
     gains = [float(free)]
     for usual in cause.usual:
-        off = (usual - cause.without - score.size[0]) / score.deviation[0]
+        (off,) = (usual - cause.without - score.size) / score.deviation
         gains.append(float(score.squared - off**2 - 2.0 * np.log(len(cause.usual))))
     return max(gains)
 
@@ -286,7 +285,7 @@ def _chance(squared: float, count: int, independent: float) -> float:
     """
     from scipy.stats import f
 
-    return float(f.sf(squared / count, count, independent)) if count else 1.0
+    return float(f.sf(squared / count, count, independent))
 
 
 def _name(cause: Suspect, highest: FloatArray) -> str:
@@ -300,10 +299,12 @@ def contradiction(likely: Sequence[Equations]) -> Iterator[Problem]:
     Args:
         likely: As of `named_causes`.
     """
+    best = likely[0]
+    if not best.rank:  # as of a recording without weight or motion
+        return
     chances = [_chance(one.squared, one.rank, one.independent) for one in likely]
     if np.mean(chances) > SIGNIFICANCE:
         return
-    best = likely[0]
     yield Problem(
         name="tables",
         of=("tables",),
@@ -311,7 +312,6 @@ def contradiction(likely: Sequence[Equations]) -> Iterator[Problem]:
         deviation=np.array([np.nan]),
         unit="",
         gain=-np.inf,
-        rank=0,
     )
 
 
@@ -324,7 +324,6 @@ def untested(samples: int) -> Problem:
         deviation=np.array([np.nan]),
         unit="",
         gain=-np.inf,
-        rank=1,
     )
 
 

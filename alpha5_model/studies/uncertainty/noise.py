@@ -33,8 +33,8 @@ _FLOOR = 1e-14
 #: Combinations of likely columns with less effect than this share of one deviation of
 #: the noise are lost in it.
 _LOST = 0.3
-#: Limits of the arctanh of partial autocorrelations: 0.9996 for the first, then 0.95.
-_LIMITS = ((-4.3, 4.3), (-1.8, 1.8), (-1.8, 1.8))
+#: Largest arctanh of partial autocorrelations: of 0.9996 for the first, then of 0.95.
+_LARGEST = np.array([4.3, 1.8, 1.8])
 #: How many noises represent those that the data do not rule out, and of how many points
 #: they are chosen.
 _LIKELY = 16
@@ -45,8 +45,9 @@ _WIDER = 1.3
 _LEAST_CURVATURE = 1.0
 #: Step of the derivatives of the likelihood.
 _STEP = 0.05
-#: Where the search may start; far off, the likelihood is flat.
-_STARTS = ((-0.5, 0.0, 0.0), (0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.5, 0.0, 0.0))
+#: Where the search for the first arctanh may start, with the others at 0; far off, the
+#: likelihood is flat.
+_STARTS = (-0.5, 0.0, 0.5, 1.5)
 
 
 class Noise(NamedTuple):
@@ -105,8 +106,10 @@ def noise_of_channel(
     def likelihood(unbounded: FloatArray) -> float:
         return channel.minus_log_likelihood(np.tanh(unbounded))
 
-    first = min(_STARTS, key=lambda one: likelihood(np.array(one)))
-    best = minimize(likelihood, first, method="L-BFGS-B", bounds=_LIMITS)
+    starts = np.multiply.outer(_STARTS, np.eye(ORDER)[0])
+    start = min(starts, key=likelihood)
+    limits = np.column_stack([-_LARGEST, _LARGEST])
+    best = minimize(likelihood, start, method="L-BFGS-B", bounds=limits)
     partial = np.tanh(best.x)
     share = (1.0 - stationary(partial).sum()) ** 2 / np.prod(1.0 - partial**2)
     independent = channel.freedom * min(float(share), 1.0)
@@ -184,13 +187,12 @@ def _drawn(
     Returns:
         (_LIKELY, ORDER).
     """
-    lower, upper = np.transpose(_LIMITS)
     values, vectors = np.linalg.eigh(_curvature(minus_log_likelihood, best))
     deviations = vectors / np.sqrt(np.maximum(values, _LEAST_CURVATURE))
     rng = np.random.default_rng(0)
     steps = _WIDER * rng.normal(size=(_CANDIDATES, ORDER))
     points = best + steps @ deviations.T
-    inside = ((points >= lower) & (points <= upper)).all(axis=1)
+    inside = (np.abs(points) <= _LARGEST).all(axis=1)
     points = points[inside]
     steps = steps[inside]
     if not len(points):
@@ -255,7 +257,7 @@ def _basis(columns: FloatArray, measured: FloatArray) -> FloatArray:
     used = sizes > 0
     scaled = present[:, used] / sizes[used]
     _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
-    independent = singular > _RANK * singular.max(initial=0.0)
+    independent = singular > _RANK * singular[:1]
     weights = directions[independent].T / singular[independent]
     return np.asarray(columns[:, used] / sizes[used] @ weights)
 
@@ -267,7 +269,7 @@ def _with_likely(
     present = np.isfinite(measured)
     beyond = likely - basis @ (basis[present].T @ likely[present])
     left, singular, directions = np.linalg.svd(beyond[present], full_matrices=False)
-    independent = singular > _RANK * singular.max(initial=0.0)
+    independent = singular > _RANK * singular[:1]
 
     everything = np.column_stack([basis[present], left[:, independent]])
     noise = _rest_deviation(everything, measured[present])
@@ -327,7 +329,7 @@ def _likelihood_parts(
 
     of_columns = squares[:-1, :-1]
     tiny = np.finfo(float).tiny
-    floor = _FLOOR * (np.trace(of_columns) + tiny)
+    floor = _FLOOR * max(float(np.trace(of_columns)), tiny)
     factor = np.linalg.cholesky(of_columns + floor * np.eye(len(of_columns)))
     explained = np.linalg.solve(factor, squares[:-1, -1])
     rest = float(squares[-1, -1] - explained @ explained)

@@ -14,13 +14,13 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.dimensions import Dimensions
 from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.codegen.regrouping import moments, regrouped
+from alpha5_model.codegen.regrouping import regrouped
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.kernel_numbers import arm_parameters, moments_of_links
+from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers
+from alpha5_model.studies.uncertainty.carried import moments_carried
 from alpha5_model.studies.uncertainty.linear_maps import groups, split
 
 #: How the names of numbers begin or end that move joints or turn the mount.
@@ -59,7 +59,10 @@ class Unknowns:
         self._density = arm.fluid_density
         self._by_moments = numbers.grouping(arm.fluid_density)
         of_bodies = numbers.half_width * np.abs(numbers.to_bodies).any(axis=(1, 2)) > 0
-        self._moments = _nominal_moments(arm, numbers)
+        believed = arm.parameters
+        if numbers.alternatives:
+            believed = numbers.parameters(numbers.middle)
+        self._moments = moments_carried(arm, believed)
         candidates = {k: self._ends(k) for k in self._candidates()}
         ends = {k: pair for k, pair in candidates.items() if _moves_joints(*pair)}
         used = np.flatnonzero(of_bodies | np.isin(np.arange(of_bodies.size), [*ends]))
@@ -172,26 +175,6 @@ def _moves_joints(low: _Geometry, high: _Geometry) -> bool:
         np.array_equal(low.dimensions[:-12], high.dimensions[:-12]),
     ]
     return not all(same)
-
-
-def _nominal_moments(arm: Arm, numbers: ArmNumbers) -> FloatArray:
-    """Moments of what each link carries, by the believed numbers, (5, 2, 4, 4)."""
-    carried = moments_of_links(arm)
-    if not numbers.alternatives:
-        return carried
-    believed = numbers.parameters(numbers.middle)
-    links = zip(believed.links, arm.parameters.links, strict=True)
-    for number, (link, plain) in enumerate(links):
-        change = np.subtract(
-            _moments(link, arm.fluid_density), _moments(plain, arm.fluid_density)
-        )
-        carried[number] += change
-    return carried
-
-
-def _moments(link: RigidBody, density: float) -> tuple[FloatArray, FloatArray]:
-    """Moments of a link."""
-    return moments(link.mass, link.com, link.inertia, link.volume, link.cob, density)
 
 
 def _computed(
