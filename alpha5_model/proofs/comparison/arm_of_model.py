@@ -36,8 +36,9 @@ from alpha5_model.numbers.record_writing import arm_file_text
 from alpha5_model.numbers.tables import BODY_NAMES
 from alpha5_model.numbers.tool import ToolPose, printed_tool
 from alpha5_model.proofs.comparison.alignment import SAME_ZERO, Alignment
-from alpha5_model.proofs.comparison.axis_lines import Z, foot
+from alpha5_model.proofs.comparison.axis_lines import AxisLines, foot, twists
 from alpha5_model.proofs.comparison.bodies_of_model import bodies_of_model
+from alpha5_model.proofs.comparison.chains import AXES
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.measure import arms_of_model
 from alpha5_model.proofs.comparison.model_file import read_model
@@ -280,16 +281,11 @@ def _next(z: FloatArray, after: FloatArray, step: FloatArray, alpha: float) -> _
 
 def _note_twists(chain: _Chain, left_out: list[str]) -> None:
     """Say which axes are twisted, and whether axis_b stands beside the plane."""
-    z = chain.z
-    sine = float(np.linalg.norm(np.cross(z[1], z[2])))
-    twists = {
-        "axis_d": math.asin(np.clip(z[0] @ z[1], -1.0, 1.0)),
-        "axis_c": math.asin(min(1.0, sine)),
-        "axis_b": math.asin(np.clip(z[2] @ z[3], -1.0, 1.0)),
-    }
-    for name, twist in twists.items():
-        if abs(twist) > _LEFT_OUT:
-            degrees = math.degrees(abs(twist))
+    angles = twists(AxisLines(points=chain.origins, directions=chain.z))
+    off = np.abs(angles - [math.pi / 2, 0.0, math.pi / 2])
+    for name, twist in zip(AXES[1:], off.tolist(), strict=True):
+        if twist > _LEFT_OUT:
+            degrees = math.degrees(twist)
             text = f"{name} is twisted by {degrees:.3g} deg against the axis before it"
             left_out.append(text)
     if abs(chain.offset) > _LEFT_OUT:
@@ -299,7 +295,7 @@ def _note_twists(chain: _Chain, left_out: list[str]) -> None:
 
 def _note_signs(sign: FloatArray, left_out: list[str]) -> None:
     """Say which joints turn the other way."""
-    for name, one in zip(("axis_e", "axis_d", "axis_c", "axis_b"), sign, strict=True):
+    for name, one in zip(AXES, sign, strict=True):
         if one < 0:
             text = f"{name} turns the other way: its position is minus the model's"
             left_out.append(text)
@@ -389,8 +385,7 @@ def _bodies(
 ) -> tuple[tuple[LinkParameters, ...], tuple[AttachedBody, ...]]:
     """The links, and what is attached to them."""
     poses = theirs.poses(np.zeros(4))
-    turned = transform(rotation_about(Z, catalogue.base_yaw))
-    frames = np.array([axes.base @ turned, *axes.links])
+    frames = np.array([axes.base, *axes.links])
     coms, inertias = carried_to(
         np.linalg.inv(frames) @ poses, theirs.com, theirs.inertia
     )

@@ -85,7 +85,7 @@ def axis_shape(lines: AxisLines) -> FloatArray:
     # The second and third axis are parallel, or nearly so: their common normal is not
     # unique.
     distances[1] = np.linalg.norm(upper_arm - offset * direction)
-    return np.array([*distances, abs(offset), *_twists(lines)])
+    return np.array([*distances, abs(offset), *twists(lines)])
 
 
 def _distances(lines: AxisLines) -> FloatArray:
@@ -97,7 +97,7 @@ def _distances(lines: AxisLines) -> FloatArray:
     return np.asarray(np.abs(along_normals) / np.maximum(sines, 1e-9))
 
 
-def _twists(lines: AxisLines) -> FloatArray:
+def twists(lines: AxisLines) -> FloatArray:
     """Angle of each axis (N, 3) with the one before it, (N - 1,), up to pi/2 [rad]."""
     before = lines.directions[:-1]
     after = lines.directions[1:]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,9 +52,14 @@ def bodies_of_model(
         try:
             links.append(_link(link, mass, com, symmetric))
         except InputError:
-            body, rest = _parted(link, mass, com, symmetric)
-            links.append(body)
-            attached.append(rest)
+            parted = _parted(link, mass, com, symmetric)
+            if parted is None:
+                text = f"{link.name} has its COM outside the link, and no part in it"
+                left_out.append(f"{text}: the printed one is kept")
+                links.append(link)
+                continue
+            links.append(parted.body)
+            attached.append(parted.rest)
     return tuple(links), tuple(attached)
 
 
@@ -83,10 +89,17 @@ def _link(
     return link
 
 
+class _Parted(NamedTuple):
+    """A share of the printed link, and an attached body that makes up for the rest."""
+
+    body: LinkParameters
+    rest: AttachedBody
+
+
 def _parted(
     link: LinkParameters, mass: float, com: FloatArray, inertia: FloatArray
-) -> tuple[LinkParameters, AttachedBody]:
-    """A share of the printed link, and an attached body that makes up for the rest."""
+) -> _Parted | None:
+    """The largest share of the printed link that leaves a possible rest, if any."""
     about_origin = inertia + point_mass_tensor(mass, com)
     printed = link.inertia + point_mass_tensor(link.mass, link.com)
     for share in _SHARES:
@@ -97,17 +110,19 @@ def _parted(
         shifted = point_mass_tensor(rest, rest_com)
         rest_inertia = about_origin - share * printed - shifted
         rest_inertia = (rest_inertia + rest_inertia.T) / 2
-        if not inconsistencies(rest, rest_com, rest_inertia):
-            break
-    body = replace(link, mass=share * link.mass, inertia=share * link.inertia)
-    return body, AttachedBody(
-        name=f"rest_of_{link.name}",
-        mass=rest,
-        com=rest_com,
-        inertia=rest_inertia,
-        volume=0.0,
-        cob=rest_com,
-        link=link.name,
-        position=np.zeros(3),
-        rotation=np.eye(3),
-    )
+        if inconsistencies(rest, rest_com, rest_inertia):
+            continue
+        body = replace(link, mass=share * link.mass, inertia=share * link.inertia)
+        attached = AttachedBody(
+            name=f"rest_of_{link.name}",
+            mass=rest,
+            com=rest_com,
+            inertia=rest_inertia,
+            volume=0.0,
+            cob=rest_com,
+            link=link.name,
+            position=np.zeros(3),
+            rotation=np.eye(3),
+        )
+        return _Parted(body=body, rest=attached)
+    return None
