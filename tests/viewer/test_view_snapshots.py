@@ -21,7 +21,7 @@ from descriptions import described, figure
 from PIL import Image
 
 import alpha5_model as a5
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.trajectory import Motion
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.commands import scene_commands
@@ -118,7 +118,10 @@ def without_arrays(part: object) -> object:
 @AS_LAID_OUT
 def test_the_plot_of_the_workspace() -> None:
     lines = [*figure(workspace_figure(catalogue()))]
-    lines += figure(own_workspace_figure(catalogue()))
+    printed = a5.parameters()
+    rows = [dataclasses.replace(row, a=3 * row.a, d=3 * row.d) for row in printed.dh]
+    large = kinematics_of(dataclasses.replace(printed, dh=tuple(rows)))
+    lines += figure(own_workspace_figure(large))
     check_lines("workspace", lines)
 
 
