@@ -113,7 +113,7 @@ def _mark_shoulder(axes: Axes, plane: ArmPlane) -> None:
 def _draw_published(axes: Axes, kinematics: ArmKinematics) -> None:
     parameters = kinematics.parameters
     for torus in published_region.published_tori(parameters):
-        circle = planar.Arc(center=torus.center, radius=torus.radius, start=-math.pi)
+        circle = planar.Arc(center=torus.center, radius=torus.radius, start=math.pi)
         points = polyline(circle, CHORD) * 1e3
         # The half-plane ends at the yaw axis.
         points[points[:, 0] < 0] = np.nan
