@@ -57,7 +57,8 @@ def test_a_motion_without_the_jaws_leaves_them_at_rest(jaws: a5.Arm) -> None:
     """Their velocity is zero, and what was recorded of them is not known."""
     four = moved(0.5)
     velocity = 0.2 * np.cos(four.time)[:, None] * np.ones(4)
-    effort = a5.trajectory.analyse(four, a5.load()).torque + 0.01
+    model = a5.trajectory.analyse(four, a5.load(), method="interpolate")
+    effort = model.torque + 0.01
     played = replace(four, velocity=velocity, effort=effort, current=effort / 10)
     track = motion_track(played, jaws, np.array([*HOME, 0.004]))
 
