@@ -15,9 +15,10 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import own_arm_dynamics as own
 import pytest
 from committed_texts import check_committed
-from descriptions import described, figure
+from descriptions import described, figure, inline
 from PIL import Image
 
 import alpha5_model as a5
@@ -31,7 +32,7 @@ from alpha5_model.viewer.motion_plot import motion_figure, thin
 from alpha5_model.viewer.mount_plot import mount_load_figure
 from alpha5_model.viewer.page import page_data
 from alpha5_model.viewer.planar_plot import new_axes, plot_planar, save
-from alpha5_model.viewer.scene import GROUPS, Scene
+from alpha5_model.viewer.scene import GROUPS, Payload, Scene
 from alpha5_model.viewer.self_collision_plot import self_collision_figure
 from alpha5_model.viewer.workspace_plot import own_workspace_figure, workspace_figure
 
@@ -86,6 +87,37 @@ def test_the_scene_of_a_target() -> None:
     target = build_scene(arm_with_made_up_masses(), target=(0.25, 0.1, 0.1))
     shapes = [shape for shape in target.shapes if shape.group == "ghosts"]
     check_lines("target", described("ghosts", (shapes, target.labels, target.camera)))
+
+
+def test_what_is_said_of_odd_scenes() -> None:
+    """Labels, notes and poses of scenes in which something is out of the ordinary."""
+    arm = arm_with_made_up_masses()
+    beside = a5.load(arm=own.RECORDS[0])
+    mounted = a5.load(arm=own.RECORDS[9], gripper="jaws")
+    scenes = {
+        "far target": build_scene(arm, target=(2.0, 0.1, 0.3)),
+        "beyond limits": build_scene(arm, [7.0, 1.0, 1.0, 1.0]),
+        "at limits": build_scene(arm, [0.01745 - 0.9e-9, 1.0, 1.0, 1.0]),
+        "still water": build_scene(arm, current=(0.0, 0.0, 0.0)),
+        "heavy payload": build_scene(arm, payload=Payload(mass=6.0)),
+        "tool beside": build_scene(beside, target=(0.27, -0.19, 0.09)),
+        "tool beside, far": build_scene(beside, target=(2.0, 0.0, 0.0)),
+        "mounted": build_scene(mounted),
+    }
+    groups = ("ghosts", "current", "payload")
+    lines = []
+    for name, odd in scenes.items():
+        lines.append(f"{name}: q {inline(odd.q)} shows {odd.show}")
+        lines += [f"{name}: note {note}" for note in odd.notes[1:-1]]
+        texts = [label.text for label in odd.labels if label.group in odd.show]
+        lines.append(f"{name}: {' | '.join(texts)}")
+        lines += [
+            f"{name}: {shape.group}/{shape.name} {inline(shape.mesh.vertices)}"
+            for shape in odd.shapes
+            if shape.group in odd.show and shape.group in groups
+        ]
+    lines.append(f"mounted: {inline(scenes['mounted'].travel)}")
+    check_lines("odd_scenes", lines)
 
 
 def test_the_data_of_the_page(scene: Scene) -> None:
