@@ -17,7 +17,7 @@ import alpha5_model as a5
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.viewer import page, visualizer
 from alpha5_model.viewer.build import _loaded
-from alpha5_model.viewer.scene import MotionTrack, Payload
+from alpha5_model.viewer.scene import Compared, MotionTrack, Payload
 from alpha5_model.viewer.tracks import motion_track, resampled, tour
 from alpha5_model.viewer.video_file import film
 from alpha5_model.viewer.visualizer import ArmVisualizer
@@ -79,10 +79,21 @@ def test_a_page_has_at_most_2000_samples_of_a_motion() -> None:
     """The first, the last, and steady ones between, to a millionth."""
     for count in (2000, 2001):
         time = np.linspace(0.0, 1.0, count)
+        recorded = np.where(time == 0.0, np.nan, time)[:, None]
+        third = time[:, None] / 3
         track = MotionTrack(
-            name="", time=time, q=time[:, None], loads={}, signals={"s": time}
+            name="",
+            time=time,
+            q=third,
+            loads={},
+            compared={"effort": Compared(recorded=recorded, computed=third)},
+            signals={"s": time},
         )
         sent = page._track(track)
+        assert sent["q"].tolist() == sent["compared"]["effort"]["computed"]
+        assert sent["q"][-1] == [0.333333]
+        assert sent["compared"]["effort"]["recorded"][0] == [None]
+        assert sent["compared"]["effort"]["recorded"][-1] == [1.0]
         assert len(sent["time"]) == len(sent["q"]) == len(sent["signals"]["s"]) == 2000
         assert sent["time"][0] == 0.0
         assert sent["time"][-1] == 1.0

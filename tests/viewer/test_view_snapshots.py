@@ -116,7 +116,11 @@ def test_what_is_said_of_odd_scenes() -> None:
             for shape in odd.shapes
             if shape.group in odd.show and shape.group in groups
         ]
-    lines.append(f"mounted: {inline(scenes['mounted'].travel)}")
+    data = page_data(scenes["mounted"])
+    for part in ("travel", "attitude", "own"):
+        lines.append(f"mounted: {part} {inline(data[part])}")
+    for body in data["statics"]["beyond"]:
+        lines.append(f"mounted: beyond {inline(body)}")
     check_lines("odd_scenes", lines)
 
 
