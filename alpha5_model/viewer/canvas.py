@@ -18,8 +18,8 @@ from alpha5_model.viewer.scene import Camera
 IntArray = NDArray[np.int64]
 FaceArray = NDArray[np.uint32]
 #: Rows of triangles, and pixels in them, computed at once: they fit in a cache.
-_LINES = 1 << 13
-_PIXELS = 1 << 15
+_LINES = 8192
+_PIXELS = 32768
 #: Colour behind everything, at the top and at the bottom, each 0 to 1.
 _SKY = (1.0, 1.0, 1.0)
 _GROUND = (0.80, 0.86, 0.90)
@@ -189,7 +189,7 @@ class Canvas:
             rows.min(), rows.max(), self.window.top, self.window.bottom
         )
         start = int(top) - self.window.top
-        end = max(start, int(bottom) - self.window.top)
+        end = int(bottom) - self.window.top
         return slice(start * self._columns, end * self._columns)
 
     def _fragments(
@@ -242,13 +242,12 @@ class Canvas:
         rest = triangles.constant[:, triangle]
         rest += triangles.by_y[:, triangle] * (row + 0.5)
 
-        # A pixel is inside if no weight is negative.
+        # A pixel is inside if no weight is negative. The weight of a corner that is
+        # opposite to a level edge is positive in all rows of the triangle.
         with np.errstate(divide="ignore", invalid="ignore"):
             zero = -rest / slope
         left = -_least(-np.where(slope > 0.0, zero, -np.inf))
         right = _least(np.where(slope < 0.0, zero, np.inf))
-        outside = ((slope == 0.0) & (rest < -1e-9)).any(axis=0)
-        right[outside] = -np.inf
         first, last = _spans(left, right, window.left, window.right)
 
         some = np.flatnonzero(last > first)
@@ -356,7 +355,7 @@ def _counted(first: IntArray, last: IntArray) -> tuple[IntArray, IntArray]:
     Returns:
         Index of the range of each number, and the numbers.
     """
-    size = np.maximum(last - first, 0)
+    size = last - first
     which = np.repeat(np.arange(len(size)), size)
     starts = np.cumsum(size) - size
     return which, np.arange(len(which)) + np.repeat(first - starts, size)
@@ -382,4 +381,4 @@ def shade(
 
     lit = colors * (_AMBIENT + light @ _STRENGTHS)[:, None]
     highlight = 0.5 * shine * (facing**24 @ _STRENGTHS)[:, None]
-    return np.asarray(np.clip(lit + highlight, 0.0, 1.0))
+    return np.asarray(np.minimum(lit + highlight, 1.0))

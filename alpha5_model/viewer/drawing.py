@@ -153,7 +153,8 @@ def centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Labe
         gravity: Acceleration in the world, (3,) [m/s^2].
         loads: Weight and buoyancy of the bodies.
     """
-    down = gravity / (np.linalg.norm(gravity) or 1.0)
+    strength = np.linalg.norm(gravity)
+    down = gravity / strength if strength else gravity
     for kind in _CENTERS:
         for i, load in enumerate(loads):
             yield from _center(kind, f"load_{i}", [load], down, whole=False)

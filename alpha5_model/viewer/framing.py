@@ -73,7 +73,6 @@ def _nearest_camera(points: FloatArray, direction: FloatArray, aspect: float) ->
     camera = Camera(eye=center + direction, target=center)
     axes = camera.axes()
     tangent_of_half_height = _USED_HEIGHT * np.tan(np.deg2rad(camera.field_of_view) / 2)
-    distance = 0.0
     # Near points look larger, so the middle of the points in space is not their middle
     # in the picture. It is corrected in steps.
     for _ in range(_STEPS):

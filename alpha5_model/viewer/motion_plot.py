@@ -15,9 +15,8 @@ if TYPE_CHECKING:
 
     from alpha5_model.trajectory.analysis import Analysis
 
-#: Most points of a curve; longer ones are thinned and keep the extremes of each
-#: stretch.
-_POINTS = 4000
+#: Most stretches of a curve; of a longer one, the extremes of each are drawn.
+_STRETCHES = 2000
 #: Most points at which the band of the printed digits is computed.
 _BAND_POINTS = 500
 #: Widths of the curves of `CAUSES`.
@@ -264,8 +263,7 @@ def _draw_mount(axes: Axes, analysis: Analysis) -> None:
 
 
 def _draw_path(axes: Axes, analysis: Analysis) -> None:
-    step = max(1, len(analysis.tcp) // _POINTS)
-    x, y, z = 1e3 * analysis.tcp[::step].T
+    x, y, z = 1e3 * analysis.tcp.T
     axes.plot(x, z, color=Color.BLUE, linewidth=1.2, label="side (x, z)")
     axes.plot(x, y, color=Color.ORANGE, linewidth=1.2, label="top (x, y)")
     for other in (z, y):
@@ -319,8 +317,8 @@ def _bounds(axes: Axes, *bounds: float) -> None:
 
 
 def thin(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """At most `_POINTS` points: lowest and highest of each stretch, and the last."""
-    stretch = -(-len(time) // (_POINTS // 2))
+    """Lowest and highest point of each of `_STRETCHES` stretches, and the last."""
+    stretch = -(-len(time) // _STRETCHES)
     if stretch <= 2:
         return time, values
     whole = len(time) // stretch * stretch

@@ -15,7 +15,7 @@ from alpha5_model.theory import planar
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Longest chord of an arc of the arm's workspace in a plot [rad].
+#: Longest chord of an arc in a plot [rad].
 CHORD = 0.01
 _ORIGIN = (0.0, 0.0)
 
@@ -61,8 +61,15 @@ def fill(axes: Axes, lines: Iterable[FloatArray], color: str, **options: Any) ->
         axes.add_patch(PathPatch(region, facecolor=color, linewidth=0, **options))
 
 
-def legend_below(axes: Axes, drop: float, **options: Any) -> None:
-    """A legend under the axes, ``drop`` of their height below them, each label once."""
+def legend_below(axes: Axes, drop: float, in_row: bool = False, **options: Any) -> None:
+    """A legend under the axes, with each label once.
+
+    Args:
+        axes: The axes.
+        drop: How far below them, in heights of the axes.
+        in_row: Whether the labels stand beside one another.
+        options: Of matplotlib's legend.
+    """
     handles, labels = axes.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     axes.legend(
@@ -70,5 +77,6 @@ def legend_below(axes: Axes, drop: float, **options: Any) -> None:
         unique.keys(),
         loc="upper center",
         bbox_to_anchor=(0.5, -drop),
+        ncols=len(unique) if in_row else 1,
         **options,
     )

@@ -32,7 +32,7 @@ class _Item(NamedTuple):
     opacity: float
 
 
-def picture_png(scene: Scene, size: Size = (1600, 1000)) -> bytes:
+def picture_png(scene: Scene, size: Size) -> bytes:
     """The scene as a PNG file.
 
     Args:
@@ -46,7 +46,7 @@ def picture_png(scene: Scene, size: Size = (1600, 1000)) -> bytes:
     return buffer.getvalue()
 
 
-def picture(scene: Scene, size: Size = (1600, 1000)) -> Pixels:
+def picture(scene: Scene, size: Size) -> Pixels:
     """The scene as pixels, (height, width, 3)."""
     width, height = check_size(size)
     items = _items(scene)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.theory import planar
 from alpha5_model.viewer.figures import new_figure, write_figure
-from alpha5_model.viewer.outlines import fill, legend_below, polyline
+from alpha5_model.viewer.outlines import CHORD, fill, legend_below, polyline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,8 +22,6 @@ EDGE = "#2f4b66"
 ARM = "#d9730d"
 #: Outline of the points that are reached in all orientations.
 ALL = "#b8860b"
-#: Longest chord of an arc [rad].
-_CHORD = math.tau / 360
 #: Angles of revolute joints without limits at which an arm is drawn, in turn [rad].
 _BENT = (0.5, 0.9, -0.7)
 
@@ -61,7 +58,7 @@ def plot_planar(
     _fill_workspace(axes, space)
     if dexterous and arm.length_ranges is not None:
         _draw_dexterous_rings(axes, arm)
-    elif dexterous and arm.n == 3 and arm.joints[-1] == "R":
+    elif dexterous and arm.n == 3 and arm.joints.endswith("R"):
         _draw_dexterity_map(axes, arm, resolution)
     lines = _draw_boundary(axes, space)
     path = arm.poses(_middle(arm) if q is None else q)[:, :2]
@@ -69,7 +66,7 @@ def plot_planar(
 
     _set_limits(axes, np.concatenate([*lines, path]))
     axes.set_title(title(arm, space), fontsize=10)
-    legend_below(axes, 0.14, ncols=9, fontsize=8, frameon=False)
+    legend_below(axes, 0.14, in_row=True, fontsize=8, frameon=False)
     return axes
 
 
@@ -114,7 +111,7 @@ def save(axes: Any, path: str | os.PathLike[str]) -> None:
 def _fill_workspace(axes: Axes, space: planar.Workspace) -> None:
     edges = []
     for edge in space.edges:
-        line = polyline(edge.curve, _CHORD)
+        line = polyline(edge.curve, CHORD)
         edges.append(line if edge.inside_left else line[::-1])
     fill(axes, edges, REACHED, label="workspace", zorder=0)
 
@@ -127,7 +124,7 @@ def _draw_boundary(axes: Axes, space: planar.Workspace) -> list[FloatArray]:
     """
     lines = []
     for curve in space.curves:
-        line = polyline(curve, _CHORD)
+        line = polyline(curve, CHORD)
         lines.append(line)
         look = {"lw": 2.4, "label": "workspace"} if curve in space.thin else {"lw": 1.0}
         axes.plot(*line.T, color=EDGE, **look)
@@ -168,8 +165,8 @@ def _draw_dexterous_rings(axes: Axes, arm: planar.PlanarArm) -> None:
     """The exact dexterous workspace: rings, circles or the origin."""
     point = 1e-12 * arm.reach
     for low, high in planar.dexterous_radii(arm):
-        inner = polyline(planar.Arc((0.0, 0.0), low), _CHORD)
-        outer = polyline(planar.Arc((0.0, 0.0), high), _CHORD)
+        inner = polyline(planar.Arc((0.0, 0.0), low), CHORD)
+        outer = polyline(planar.Arc((0.0, 0.0), high), CHORD)
         if high <= point:
             (circle,) = axes.plot(0, 0, "o", ms=11, label="dexterous")
             circle.set(mfc="none", mec=DEXTEROUS, mew=2.5)

@@ -61,7 +61,8 @@ class Requests:
             frames: The envelope, with the address of the program, then the request.
             send: Sends the same envelope with an answer.
         """
-        start = frames.index(b"", 1) + 1 if b"" in frames[1:] else 1
+        _, *rest = frames
+        start = rest.index(b"") + 2 if b"" in rest else 1
         envelope = frames[:start]
         request = frames[start:]
 

@@ -46,7 +46,7 @@ class _Cells(NamedTuple):
 
 
 @style()
-def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
+def self_collision_figure(cell: float = CELL, *, samples: int) -> Any:
     """Plot, from above and the side, the share that is reached in self-collision only.
 
     The arm is the catalogue's, whose bodies are drawn.

@@ -5,6 +5,7 @@ Every mesh has a normal at each corner, so that the page and the picture shade i
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise, product
@@ -71,8 +72,8 @@ def drawn(shape: UrdfShape, folder: str) -> Mesh:
         radius, length = shape.size
         mesh = cylinder(radius, length)
     elif shape.kind == "sphere":
-        plain = (1.0, 1.0, 1.0)
-        mesh = replace(ball(shape.size[0], plain, plain), colors=None)
+        (radius,) = shape.size
+        mesh = sphere(radius)
     else:
         raise FileFormatError("URDF", f"cannot draw a {shape.kind}")
     return mesh.moved(shape.placement)
@@ -91,12 +92,13 @@ def read_obj(path: str) -> Mesh:
     vertices = _coordinates(lines, "v ")
     normals = _coordinates(lines, "vn ")
     corners = [line.split()[1:] for line in lines if line.startswith("f ")]
+    expected = "expected triangles with normals, f a//n b//n c//n"
     try:
         indices = np.array([_indices(face) for face in corners], int) - 1
     except ValueError:
-        indices = np.empty(0)
-    if indices.ndim != 3 or indices.shape[1:] != (3, 2):
-        raise FileFormatError(path, "expected triangles with normals, f a//n b//n c//n")
+        raise FileFormatError(path, expected) from None
+    if indices.shape[1:] != (3, 2):
+        raise FileFormatError(path, expected)
 
     # A vertex of the mesh is a vertex of the file together with one of its normals.
     pairs, which = np.unique(indices.reshape(-1, 2), axis=0, return_inverse=True)
@@ -121,16 +123,19 @@ def _indices(face: list[str]) -> list[list[str]]:
 def join(meshes: list[Mesh]) -> Mesh:
     """Several meshes as one; colours are kept if all have them."""
     faces = []
+    colors = []
     count = 0
     for mesh in meshes:
         faces.append(mesh.faces + np.uint32(count))
         count += len(mesh.vertices)
-    colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
+        if mesh.colors is not None:
+            colors.append(mesh.colors)
+    one_color = any(mesh.colors is None for mesh in meshes)
     return Mesh(
         vertices=np.concatenate([mesh.vertices for mesh in meshes]),
         normals=np.concatenate([mesh.normals for mesh in meshes]),
         faces=np.concatenate(faces),
-        colors=np.concatenate(colors) if len(colors) == len(meshes) else None,
+        colors=None if one_color else np.concatenate(colors),
     )
 
 
@@ -149,7 +154,7 @@ def lathe(profile: ArrayLike, sides: int = 24) -> Mesh:
     rings = []
     for (r0, z0), (r1, z1) in pairwise(np.asarray(profile, np.float64)):
         length = np.hypot(r1 - r0, z1 - z0)
-        if length > 0.0:
+        if length:
             normals = circle((z1 - z0) / length, (r0 - r1) / length)
             ring = Mesh(
                 vertices=np.concatenate([circle(r0, z0), circle(r1, z1)]),
@@ -206,6 +211,20 @@ def arrow(vector: ArrayLike, radius: float) -> Mesh:
 
 def ball(radius: float, first: ArrayLike, second: ArrayLike, sides: int = 24) -> Mesh:
     """A sphere with octants of two colours, the usual symbol for a centre of mass."""
+    parts = [
+        octant.painted(second if mirrored else first)
+        for octant, mirrored in _octants(radius, sides)
+    ]
+    return join(parts)
+
+
+def sphere(radius: float, sides: int = 24) -> Mesh:
+    """A sphere about the origin."""
+    return join([octant for octant, _ in _octants(radius, sides)])
+
+
+def _octants(radius: float, sides: int) -> Iterator[tuple[Mesh, bool]]:
+    """The eight parts of a sphere, and whether each is a mirror image of the first."""
     angles = np.linspace(0.0, np.pi / 2, sides // 4 + 1)
     azimuths, polars = np.meshgrid(angles, angles, indexing="ij")
     azimuth = azimuths.ravel()
@@ -215,7 +234,6 @@ def ball(radius: float, first: ArrayLike, second: ArrayLike, sides: int = 24) ->
         [across * np.cos(azimuth), across * np.sin(azimuth), np.cos(polar)]
     )
     faces = _grid(len(angles), len(angles))
-    parts = []
     for signs in product((1.0, -1.0), repeat=3):
         points = octant * signs
         # An odd number of mirrors turns the triangles inside out.
@@ -225,8 +243,7 @@ def ball(radius: float, first: ArrayLike, second: ArrayLike, sides: int = 24) ->
             normals=points,
             faces=faces[:, ::-1] if mirrored else faces,
         )
-        parts.append(part.painted(second if mirrored else first))
-    return join(parts)
+        yield part, bool(mirrored)
 
 
 def triad(length: float, radius: float) -> Mesh:
@@ -249,7 +266,7 @@ def tube(points: FloatArray, radius: float, sides: int = 6) -> Mesh:
     parts = []
     for start, end in pairwise(points):
         length = float(np.linalg.norm(end - start))
-        if length > 0.0:
+        if length:
             # A little longer than the segment, so that corners close.
             profile = [(radius, -radius / 2), (radius, length + radius / 2)]
             parts.append(lathe(profile, sides).moved(_z_towards(end - start, start)))

@@ -161,7 +161,7 @@ def _rest(pose: FloatArray, samples: int) -> FloatArray:
 def _leg(start: FloatArray, end: FloatArray, speeds: FloatArray) -> FloatArray:
     """Samples after the first of a smooth move from start (n,) to end (n,), in rows."""
     duration = float(np.max(np.pi / 2 * np.abs(end - start) / speeds))
-    samples = max(2, round(duration * _RATE) + 2)
+    samples = round(duration * _RATE) + 2
     phase = np.linspace(0.0, np.pi, samples)[1:]
     done = (1.0 - np.cos(phase)) / 2
     return np.asarray(start + (end - start) * done[:, None])

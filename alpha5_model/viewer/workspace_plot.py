@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 
 #: Colour of a reachable region.
 FILL = "#E8EEF3"
+#: Changes of the style of both figures.
+_STYLE: dict[str, dict[str, Any]] = {
+    "axes": {"grid": True},
+    "grid": {"color": "0.9", "linewidth": 0.5},
+    "legend": {"fontsize": 8.5},
+}
 #: Colour, line style and text of the entries of the legend of the exact boundary.
 _LEGEND = (
     (Color.BLUE, "-", "underarm: the arm faces the point"),
@@ -31,11 +37,7 @@ _LEGEND = (
 )
 
 
-@style(
-    axes={"grid": True},
-    grid={"color": "0.9", "linewidth": 0.5},
-    legend={"fontsize": 8.5},
-)
+@style(**_STYLE)
 def workspace_figure(kinematics: ArmKinematics) -> Any:
     """Plot the exact and the published workspace, as a matplotlib Figure.
 
@@ -57,11 +59,7 @@ def workspace_figure(kinematics: ArmKinematics) -> Any:
     return page
 
 
-@style(
-    axes={"grid": True},
-    grid={"color": "0.9", "linewidth": 0.5},
-    legend={"fontsize": 8.5},
-)
+@style(**_STYLE)
 def own_workspace_figure(kinematics: ArmKinematics) -> Any:
     """Plot the exact workspace of an arm of one's own, as a matplotlib Figure.
 
@@ -115,7 +113,7 @@ def _mark_shoulder(axes: Axes, plane: ArmPlane) -> None:
 def _draw_published(axes: Axes, kinematics: ArmKinematics) -> None:
     parameters = kinematics.parameters
     for torus in published_region.published_tori(parameters):
-        circle = planar.Arc(center=torus.center, radius=torus.radius, start=-math.pi)
+        circle = planar.Arc(center=torus.center, radius=torus.radius, start=math.pi)
         points = polyline(circle, CHORD) * 1e3
         # The half-plane ends at the yaw axis.
         points[points[:, 0] < 0] = np.nan

@@ -64,8 +64,8 @@ def array(values: np.ndarray) -> str:
     flat = values.astype(np.float64).ravel()
     if len(flat) <= SHORT:
         return f"{values.shape} {' '.join(map(number, flat))}"
-    # Weights that tell any two places apart.
-    weighted = flat @ np.cos(np.arange(len(flat)))
+    # Weights that tell any two places apart; gaps weigh nothing.
+    weighted = np.nan_to_num(flat) @ np.cos(np.arange(len(flat)))
     return f"{values.shape} sums {number(np.nansum(flat))} {number(weighted)}"
 
 
@@ -74,44 +74,117 @@ def figure(page: Any) -> Iterator[str]:
     page.canvas.draw()
     yield f"size: {array(page.get_size_inches())}"
     yield from _texts("page", page.texts)
+    for legend in page.legends:
+        yield _legend("page", legend, page.bbox)
     for number_of_axes, axes in enumerate(page.axes):
-        name = f"axes {number_of_axes}"
-        yield f"{name}: place {array(np.array(axes.get_position().bounds))}"
-        yield f"{name}: x {array(np.array(axes.get_xlim()))} {axes.get_xlabel()!r}"
-        yield f"{name}: y {array(np.array(axes.get_ylim()))} {axes.get_ylabel()!r}"
-        yield f"{name}: title {axes.get_title()!r} {axes.get_title(loc='left')!r}"
-        for line in axes.lines:
-            points = np.ma.filled(np.ma.asarray(line.get_xydata(), float), np.nan)
-            style = line.get_color(), line.get_linewidth(), line.get_linestyle()
-            look = f"{style}{_marks(line)}"
-            yield f"{name}: line {line.get_label()!r} {look} {array(points)}"
-        for patch in axes.patches:
-            corners = patch.get_path().vertices
-            color = array(np.array(patch.get_facecolor()))
-            yield f"{name}: patch {color} {array(corners)}"
-        for drawn in axes.collections:
-            colors = array(np.array(drawn.get_facecolor()))
-            corners = [path.vertices for path in drawn.get_paths()]
-            whole = np.concatenate(corners) if corners else np.zeros((0, 2))
-            yield f"{name}: {type(drawn).__name__} {colors} {array(whole)}"
-        yield from _texts(name, axes.texts)
-        if axes.get_legend():
-            yield from _texts(f"{name}: legend", axes.get_legend().get_texts())
+        yield from _axes(f"axes {number_of_axes}", axes)
+
+
+def _axes(name: str, axes: Any) -> Iterator[str]:
+    place = array(np.array(axes.get_position().bounds))
+    yield f"{name}: place {place} aspect {axes.get_aspect()}"
+    yield _axis(f"{name}: x", axes.xaxis)
+    yield _axis(f"{name}: y", axes.yaxis)
+    for title in (axes.title, axes._left_title):
+        if title.get_text():
+            yield f"{name}: title {title.get_text()!r} {_font(title)}"
+    for line in axes.lines:
+        points = np.ma.filled(np.ma.asarray(line.get_xydata(), float), np.nan)
+        look = f"{_color(line.get_color())} {_width(line)} {line.get_linestyle()!r}"
+        marks = f"{_marks(line)} z {number(line.get_zorder())}"
+        yield f"{name}: line {line.get_label()!r} {look}{marks} {array(points)}"
+    for patch in axes.patches:
+        corners = patch.get_path().vertices
+        look = f"{_color(patch.get_facecolor())} {_width(patch)}"
+        order = f"z {number(patch.get_zorder())}"
+        yield f"{name}: patch {look} {order} {array(corners)}"
+    for drawn in axes.collections:
+        yield _collection(name, drawn)
+    yield from _texts(name, axes.texts)
+    if axes.get_legend():
+        yield _legend(name, axes.get_legend(), axes.bbox)
+
+
+def _axis(name: str, axis: Any) -> str:
+    """Ends, label, what the ticks say, and the lines of the grid."""
+    ends = axis.get_view_interval()
+    text = f"{name} {array(np.array(ends))}"
+    if axis.label.get_text():
+        text += f" {axis.label.get_text()!r} {_font(axis.label)}"
+    ticks = [t for t in axis.get_major_ticks() if min(ends) <= t.get_loc() <= max(ends)]
+    labels = [tick.label1 for tick in ticks if tick.label1.get_visible()]
+    if labels:
+        said = " ".join(label.get_text() for label in labels)
+        text += f" ticks {said} {_font(labels[0])}{_paper(labels[0])}"
+    lines = [tick.gridline for tick in ticks if tick.gridline.get_visible()]
+    if lines:
+        text += f" grid {_color(lines[0].get_color())} {_width(lines[0])}"
+    return text
+
+
+def _collection(name: str, drawn: Any) -> str:
+    """Areas or lines that matplotlib draws together."""
+    faces = array(np.array(drawn.get_facecolor()))
+    edges = array(np.array(drawn.get_edgecolor()))
+    widths = array(np.array(drawn.get_linewidth(), float))
+    look = f"{faces} edges {edges} {widths} z {number(drawn.get_zorder())}"
+    corners = [path.vertices for path in drawn.get_paths()]
+    whole = np.concatenate(corners) if corners else np.zeros((0, 2))
+    label = drawn.get_label()
+    return f"{name}: {type(drawn).__name__} {label!r} {look} {array(whole)}"
+
+
+def _legend(name: str, legend: Any, around: Any) -> str:
+    """Its names, and where it is within what is around it."""
+    from matplotlib.transforms import BboxTransformFrom
+
+    texts = legend.get_texts()
+    names = [text.get_text() for text in texts]
+    box = legend.get_window_extent().transformed(BboxTransformFrom(around))
+    place = array(np.array(box.bounds))
+    frame = "framed" if legend.get_frame_on() else "no frame"
+    return f"{name}: legend {names} {_font(texts[0])} {frame} {place}"
+
+
+def _color(color: Any) -> str:
+    """As matplotlib writes it, with the opacity if it is not 1."""
+    from matplotlib.colors import to_hex, to_rgba
+
+    return to_hex(color, keep_alpha=to_rgba(color)[3] < 1)
+
+
+def _width(line: Any) -> str:
+    return number(line.get_linewidth())
+
+
+def _font(text: Any) -> str:
+    return f"{_color(text.get_color())} size {number(text.get_fontsize())}"
 
 
 def _marks(line: Any) -> str:
     """The look of the marks at a line's points, if it has any."""
     if line.get_marker() in ("None", ""):
         return ""
-    colors = line.get_markerfacecolor(), line.get_markeredgecolor()
-    return f" {line.get_marker()!r} {number(line.get_markersize())} {colors}"
+    inside = line.get_markerfacecolor()
+    face = inside if inside == "none" else _color(inside)
+    edge = f"{_color(line.get_markeredgecolor())} {number(line.get_markeredgewidth())}"
+    return f" {line.get_marker()!r} {number(line.get_markersize())} {face} edge {edge}"
 
 
 def _texts(name: str, texts: Any) -> Iterator[str]:
     for text in texts:
-        look = text.get_color(), text.get_fontsize()
         place = array(np.array(text.get_position(), float))
-        yield f"{name}: text {text.get_text()!r} {look} {place}{_paper(text)}"
+        side = f"{text.get_ha()} {text.get_va()}"
+        look = f"{_font(text)} {side} {place}{_leader(text)}{_paper(text)}"
+        yield f"{name}: text {text.get_text()!r} {look}"
+
+
+def _leader(text: Any) -> str:
+    """Where a text points, and the line from it to there, if it has one."""
+    if not hasattr(text, "xy"):
+        return ""
+    at = f" at {array(np.array(text.xy, float))}"
+    return f"{at} line {_width(text.arrow_patch)}" if text.arrow_patch else at
 
 
 def _paper(text: Any) -> str:
@@ -120,5 +193,4 @@ def _paper(text: Any) -> str:
     if paper is None:
         return ""
     pad = paper.get_boxstyle().pad
-    color = array(np.array(paper.get_facecolor()))
-    return f" on {color} pad {number(pad)} line {number(paper.get_linewidth())}"
+    return f" on {_color(paper.get_facecolor())} pad {number(pad)} line {_width(paper)}"

@@ -24,7 +24,7 @@ from alpha5_model.viewer import annotations, film_frames
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.canvas import Canvas, Window, shade
 from alpha5_model.viewer.film_frames import pictures
-from alpha5_model.viewer.framing import framed
+from alpha5_model.viewer.framing import check_size, framed
 from alpha5_model.viewer.picture import picture, picture_png
 from alpha5_model.viewer.poses import posed
 from alpha5_model.viewer.scene import Camera
@@ -135,11 +135,18 @@ def test_a_film_has_the_pictures_of_its_scenes_in_their_order(
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux can fork safely")
 @pytest.mark.parametrize(
-    ("threads", "expected"), [(1, ProcessPoolExecutor), (2, ThreadPoolExecutor)]
+    ("system", "threads", "expected"),
+    [
+        ("linux", 1, ProcessPoolExecutor),
+        ("linux", 2, ThreadPoolExecutor),
+        ("darwin", 1, ThreadPoolExecutor),
+        ("win32", 2, ThreadPoolExecutor),
+    ],
 )
-def test_a_film_forks_only_where_no_other_thread_runs(
-    threads: int, expected: type, monkeypatch: pytest.MonkeyPatch
+def test_a_film_forks_only_on_linux_and_where_no_other_thread_runs(
+    system: str, threads: int, expected: type, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(sys, "platform", system)
     monkeypatch.setattr(threading, "active_count", lambda: threads)
     with film_frames._pool(1) as pool:
         assert type(pool) is expected
@@ -379,10 +386,14 @@ def test_png(arm: a5.Arm) -> None:
     assert np.asarray(image).std() > 20
 
 
-@pytest.mark.parametrize("size", [(0, 100), (100, 9000), (3.5, 100)])
+@pytest.mark.parametrize(
+    "size", [(0, 100), (100, 9000), (3.5, 100), (15, 16), (16, 8001), (16,), (16,) * 3]
+)
 def test_sizes_that_make_no_picture(arm: a5.Arm, size: tuple[int, int]) -> None:
-    with pytest.raises(InputError, match="pixels"):
+    with pytest.raises(InputError, match="16 to 8000 pixels"):
         picture_png(build_scene(arm), size)
+    for allowed in ((16, 8000), (8000, 16)):
+        assert check_size(allowed) == allowed
 
 
 def test_the_readmes_figures_are_of_the_present_arm(

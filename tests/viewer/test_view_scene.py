@@ -337,12 +337,13 @@ def test_meshes_are_read_as_trimesh_reads_them(name: str) -> None:
 def test_meshes_that_cannot_be_drawn(tmp_path: Path) -> None:
     with pytest.raises(MissingFileError):
         read_obj(str(tmp_path / "none.obj"))
-    quad = tmp_path / "quad.obj"
-    quad.write_text(
-        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\n"
-    )
-    with pytest.raises(FileFormatError, match="triangles"):
-        read_obj(str(quad))
+    corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\n"
+    faces = ("f 1//1 2//1 3//1 4//1\n", "f 1 2 3\n", "f 1/2/1 2/2/1 3/2/1\n", "f\n", "")
+    for number, face in enumerate(faces):
+        path = tmp_path / f"{number}.obj"
+        path.write_text(corners + face)
+        with pytest.raises(FileFormatError, match="triangles"):
+            read_obj(str(path))
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,60 @@
+"""A small picture of each kind of thing, beside the committed ``snapshots/pixels.png``.
+
+After a change that you meant, run ``ALPHA5_UPDATE_PRINTED=1 python -m pytest
+tests/viewer/test_view_pixels.py`` and look at both.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+import alpha5_model as a5
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.framing import framed
+from alpha5_model.viewer.picture import picture
+from alpha5_model.viewer.scene import GROUPS, Payload
+
+COMMITTED = Path(__file__).parent / "snapshots" / "pixels.png"
+SIZE = (180, 150)
+#: What is shown in each column. Texts are left out, which other releases of Pillow set
+#: otherwise.
+COLUMNS = (
+    ("bodies",),
+    ("bodies", "see-through", "frames", "com", "cob", "weight", "buoyancy"),
+    ("workspace", "surface", "collision", "ghosts", "payload", "current"),
+)
+
+
+def drawn() -> np.ndarray:
+    """The pictures beside one another, (height, 3 width, 3)."""
+    held = Payload(mass=0.3, com=(0.0, 0.01, 0.02), volume=1e-4)
+    scene = build_scene(
+        a5.load(),
+        target=[0.06, 0.05, 0.36],
+        current=(0.5, 0.2, 0.1),
+        payload=held,
+    )
+    columns = [framed(replace(scene, show=show), SIZE) for show in COLUMNS]
+    return np.hstack([picture(column, SIZE) for column in columns])
+
+
+def test_every_group_looks_as_in_the_committed_picture() -> None:
+    """To half a step of 255 in the mean of each square of ten pixels."""
+    assert {group for column in COLUMNS for group in column} == {*GROUPS} - {"labels"}
+    pixels = drawn()
+    if os.environ.get("ALPHA5_UPDATE_PRINTED"):
+        Image.fromarray(pixels).save(COMMITTED, optimize=True)
+    with Image.open(COMMITTED) as image:
+        committed = np.asarray(image)
+    assert pixels.shape == committed.shape
+
+    off = pixels.astype(float) - committed
+    squares = off.reshape(15, 10, -1, 10, 3).mean(axis=(1, 3))
+    assert np.abs(squares).max() < 0.5
+    # Rounding may decide otherwise at a few edges.
+    assert (np.abs(off).max(axis=2) > 2).mean() < 0.001
