@@ -161,7 +161,7 @@ def _draw(output: Path, q: FloatArray) -> list[str]:
     }
     for name, content in files.items():
         path = atomic_write(output / name, content)
-        say(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")
+        say(f"   {path} ({path.stat().st_size * 1e-6:.1f} MB)")
     return list(files)
 
 
