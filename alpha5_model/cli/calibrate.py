@@ -283,7 +283,8 @@ def _tables(file: Path) -> dict[str, Any]:
 
 
 def _plan_text(planned: Session, degrees: Any) -> printing.Lines:
-    yield f"{len(degrees)} poses for {planned.sensor.kind} (deg)"
+    poses = "one pose" if len(degrees) == 1 else f"{len(degrees)} poses"
+    yield f"{poses} for {planned.sensor.kind} (deg)"
     rows = [["", "axis_e", "axis_d", "axis_c", "axis_b"]]
     for number, angles in enumerate(degrees, 1):
         rows.append([str(number), *(f"{angle:.1f}" for angle in angles)])
