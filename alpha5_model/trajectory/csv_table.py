@@ -14,15 +14,13 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model.errors import FileFormatError
-from alpha5_model.trajectory.file_table import FileTable, Progress
+from alpha5_model.trajectory.file_table import CHUNK, FileTable, Progress
 from alpha5_model.trajectory.iso_times import is_iso_time, iso_seconds
 from alpha5_model.trajectory.joint_map import JointMap
 from alpha5_model.trajectory.ros_columns import joint_name_columns, with_joint_names
 from alpha5_model.trajectory.text_table import fields, is_number, text_table, widths
 from alpha5_model.trajectory.warning import MotionWarning
 
-#: Lines parsed between two reports of progress.
-CHUNK = 50_000
 #: One of so many rows may be bad; one of fewer may be, too.
 _ROWS_FOR_A_BAD_ONE = 100
 
