@@ -25,6 +25,8 @@ from alpha5_model.trajectory import (
     parquet_table,
 )
 from alpha5_model.trajectory.bag_limits import Budget
+from alpha5_model.trajectory.checks import Origin
+from alpha5_model.trajectory.file_table import FileTable
 from alpha5_model.trajectory.filters import _check_even_samples
 from alpha5_model.trajectory.iso_times import iso_seconds
 from alpha5_model.trajectory.joint_map import JointMap
@@ -529,3 +531,19 @@ def test_the_constants_named_are_those_of_the_arm_not_of_replaced_motors() -> No
 def test_a_written_analysis_needs_no_progress(tmp_path: Path) -> None:
     path = a5.trajectory.write(TAKEN, tmp_path / "out.csv")
     assert len(path.read_text("utf-8").splitlines()) == 1 + TIME.size
+
+
+@pytest.mark.parametrize(
+    ("base", "methods"),
+    [
+        (Origin, ["name", "place", "to_radians", "error"]),
+        (FileTable, ["read", "place"]),
+    ],
+)
+def test_a_new_format_must_have_all_methods(base: type, methods: list[str]) -> None:
+    for missing in methods:
+        others = [name for name in methods if name != missing]
+        incomplete = type("Incomplete", (base,), dict.fromkeys(others))
+        with pytest.raises(TypeError, match=missing):
+            incomplete()
+    type("Complete", (base,), dict.fromkeys(methods))()
