@@ -54,7 +54,7 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
     taken = any(is_stdout(path) for path in files)
     with redirect_stdout(sys.stderr) if taken else nullcontext():
         if as_json:
-            echo(json.dumps(plain(record), indent=2, allow_nan=False))
+            echo(json.dumps(plain(record), indent=2))
             return
         if text:
             say(*text)
