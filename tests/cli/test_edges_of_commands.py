@@ -7,15 +7,17 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
 from alpha5_model._support.text import plain
-from alpha5_model.cli import demo, main, sweep, values, view
+from alpha5_model.cli import demo, generate, main, sweep, values, view
 from alpha5_model.cli.syntax import one_syntax
 from alpha5_model.cli.torque_record import Motors, State, torque_record
 from alpha5_model.cli.torque_text import torque_lines
@@ -169,13 +171,6 @@ def test_a_table_has_decimals_below_a_hundred_thousand(
     assert decimals == ({"0000"} if torque < 1e5 and torque > 0 else {"000e+00"})
 
 
-def test_a_current_of_any_speed_is_drawn(tmp_path: Path, capsys: Capture) -> None:
-    path = tmp_path / "polar.svg"
-    words = ["torque", *POSE, "--current", "0 1 0", "--plot", str(path)]
-    assert main(words) == 0
-    assert path.exists()
-
-
 # --- sweep ----------------------------------------------------------------------------
 
 
@@ -314,3 +309,66 @@ def test_the_demo_fails_if_a_description_is_wrong(
     lines = capsys.readouterr().out.splitlines()
     assert "   alpha5.urdf: checks against the tables: 7 passed, 1 FAILED" in lines
     assert any(line.startswith("     inertias: link_2: mass 0.83") for line in lines)
+
+
+# --- generate -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("form", ["mjcf", "sdf", "c", "usd", "water", "lighthill"])
+def test_a_format_without_options_is_the_library_without(
+    form: str, capsys: Capture
+) -> None:
+    made = generate._FORMATS[form]
+    assert main(["generate", "--format", form]) == 0
+    expected = made.files(made.options())[made.main_file]
+    assert capsys.readouterr().out == expected.decode()
+
+
+def test_an_option_beside_a_check_is_named_by_its_long_name(capsys: Capture) -> None:
+    assert main(["generate", "--check", "-o", "x.urdf"]) == 2
+    assert "--output: expected nothing beside --check" in capsys.readouterr().err
+
+
+def test_an_update_names_what_it_wrote(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setattr(generate.committed, "update", lambda: [Path("one.urdf")])
+    monkeypatch.setattr(generate.committed, "not_generated", lambda: ["no meshes"])
+    assert main(["generate", "--update"]) == 0
+    assert capsys.readouterr().out == "wrote one.urdf\nno meshes\n"
+
+
+def test_a_check_counts_files_and_shows_what_differs(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    stale = [SimpleNamespace(diff="-a\n+b\n")]
+    three = {Path(name): b"" for name in "abc"}
+    monkeypatch.setattr(generate.committed, "generated_files", lambda: three)
+    monkeypatch.setattr(generate.committed, "not_generated", list)
+    for found, status, text in (
+        (stale, 1, "-a\n+b\n2 of 3 generated files are fresh\n"),
+        ([], 0, "3 of 3 generated files are fresh\n"),
+    ):
+        monkeypatch.setattr(
+            generate.committed,
+            "stale_files",
+            lambda fresh, found=found: found,
+        )
+        assert main(["generate", "--check"]) == status
+        assert capsys.readouterr().out == text
+
+
+# --- pictures -------------------------------------------------------------------------
+
+
+def test_a_picture_of_a_diagram_is_fit_for_print(
+    tmp_path: Path, capsys: Capture
+) -> None:
+    """A hundred dots per inch or more, as the file itself says, and all of the page."""
+    path = tmp_path / "polar.png"
+    words = ["torque", *POSE, "--current", "0 1 0", "--plot", str(path)]
+    assert main(words) == 0
+    with Image.open(path) as picture:
+        across, up = picture.info["dpi"]
+        assert across == up > 100
+        assert min(picture.size) > 4 * across
