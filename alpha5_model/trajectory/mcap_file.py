@@ -213,7 +213,7 @@ def _links(model: pin.Model) -> Iterator[tuple[int, int]]:
     def is_link(number: int) -> bool:
         return bool(model.frames[number].type == pin.FrameType.BODY)
 
-    for child in range(1, model.nframes):
+    for child in range(model.nframes):
         parent = model.frames[child].parentFrame
         while parent and not is_link(parent):
             parent = model.frames[parent].parentFrame

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -547,3 +549,82 @@ def test_a_new_format_must_have_all_methods(base: type, methods: list[str]) -> N
         with pytest.raises(TypeError, match=missing):
             incomplete()
     type("Complete", (base,), dict.fromkeys(methods))()
+
+
+def test_the_numbers_that_a_parquet_file_claims_are_one_a_row_at_least() -> None:
+    """Whatever is written of a column in damaged metadata."""
+    column = SimpleNamespace(
+        path_in_schema="a", total_uncompressed_size=10, num_values=1
+    )
+    group = SimpleNamespace(num_columns=1, column=lambda _: column)
+    metadata = SimpleNamespace(
+        num_rows=1000, num_row_groups=1, row_group=lambda _: group
+    )
+    assert parquet_table._expanded_size(metadata, ["a"]) == 8 * 1000
+    column.total_uncompressed_size = 123_456
+    assert parquet_table._expanded_size(metadata, ["a"]) == 123_456
+    assert parquet_table._expanded_size(metadata, ["b", "c"]) == 2 * 8 * 1000
+
+
+def test_an_index_of_ros_1_counts_fifty_times_its_bytes() -> None:
+    """Many chunks may claim the same one."""
+
+    def plain(bag: Any, position: int, indexes: Any) -> None:
+        bag.bio.seek(position)
+
+    bag = SimpleNamespace(bio=io.BytesIO())
+    bag.bio.seek(10)
+    budget = Budget(0)
+    token = bag_limits._current.set(budget)
+    try:
+        bag_limits._counted_index(plain)(bag, 30, [])
+    finally:
+        bag_limits._current.reset(token)
+    budget.take(budget.allowed - 50 * 20)
+    assert not budget.exceeded
+    with pytest.raises(bag_limits._ExceededError):
+        budget.take(1)
+
+
+def test_the_last_of_several_comments_holds_the_names(tmp_path: Path) -> None:
+    names = ",".join(["time", *JOINTS])
+    rows = [f"{0.1 * k},1.1,1.2,1.3,1.4" for k in range(9)]
+    path = tmp_path / "m.csv"
+    for before in ([], ["# run 7"], ["# run 7", "# a,b,c,d,e"], ["# 1", "# 2", "# 3"]):
+        path.write_text("\n".join([*before, f"# {names}", *rows]), "utf-8")
+        found = a5.trajectory.read_motion(path)
+        np.testing.assert_array_equal(found.position[4], [1.1, 1.2, 1.3, 1.4])
+
+
+def test_a_date_is_found_behind_a_short_row(tmp_path: Path) -> None:
+    """The time is the last column, and the first row lacks it."""
+    head = ",".join([*JOINTS, "time"])
+    rows = [f"1.1,1.2,1.3,1.4,2026-11-27T02:00:{k:02d}" for k in range(9)]
+    path = tmp_path / "m.csv"
+    path.write_text("\n".join([head, "1.1,1.2", *rows]), "utf-8")
+    found = a5.trajectory.read_motion(path)
+    np.testing.assert_array_equal(np.diff(found.time), np.ones(8))
+    assert kinds(found) == ["bad_row"]
+
+
+def test_the_longest_name_of_a_joint_is_taken() -> None:
+    joints = JointMap({"axis_e": "j", "axis_d": "j_2", "axis_c": "j_2_b"})
+    names = ["j_pos", "j_2_pos", "left_j_2_b_vel", "jj", "j2"]
+    expected = ["axis_e_pos", "axis_d_pos", "left_axis_c_vel", "jj", "j2"]
+    assert joints.renamed(names) == expected
+
+
+@pytest.mark.parametrize(("step", "doubt"), [(1.01, True), (0.99, False)])
+def test_less_than_a_sample_a_second_is_doubted(step: float, doubt: bool) -> None:
+    slow = a5.trajectory.motion(step * np.arange(80.0), POSITION)
+    with pytest.raises(InputError) as caught:
+        a5.trajectory.smooth(slow, "spline", 2.0)
+    assert ("is the time in seconds" in str(caught.value)) == doubt
+
+
+def test_too_few_different_times_are_told_at_the_first() -> None:
+    time = np.array([2.5, 3.0, 4.0, 5.0, 5.0])
+    words = "time[0]: expected at least 5 samples with different times, got 2.5"
+    with pytest.raises(InputError) as caught:
+        a5.trajectory.motion(time, POSITION[:5])
+    assert str(caught.value) == words
