@@ -13,6 +13,7 @@ from alpha5_model._support.files import STDOUT
 from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import options, printing
+from alpha5_model.cli.units import LITRE, MILLIMETRE
 from alpha5_model.errors import InputError, OutputError
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.arm_file import arm_file
@@ -83,7 +84,7 @@ def _changes_text(own: Alpha5Parameters, changes: Any) -> printing.Lines:
     yield f"{own.name} against the catalogue's arm; largest changes within its limits"
     rows = [["changed", "torque (N m)", "tcp (mm)"]]
     for change in changes:
-        cells = [_digits(change.torque), _digits(change.tcp * 1e3)]
+        cells = [_digits(change.torque), _digits(change.tcp / MILLIMETRE)]
         rows.append([change.key, *cells])
     yield from table(rows, "<>>")
 
@@ -132,14 +133,15 @@ def _frames(own: Alpha5Parameters) -> printing.Lines:
         at = _written(own.mount.position)
         yield f"mount on {own.mount.parent} at {at} m"
     rows = [
-        [name, f"{getattr(own.dh[i], field) * 1e3:.6g}"]
+        [name, f"{getattr(own.dh[i], field) / MILLIMETRE:.6g}"]
         for name, (i, field) in LENGTHS.items()
     ]
     yield "\nlengths (mm)"
     yield from table(rows, "<>", 2)
 
     tool = own.tool or printed_tool(own.dh[3], own.dh[4])
-    moved = f", moved by a spacer of {own.spacer * 1e3:g} mm" if own.spacer else ""
+    spacer = f"{own.spacer / MILLIMETRE:g} mm"
+    moved = f", moved by a spacer of {spacer}" if own.spacer else ""
     yield f"tcp at {_written(tool.position)} m in link_4{moved}"
 
 
@@ -158,9 +160,9 @@ def _joints(own: Alpha5Parameters) -> printing.Lines:
 def _bodies(own: Alpha5Parameters) -> printing.Lines:
     rows = [["body", "mass (kg)", "volume (L)", "com (mm)", "cob (mm)"]]
     for body in (*own.links, *own.attached):
-        com = _written(body.com * 1e3)
-        cob = _written(body.cob * 1e3)
-        cells = [f"{body.mass:.6g}", f"{body.volume * 1e3:.6g}", com, cob]
+        com = _written(body.com / MILLIMETRE)
+        cob = _written(body.cob / MILLIMETRE)
+        cells = [f"{body.mass:.6g}", f"{body.volume / LITRE:.6g}", com, cob]
         rows.append([body.name, *cells])
     yield "\nbodies, each in its own frame"
     yield from table(rows, "<>><<", 2)

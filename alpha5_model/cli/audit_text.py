@@ -98,7 +98,7 @@ def _common_place(rows: Sequence[AuditRow]) -> str:
     places = [row.place.split(", ") for row in rows]
     levels = zip(*places, strict=False)
     common = takewhile(lambda parts: len(set(parts)) == 1, levels)
-    return ", ".join(parts[0] for parts in common)
+    return ", ".join(part for part, *_ in common)
 
 
 def _figures(row: AuditRow) -> str:
@@ -114,8 +114,9 @@ def _figures(row: AuditRow) -> str:
 def _subjects(rows: Sequence[AuditRow]) -> str:
     """``link 0, 1, 4`` for claims that end in link_0, link_1 and link_4."""
     words = [row.claim.partition(".")[2].replace("_", " ") for row in rows]
-    stems = {word.rpartition(" ")[0] for word in words}
-    if len(words) > 1 and len(stems) == 1 and words[0][-1].isdigit():
-        numbers = ", ".join(word.rpartition(" ")[2] for word in words)
-        return f"{stems.pop()} {numbers}"
+    parts = [word.rpartition(" ") for word in words]
+    stems = {stem for stem, _, _ in parts}
+    numbers = [number for _, _, number in parts]
+    if len(stems) == 1 and "".join(numbers).isdigit():
+        return f"{stems.pop()} {', '.join(numbers)}"
     return ", ".join(words)

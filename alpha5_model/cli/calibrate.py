@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 _ACTIONS = ("plan", "fit", "motors")
 _FORMATS = (".toml",)
-#: Bytes of a file with the facts of a vehicle, at most.
-_LARGEST = 1 << 16
 
 # The options of this command.
 _Action = Annotated[str, Argument(help="plan, fit or motors.")]
@@ -144,16 +142,15 @@ def calibrate(
         known = "sea" if fluid is None else fluid
         return _motors(files, known, down, payload, output, own, as_json)
 
-    if len(files) != 1:
-        raise InputError("files", " ".join(map(str, files)), "one file to write")
-    if str(files[0]) != STDOUT and files[0].exists():
-        raise OutputError(files[0], "it exists; name another file")
+    file = _only(files, "one file to write")
+    if str(file) != STDOUT and file.exists():
+        raise OutputError(file, "it exists; name another file")
     from alpha5_model.studies.calibration import plan_poses, session_text
 
     chosen = _sensor(sensor, positions, noise, zeroed, vehicle, down)
     density = values.fluid_density("air" if fluid is None else fluid)
-    if files[0].suffix == ".csv":
-        _plan_motion(files[0], chosen, as_json, own, density, down, prior)
+    if file.suffix == ".csv":
+        _plan_motion(file, chosen, as_json, own, density, down, prior)
         return 0
     planned = plan_poses(
         chosen,
@@ -164,15 +161,23 @@ def calibrate(
         prior=prior,
         ballast=ballast,
     )
-    atomic_write(files[0], session_text(planned))
+    atomic_write(file, session_text(planned))
     degrees = np.degrees(planned.motion.q)
     record = {
         "sensor": planned.sensor.kind,
         "channels": planned.sensor.channels,
         "q": planned.motion.q,
     }
-    printing.show(as_json, record, _plan_text(planned, degrees), files[0])
+    printing.show(as_json, record, _plan_text(planned, degrees), file)
     return 0
+
+
+def _only(files: list[Path], expected: str) -> Path:
+    """The one file that an action takes."""
+    first, *others = files
+    if others:
+        raise InputError("files", " ".join(map(str, files)), expected)
+    return first
 
 
 def _plan_motion(
@@ -212,8 +217,7 @@ def _motors(
     as_json: bool,
 ) -> int:
     """Motors from a recording of currents."""
-    if len(files) != 1:
-        raise InputError("files", " ".join(map(str, files)), "one recording")
+    file = _only(files, "one recording")
     from alpha5_model.dynamics.load import load
     from alpha5_model.numbers.fluids import GRAVITY
     from alpha5_model.studies.calibration import motors
@@ -221,7 +225,7 @@ def _motors(
 
     pull = GRAVITY if gravity is None else gravity
     arm = load(values.fluid_density(fluid), gravity=pull, arm=own)
-    found = motors(read_motion(files[0], arm=own), arm, payload=payload)
+    found = motors(read_motion(file, arm=own), arm, payload=payload)
     if output is not None:
         found.write(output)
     weighed = None if found.payload is None else found.payload._asdict()
@@ -279,7 +283,8 @@ def _tables(file: Path) -> dict[str, Any]:
 
 
 def _plan_text(planned: Session, degrees: Any) -> printing.Lines:
-    yield f"{len(degrees)} poses for {planned.sensor.kind} (deg)"
+    poses = "one pose" if len(degrees) == 1 else f"{len(degrees)} poses"
+    yield f"{poses} for {planned.sensor.kind} (deg)"
     rows = [["", "axis_e", "axis_d", "axis_c", "axis_b"]]
     for number, angles in enumerate(degrees, 1):
         rows.append([str(number), *(f"{angle:.1f}" for angle in angles)])
@@ -300,12 +305,10 @@ def _fit(
     from alpha5_model.studies.calibration import fit, read_session
 
     sessions = [read_session(file) for file in files]
-    spread = [
-        values.numbers(name, text, (1,), "rad")[0]
-        for name, text in (("zeros", zeros), ("tilt", tilt))
-    ]
+    (of_zeros,) = values.numbers("zeros", zeros, (1,), "rad")
+    (of_tilt,) = values.numbers("tilt", tilt, (1,), "rad")
     with printing.spinner("fitting"):
-        found = fit(sessions, arm=own, prior=prior, zeros=spread[0], tilt=spread[1])
+        found = fit(sessions, arm=own, prior=prior, zeros=of_zeros, tilt=of_tilt)
     if output is not None:
         found.write(output)
     printing.show(as_json, _record(found), str(found).split("\n"), output)

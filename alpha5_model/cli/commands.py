@@ -52,7 +52,6 @@ def _kernels() -> str:
 _VERSION = typer.Option(
     "--version",
     callback=_print_version,
-    is_eager=True,
     help="Print the version, and which kernels run.",
 )
 

@@ -15,6 +15,7 @@ from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import options, printing, values
+from alpha5_model.cli.units import GRAM, MILLIMETRE
 from alpha5_model.cli.words import WORDS
 from alpha5_model.errors import InputError, OutputError
 from alpha5_model.proofs.comparison import measure
@@ -202,9 +203,9 @@ def _inertia(side: dict[str, Any]) -> list[float]:
     com = side["com_m"] or [math.nan] * 3
     moments = side["principal_moments_kgm2"]
     return [
-        side["mass_kg"] * 1e3,
-        *(coordinate * 1e3 for coordinate in com),
-        *(moment * 1e6 for moment in moments),
+        side["mass_kg"] / GRAM,
+        *(coordinate / MILLIMETRE for coordinate in com),
+        *(moment / MILLIMETRE**2 for moment in moments),
     ]
 
 
@@ -224,10 +225,10 @@ def _largest(comparison: Comparison) -> str:
     return str(words["largest"]).format(
         frame=f"frame {tool.frame}" if tool.frame else words["no_tool"],
         base=tool.base or words["no_base"],
-        tip=tool.distance.max() * 1e3,
-        median=np.median(tool.distance) * 1e3,
+        tip=tool.distance.max() / MILLIMETRE,
+        median=np.median(tool.distance) / MILLIMETRE,
         turned=np.degrees(tool.angle.max()),
-        matched=tool.matched_distance.max() * 1e3,
+        matched=tool.matched_distance.max() / MILLIMETRE,
         matched_turned=np.degrees(tool.matched_angle.max()),
         gravity=comparison.gravity_error.max(),
         mass_matrix=comparison.mass_matrix_error,
@@ -248,13 +249,18 @@ def _alike(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
     """The findings, each with the number of remarks after it that say the same."""
     shown: list[tuple[Finding, int]] = []
     for found in findings:
-        first, more = shown[-1] if shown else (None, 0)
-        remark = not found.serious and not found.instead
-        if first is not None and remark and _said(first) == _said(found):
-            shown[-1] = first, more + 1
+        if shown and _repeats(found, shown[-1][0]):
+            first, more = shown.pop()
+            shown.append((first, more + 1))
         else:
             shown.append((found, 0))
     return shown
+
+
+def _repeats(found: Finding, before: Finding) -> bool:
+    """Whether a finding is a remark that says the same as the one before."""
+    remark = not found.serious and not found.instead
+    return remark and _said(found) == _said(before)
 
 
 def _said(found: Finding) -> tuple[object, ...]:

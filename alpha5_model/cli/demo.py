@@ -16,6 +16,7 @@ from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import audit_text
 from alpha5_model.cli.printing import say
+from alpha5_model.cli.view import PICTURE_SIZE
 from alpha5_model.description import srdf, verification
 from alpha5_model.description import urdf as variants
 from alpha5_model.description.assets import mesh_assets
@@ -36,7 +37,6 @@ from alpha5_model.viewer.tracks import tour
 TARGET = (0.06, 0.05, 0.36)
 #: Travel of the jaw rod at which the page shows the jaws open [m].
 _OPENED = 0.008
-_PICTURE_SIZE = (1400, 1000)
 
 
 def demo(
@@ -154,14 +154,14 @@ def _draw(output: Path, q: FloatArray) -> list[str]:
     """
     say("5. Pictures")
     shown = _scene(q)
-    image = picture_png(framed(shown, _PICTURE_SIZE), _PICTURE_SIZE)
+    image = picture_png(framed(shown, PICTURE_SIZE), PICTURE_SIZE)
     files: dict[str, str | bytes] = {
         "alpha5.html": static_page(shown),
         "alpha5.png": image,
     }
     for name, content in files.items():
         path = atomic_write(output / name, content)
-        say(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")
+        say(f"   {path} ({path.stat().st_size * 1e-6:.1f} MB)")
     return list(files)
 
 

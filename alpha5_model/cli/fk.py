@@ -12,6 +12,7 @@ from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.limits import JOINTS, beyond_limits
+from alpha5_model.cli.units import MILLIMETRE
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -57,7 +58,7 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         ["", *["mm"] * 3, *["deg"] * 3],
     ]
     for name, pose in record["frames"].items():
-        position = 1e3 * pose[:3, 3]
+        position = pose[:3, 3] / MILLIMETRE
         angles = np.degrees(rpy_from_rotation(pose[:3, :3]))
         rows.append([name, *(f"{x:z.3f}" for x in (*position, *angles))])
 

@@ -82,7 +82,7 @@ def _branch(solutions: Solutions, index: int) -> dict[str, Any]:
 def _met_branch(solutions: Solutions, index: int) -> str | None:
     """The first earlier branch with the same solution, as at singular targets."""
     apart = np.abs(wrap(solutions.q[index] - solutions.q[:index]))
-    same = apart.max(axis=-1, initial=0.0) < _SAME
+    same = apart.max(axis=1) < _SAME
     return BRANCHES[int(same.argmax())] if same.any() else None
 
 

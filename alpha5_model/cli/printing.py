@@ -35,7 +35,7 @@ _COLOURS = {
     "✗": "red",
     "·": "yellow",
 }
-_VERDICT = re.compile(rf"( *)({'|'.join(_COLOURS)})(?= )")
+_VERDICT = re.compile(rf"\A( *)({'|'.join(_COLOURS)})(?= )")
 #: The sign of a negative number, but not the hyphen of a word or an option.
 _MINUS = re.compile(r"(?<![\w.,=-])-(?=[\d.])")
 
@@ -54,7 +54,7 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
     taken = any(is_stdout(path) for path in files)
     with redirect_stdout(sys.stderr) if taken else nullcontext():
         if as_json:
-            echo(json.dumps(plain(record), indent=2, allow_nan=False))
+            echo(json.dumps(plain(record), indent=2))
             return
         if text:
             say(*text)
@@ -69,7 +69,7 @@ def say(*lines: str) -> None:
         if sys.stdout.isatty():
             shown = _MINUS.sub("−", shown)
         for part in wrapped(shown, width()):
-            echo(_VERDICT.sub(_coloured, part, count=1))
+            echo(_VERDICT.sub(_coloured, part))
 
 
 def _coloured(match: re.Match[str]) -> str:

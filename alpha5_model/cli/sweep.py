@@ -112,7 +112,7 @@ def _extent_text(extent: Extent) -> str:
     rows = parts if extent.rows is None else f"{extent.rows:,} rows in {parts}"
     words = [rows]
     if extent.table_bytes:
-        words.append(f"about {extent.table_bytes / 1e9:.2g} GB of tables")
+        words.append(f"about {extent.table_bytes * 1e-9:.2g} GB of tables")
     if extent.seconds:
         words.append(f"about {_duration(extent.seconds)}")
     return ", ".join(words)

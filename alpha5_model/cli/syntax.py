@@ -15,11 +15,9 @@ _VECTORS = {
     "--link": 5,
     "--limits": 2,
     "-l": 2,
-    "--gravity": 9,
-    "--current": 9,
-    "--mount": 9,
-    "--payload": 9,
-    "--positions": 9,
+    **dict.fromkeys(
+        ("--gravity", "--current", "--mount", "--payload", "--positions"), 9
+    ),
 }
 #: Options with a vector whose commands have no arguments: all words up to the next
 #: option belong to it.

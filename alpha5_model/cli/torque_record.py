@@ -120,7 +120,10 @@ def _causes(arm: Arm, state: State) -> dict[str, FloatArray]:
     from alpha5_model.dynamics.torque_causes import torque_terms
 
     terms = torque_terms(arm, *state, threads=1)
-    return {term: getattr(terms, term)[0] for term in TERMS}
+    causes = {}
+    for term in TERMS:
+        (causes[term],) = getattr(terms, term)
+    return causes
 
 
 def _moving_water(arm: Arm, state: State, current: list[float]) -> _MovingWater:
@@ -128,7 +131,9 @@ def _moving_water(arm: Arm, state: State, current: list[float]) -> _MovingWater:
 
     q, v, a = (np.array([numbers]) for numbers in state)
     terms = water_terms(arm, q, v, a, current)
-    return _MovingWater(torque=terms.torque[0], wrench=terms.wrench[0])
+    (torque,) = terms.torque
+    (wrench,) = terms.wrench
+    return _MovingWater(torque=torque, wrench=wrench)
 
 
 def _water_columns(water: _MovingWater | None) -> dict[str, FloatArray]:

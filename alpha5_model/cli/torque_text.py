@@ -10,6 +10,7 @@ import numpy as np
 from alpha5_model._support.text import table
 from alpha5_model.cli import printing
 from alpha5_model.cli.torque_record import TERMS, Record
+from alpha5_model.cli.units import MILLIMETRE
 from alpha5_model.cli.words import WORDS
 from alpha5_model.numbers.hydrodynamics import LEVELS
 
@@ -129,7 +130,7 @@ def _warnings(record: Record) -> printing.Lines:
     if "self_collision" in record:
         place = record["self_collision"]
         links = " and ".join(place["links"])
-        yield f"self-collision: {links} overlap by {place['depth'] * 1e3:.3g} mm"
+        yield f"self-collision: {links} overlap by {place['depth'] / MILLIMETRE:.3g} mm"
 
 
 def _assumptions(record: Record) -> str:

@@ -13,6 +13,7 @@ from alpha5_model import trajectory as library
 from alpha5_model._support.checks import choice
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model.cli import options, printing, values
+from alpha5_model.cli.plots import write_plot
 from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS
@@ -154,7 +155,7 @@ def _write(
     if output is not None:
         library.write(analysis, output, progress)
     if plot is not None:
-        figures.write_figure(motion_figure(analysis), plot, dpi=110)
+        write_plot(motion_figure(analysis), plot)
 
 
 def _rod_actuator(

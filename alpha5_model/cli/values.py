@@ -182,9 +182,10 @@ def current_vector(text: str | None) -> list[float] | None:
 def metres(text: Any, unit: str = "m") -> float:
     """A length, for the parser of one argument."""
     try:
-        return numbers("", str(text), (1,), unit)[0]
+        (number,) = numbers("", str(text), (1,), unit)
     except InputError as error:
         raise BadParameter(f"expected {error.expected}, got {text!r}") from None
+    return number
 
 
 def radians(text: Any) -> float:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 #: Frames per second of a video.
 _FRAME_RATE = 15.0
 #: Pixels of a picture and of a video, unless the user chooses.
-_PICTURE_SIZE = (1600, 1000)
+PICTURE_SIZE = (1600, 1000)
 _VIDEO_SIZE = (1280, 720)
 #: A picture shows all of this many poses of a motion.
 _FRAMED_POSES = 24
@@ -167,7 +167,7 @@ def _write(
     if html is not None:
         files[html] = static_page(shown)
     if image is not None:
-        size = pixels or _PICTURE_SIZE
+        size = pixels or PICTURE_SIZE
         files[image] = picture_png(_framed(arm, shown, size, track), size)
     atomic_write_all(files)
 

@@ -12,6 +12,8 @@ from typer import Option
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
+from alpha5_model.cli.plots import write_plot
+from alpha5_model.cli.units import LITRE, MILLIMETRE, SQUARE_CENTIMETRE
 from alpha5_model.cli.words import WORDS
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.errors import InputError
@@ -57,7 +59,7 @@ def workspace(
                 page = self_collision_figure(samples=samples)
             else:
                 page = workspace_figure(catalogue())
-            figures.write_figure(page, plot, dpi=150)
+            write_plot(page, plot)
 
     record = _record()
     if share is not None:
@@ -93,13 +95,13 @@ def _of_own_arm(file: Path, plot: Path | None, samples: int, as_json: bool) -> N
     if plot is not None:
         with printing.spinner("drawing"):
             page = own_workspace_figure(kinematics_of(own))
-            figures.write_figure(page, plot, dpi=150)
+            write_plot(page, plot)
     printing.show(as_json, record, _own_text(record), plot)
 
 
 def _own_text(record: dict[str, Any]) -> printing.Lines:
-    area = 1e4 * record["cross_section_area"]["both"]
-    volume = 1e3 * record["volume"]
+    area = record["cross_section_area"]["both"] / SQUARE_CENTIMETRE
+    volume = record["volume"] / LITRE
     yield f"The arm reaches {area:.2f} cm² of a half-plane, in all {volume:.3f} L."
     yield from _boundary(record["boundary"]["both"])
     if "without_self_collision" in record:
@@ -132,8 +134,8 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         volume=errors.unreachable_volume / errors.published_volume,
     )
 
-    value = 1e3 * record["reach"]["value"]
-    digits = 1e3 * record["reach"]["digits"]
+    value = record["reach"]["value"] / MILLIMETRE
+    digits = record["reach"]["digits"] / MILLIMETRE
     yield (
         f"The tcp reaches {value:.1f} mm ±{digits:.1f} from the shoulder, "
         "by the digits of Table 1."
@@ -148,8 +150,8 @@ def _regions(errors: space.PublishedErrors, names: dict[str, str]) -> list[str]:
     sizes = vars(errors)
     rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
     for region, name in names.items():
-        area = 1e4 * sizes[f"{region}_area"]
-        volume = 1e3 * sizes[f"{region}_volume"]
+        area = sizes[f"{region}_area"] / SQUARE_CENTIMETRE
+        volume = sizes[f"{region}_volume"] / LITRE
         rows.append([name, f"{area:.2f}", f"{volume:.3f}"])
     return table(rows)
 
@@ -170,7 +172,7 @@ def _boundary(arcs: Iterable[space.Arc]) -> printing.Lines:
                 arc.side,
                 arc.cause.replace("at its ", "").replace(" limit", ""),
                 _millimetres(arc.center),
-                f"{arc.radius * 1e3:.1f}",
+                f"{arc.radius / MILLIMETRE:.1f}",
                 _millimetres(start),
                 _millimetres(end),
             ]
@@ -180,13 +182,13 @@ def _boundary(arcs: Iterable[space.Arc]) -> printing.Lines:
 
 def _millimetres(point: Any) -> str:
     r, z = point
-    return f"{1e3 * r:z.1f}, {1e3 * z:z.1f}"
+    return f"{r / MILLIMETRE:z.1f}, {z / MILLIMETRE:z.1f}"
 
 
 def _collision(free: Any, words: str) -> str:
     """What is reached only in self-collision, from a sampled share of the volume."""
     touching = 1 - free.share
-    litres = 1e3 * free.total
+    litres = free.total / LITRE
     return words.format(
         share=touching,
         error=free.standard_error,

@@ -268,7 +268,8 @@ def _drive(
 
 def _shared(limits: Sequence[float | None]) -> float | None:
     """The current limit of all motors; None if they differ."""
-    return limits[0] if len({*limits}) == 1 else None
+    first, *others = {*limits}
+    return None if others else first
 
 
 def _motors(

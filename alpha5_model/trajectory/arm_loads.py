@@ -19,14 +19,11 @@ from alpha5_model.dynamics.load import load
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.trajectory.file_table import Progress
+from alpha5_model.trajectory.file_table import CHUNK, Progress
 from alpha5_model.trajectory.motions import Motion
 from alpha5_model.trajectory.smoothing import SmoothMotion
 from alpha5_model.trajectory.warning import MotionWarning
 from alpha5_model.water.terms import WaterTerms, water_terms
-
-#: Samples computed between two reports of progress.
-_CHUNK = 25_000
 
 
 class Loads(NamedTuple):
@@ -113,8 +110,8 @@ def loads_of(
     """
     count = motion.time.size
     parts = []
-    for start in range(0, count, _CHUNK):
-        end = start + _CHUNK
+    for start in range(0, count, CHUNK):
+        end = start + CHUNK
         parts.append(_part(arm, motion, slice(start, end), current, threads))
         if progress:
             progress("compute", min(end, count) / count)

@@ -33,7 +33,7 @@ _FORMULAS = """
     SELECT 1 FROM sqlite_master AS entry, pragma_table_xinfo(entry.name) AS field
     WHERE field.hidden > 0 LIMIT 1"""
 #: Bytes decompressed between two checks of the budget.
-_PIECE = 1 << 20
+_PIECE = 1_000_000
 #: Levels of lists and tables in a bag's ``metadata.yaml``, which has six.
 _DEPTH = 20
 

@@ -12,13 +12,11 @@ from alpha5_model._support.files import PathLike
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory.bag_limits import Budget, limited
-from alpha5_model.trajectory.file_table import Progress, library
+from alpha5_model.trajectory.file_table import CHUNK, Progress, library
 from alpha5_model.trajectory.names import only_choice, prefixes
 from alpha5_model.trajectory.text_table import refuse_git_lfs_pointer
 
 _JOINT_STATE = "sensor_msgs/msg/JointState"
-#: Messages read between two reports of progress.
-_CHUNK = 10_000
 
 
 class JointState(Protocol):
@@ -144,7 +142,7 @@ def _messages(
             content=content,
         )
         messages.setdefault(c.topic, []).append(message)
-        if progress and count % _CHUNK == 0:
+        if progress and count % CHUNK == 0:
             progress("read", count / max(total, count))
     return messages
 

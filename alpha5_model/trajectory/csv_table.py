@@ -14,15 +14,13 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model.errors import FileFormatError
-from alpha5_model.trajectory.file_table import FileTable, Progress
+from alpha5_model.trajectory.file_table import CHUNK, FileTable, Progress
 from alpha5_model.trajectory.iso_times import is_iso_time, iso_seconds
 from alpha5_model.trajectory.joint_map import JointMap
 from alpha5_model.trajectory.ros_columns import joint_name_columns, with_joint_names
 from alpha5_model.trajectory.text_table import fields, is_number, text_table, widths
 from alpha5_model.trajectory.warning import MotionWarning
 
-#: Lines parsed between two reports of progress.
-CHUNK = 50_000
 #: One of so many rows may be bad; one of fewer may be, too.
 _ROWS_FOR_A_BAD_ONE = 100
 
@@ -92,7 +90,7 @@ class CsvTable(FileTable):
     def _has_dates(self, time: int) -> bool:
         """Whether the first time that can be read is a date."""
         for line in self._rows:
-            texts = line.split(self._separator, time + 1)
+            texts = line.split(self._separator)
             text = texts[time].strip(' "') if time < len(texts) else ""
             if is_number(text):
                 return False

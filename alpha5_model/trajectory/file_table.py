@@ -22,6 +22,8 @@ PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 #: A bag or Parquet file may expand to this many times its size. Joint states of an arm
 #: at rest, compressed by zstd, expand to 10 times.
 EXPANSION = 100
+#: Samples, rows or messages between two reports of progress.
+CHUNK = 10_000
 #: Called with a stage's name and the part done, 0 to 1.
 Progress = Callable[[str, float], None]
 

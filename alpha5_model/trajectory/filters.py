@@ -16,6 +16,8 @@ from alpha5_model.errors import InputError
 
 #: Degree of the polynomials of the Savitzky-Golay filter.
 _DEGREE = 3
+#: Its shortest window, in samples.
+_SHORTEST = 5
 #: Most samples on the uniform grid of the Savitzky-Golay filter, besides 100 for each
 #: recorded sample.
 _MOST_EVEN = 1_000_000
@@ -211,12 +213,11 @@ def _window(frequency: float) -> tuple[int, float]:
     Args:
         frequency: -3 dB frequency [cycles per sample].
     """
-    # [Schafer2011, eq. 12] is the first guess; the response itself decides. It falls
-    # with the length of the window.
-    guess = ((_DEGREE + 1) / (2 * frequency) + 4.6) / 3.2
-    shortest = 2 * max(2, int(0.8 * guess) - 1) + 1
-    longest = 2 * int(1.2 * guess) + 5
-    windows = range(shortest, longest + 2, 2)
+    # The frequency falls with the length of the window.
+    longest = _SHORTEST
+    while _cutoff(longest) > frequency:
+        longest = 2 * longest + 1
+    windows = range(_SHORTEST, longest + 1, 2)
     at = bisect_left(windows, -frequency, 1, key=lambda window: -_cutoff(window))
     near = {window: _cutoff(window) for window in windows[at - 1 : at + 1]}
     best = min(near, key=lambda window: abs(near[window] - frequency))
@@ -237,7 +238,7 @@ def _cutoff(window: int) -> float:
         amplitude = kernel[0] + 2 * cosines @ kernel[1:]
         return float(amplitude - math.sqrt(0.5))
 
-    return float(brentq(above_cutoff, 0.0, 2.0 / window, xtol=1e-15))
+    return float(brentq(above_cutoff, 0.0, 0.5, xtol=1e-15))
 
 
 def resampled(new: FloatArray, old: FloatArray, signals: FloatArray) -> FloatArray:

@@ -16,15 +16,13 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import InputError, needing
 from alpha5_model.trajectory.analysis import Analysis
-from alpha5_model.trajectory.file_table import Progress
+from alpha5_model.trajectory.file_table import CHUNK, Progress
 
 if TYPE_CHECKING:
     import pinocchio as pin
 
 #: ROS counts the seconds of a stamp in 32 bits.
 _END_OF_STAMPS = 2**31
-#: Samples written between two reports of progress.
-_CHUNK = 1_000
 
 
 class _Channel(NamedTuple):
@@ -88,7 +86,7 @@ def mcap(analysis: Analysis, progress: Progress | None = None) -> bytes:
                     message = channel.message(sample, header)
                     data = store.serialize_cdr(message, channel.kind)
                     writer.write(connection, now, data)
-                if progress and sample % _CHUNK == 0:
+                if progress and sample % CHUNK == 0:
                     progress("write", sample / len(nanoseconds))
         (file,) = bag.glob("*.mcap")
         content = file.read_bytes()
@@ -215,7 +213,7 @@ def _links(model: pin.Model) -> Iterator[tuple[int, int]]:
     def is_link(number: int) -> bool:
         return bool(model.frames[number].type == pin.FrameType.BODY)
 
-    for child in range(1, model.nframes):
+    for child in range(model.nframes):
         parent = model.frames[child].parentFrame
         while parent and not is_link(parent):
             parent = model.frames[parent].parentFrame

@@ -101,4 +101,7 @@ def nanoseconds_of(time: str, header: Sequence[str]) -> int | None:
         return None
     wanted = {match[1] + ending for ending in _NANOSECONDS}
     found = [column for column, name in enumerate(header) if name in wanted]
-    return found[0] if len(found) == 1 else None
+    if len(found) != 1:
+        return None
+    (column,) = found
+    return column

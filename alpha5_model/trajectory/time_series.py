@@ -12,14 +12,12 @@ from alpha5_model._support.files import PathLike
 from alpha5_model._support.outputs import output_format
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.trajectory.analysis import Analysis
-from alpha5_model.trajectory.file_table import Progress
+from alpha5_model.trajectory.file_table import CHUNK, Progress
 from alpha5_model.trajectory.key_figures import summary
 from alpha5_model.trajectory.mcap_file import mcap
 
 #: Of the table: CSV; JSON with the key figures on top; messages for other viewers.
 FORMATS = (".csv", ".json", ".mcap")
-#: Rows written between two reports of progress.
-_CHUNK = 10_000
 
 
 def columns(analysis: Analysis) -> dict[str, FloatArray]:
@@ -136,8 +134,8 @@ def _csv_text(table: dict[str, FloatArray], progress: Progress | None) -> str:
     rows = np.stack(list(table.values()), axis=1)
     line = ",".join(["%.16g", *["%.9g"] * (len(table) - 1)])
     lines = [",".join(table)]
-    for start in range(0, len(rows), _CHUNK):
-        end = start + _CHUNK
+    for start in range(0, len(rows), CHUNK):
+        end = start + CHUNK
         lines += [line % tuple(row) for row in rows[start:end].tolist()]
         if progress:
             progress("write", min(end, len(rows)) / len(rows))

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli import main
+from alpha5_model.studies import calibration
 
 
 def filled(path: Path, factor: float = 1.0) -> None:
@@ -97,3 +100,108 @@ def test_what_is_refused(
     assert message in captured.err
     assert len(captured.err.strip().splitlines()) == 1
     assert not Path("new.toml").exists()
+
+
+def test_a_plan_without_options_is_the_function_without(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """The file goes to standard output, the table for people to standard error."""
+    assert main(["calibrate", "plan", "-"]) == 0
+    written = capfd.readouterr()
+    planned = a5.calibrate.plan_poses(a5.calibrate.scales())
+    assert written.out == a5.calibrate.session_text(planned)
+
+    degrees = np.degrees(planned.motion.q)
+    title, head, *rows, blank, fill_in, wrote = written.err.splitlines()
+    assert title == f"{len(degrees)} poses for scales (deg)"
+    assert head.split() == ["axis_e", "axis_d", "axis_c", "axis_b"]
+    assert [row.split() for row in rows] == [
+        [str(k), *(f"{angle:.1f}" for angle in angles)]
+        for k, angles in enumerate(degrees, start=1)
+    ]
+    # Numbers end where their joints' names end.
+    assert {len(row) for row in (head, *rows)} == {len(head)}
+    assert (blank, wrote) == ("", "wrote -")
+    assert fill_in.startswith("fill in the readings, then: alpha5 calibrate fit FILE")
+
+
+c = a5.calibrate
+PLANS: dict[str, Any] = {
+    "--sensor efforts --noise 0.05": (lambda: c.efforts(noise=0.05), {}),
+    "--sensor force-torque --noise 0.01": (
+        lambda: c.force_torque(torque_noise=0.01),
+        {},
+    ),
+    "--sensor weight --gravity 0,0,-9.7": (
+        lambda: c.weight((0, 0, -9.7)),
+        {"gravity": (0, 0, -9.7)},
+    ),
+    "--zeroed --ballast 2.5 --prior loose": (
+        lambda: c.scales(zeroed=True),
+        {"ballast": 2.5, "prior": "loose"},
+    ),
+    "--fluid fresh": (c.scales, {"fluid_density": a5.FRESH_WATER}),
+}
+
+
+@pytest.mark.parametrize("options", PLANS)
+def test_options_of_a_plan_are_arguments_of_the_function(
+    options: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make, more = PLANS[options]
+    path = tmp_path / "plan.toml"
+    words = ["calibrate", "plan", str(path), "--poses", "1", *options.split()]
+    assert main(words) == 0
+    planned = a5.calibrate.plan_poses(make(), 1, **more)
+    assert path.read_text("utf-8") == a5.calibrate.session_text(planned)
+    assert capsys.readouterr().out.startswith(f"one pose for {planned.sensor.kind} (")
+
+
+def test_a_planned_motion_is_told(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    path = tmp_path / "motion.csv"
+    asked: list[Any] = []
+
+    def plan_excitation(sensor: Any, **options: Any) -> Any:
+        asked.append((sensor.kind, options))
+        time = np.array([0.0, 0.25, 12.5])
+        return SimpleNamespace(time=time, evaluations=7, write=Path.touch)
+
+    monkeypatch.setattr(calibration, "plan_excitation", plan_excitation)
+    words = ["calibrate", "plan", str(path), "--sensor", "efforts"]
+    assert main([*words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {
+        "sensor": "efforts",
+        "duration": 12.5,
+        "samples": 3,
+        "evaluations": 7,
+    }
+    path.unlink()
+    assert main(words) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert told[0] == "a motion of 12.5 s, the best of 7"
+    expected = {"arm": None, "fluid_density": a5.AIR, "gravity": None}
+    assert asked == [("efforts", expected | {"prior": "digits"})] * 2
+
+
+@pytest.mark.parametrize("poses", ["0", "-3"])
+def test_a_plan_has_a_pose_at_least(
+    poses: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "plan.toml"
+    assert main(["calibrate", "plan", str(path), "--poses", poses]) == 2
+    assert "--poses" in capsys.readouterr().err
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("action", "expected"), [("plan", "one file to write"), ("motors", "one recording")]
+)
+def test_some_actions_take_one_file(
+    action: str, expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["calibrate", action, "a.toml", "b.toml"]) == 2
+    assert f"files: expected {expected}, got 'a.toml b.toml'" in capsys.readouterr().err

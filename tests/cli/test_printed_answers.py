@@ -10,6 +10,7 @@ import fcntl
 import inspect
 import io
 import json
+import math
 import os
 import pty
 import re
@@ -21,6 +22,7 @@ from contextlib import redirect_stderr, redirect_stdout, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -30,7 +32,7 @@ from pages import generated_text
 from urdf_edits import with_mass
 
 import alpha5_model as a5
-from alpha5_model.cli import COMMANDS, check, demo, generate, main
+from alpha5_model.cli import COMMANDS, check, demo, generate, main, workspace
 from alpha5_model.cli.commands import command_function
 from alpha5_model.cli.syntax import one_syntax
 from alpha5_model.description.verification import verify_urdf
@@ -44,16 +46,20 @@ POSE = ("--q", "3.1", "1.2", "1.8", "0")
 ANSWERS = {
     "arm-check": ("arm", "check", "my_arm.toml"),
     "arm-show": ("arm", "show", "my_arm.toml"),
+    "arm-show-little": ("arm", "show", "little.toml"),
     "calibrate": ("calibrate", "fit", "weighed.toml", "--output", "weighed_arm.toml"),
     "check": ("check",),
     "check-file": ("check", "--urdf", "other.urdf"),
     "compare": ("compare", "other.urdf", "--samples", "5"),
     "compare-another-arm": ("compare", "two.urdf"),
+    "compare-moved": ("compare", "moved.urdf", "--samples", "5"),
     "dh": ("dh", "0.5", "1.2", "1", "0"),
+    "dh-links": ("dh", *("--link", "0.3 0.1 0.2 1.5708 0"), "--link", "0 0.2 0.3 0 1"),
     "fk": ("fk", "180", "70", "100", "0", "deg"),
     "fk-jaws": ("fk", "3,1.2,1,9,8mm"),
     "generate": ("generate", "--gripper", "jaws", "--output", "made/arm.urdf"),
     "ik": ("ik", "0.25", "-0.1", "0.05", "--wrist", "90deg"),
+    "ik-far": ("ik", "0.34", "0", "0.1"),
     "ik-singular": ("ik", "0", "0", "0.3"),
     "move": ("move", "home", "0.2", "0.1", "0.1", "--output", "planned.csv"),
     "move-limits": (
@@ -82,12 +88,26 @@ ANSWERS = {
         *("--screw-lead", "1e-3", "--current", "1", "0", "0", "--output", "table.csv"),
     ),
     "workspace": ("workspace",),
+    "workspace-collision": ("workspace", "--self-collision", "--samples", "50"),
+    "workspace-own": ("workspace", "--arm", "my_arm.toml"),
     "view": ("view", "--pose", "reach", "--html", "arm.html"),
 }
+#: Answers that say no: they end with status 1, all others with 0.
+NO = ("check-file", "compare", "compare-another-arm", "compare-moved")
 VIEWS = [(columns, terminal) for columns in (80, 120) for terminal in (False, True)]
 #: The one view whose text is kept; in the others it fits, and nothing is cut.
 KEPT = (80, False)
+#: Answers that take a second: their tables have the form of others.
+LONG = ("workspace-collision", "workspace-own")
 MY_ARM = (ROOT / "examples" / "my_arm.toml").read_text("utf-8")
+#: Nothing of its own but a mount, one of whose coordinates is a negative zero.
+LITTLE_ARM = """\
+format = 1
+name = "little"
+[mount]
+parent = "rov"
+xyz = [-0.0, 0.1, 0]
+"""
 COLOUR = re.compile(r"\x1b\[\d*m")
 
 
@@ -103,6 +123,8 @@ def folder_of_a_user() -> None:
     ours = Path(a5.URDF_PATH).read_text("utf-8")
     Path("arm.urdf").write_text(ours, "utf-8")
     Path("other.urdf").write_text(with_mass(ours, "0.5"), "utf-8")
+    Path("moved.urdf").write_text(moved_arm(ours), "utf-8")
+    Path("little.toml").write_text(LITTLE_ARM, "utf-8")
     bodies = "".join(f'<link name="{x}"/>' for x in "ab")
     joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
     Path("two.urdf").write_text(f'<robot name="two">{bodies}{joint}</robot>', "utf-8")
@@ -144,6 +166,22 @@ def folder_of_a_user() -> None:
     )
 
 
+def moved_arm(ours: str) -> str:
+    """A model whose shoulder is high, whose elbow has another zero, without a body."""
+    root = ElementTree.fromstring(ours)
+    changes = {"axis_d": ("xyz", "0.02 0 0.047"), "axis_c": ("rpy", f"{math.pi} 0 0")}
+    for name, (attribute, text) in changes.items():
+        origin = root.find(f"joint[@name='{name}']/origin")
+        assert origin is not None
+        origin.set(attribute, text)
+    link = root.find("link[@name='link_3']")
+    assert link is not None
+    body = link.find("inertial")
+    assert body is not None
+    link.remove(body)
+    return ElementTree.tostring(root, encoding="unicode")
+
+
 @cache
 def weighed_arm() -> str:
     """A plan whose readings, whole grams, are filled in."""
@@ -154,12 +192,16 @@ def weighed_arm() -> str:
     return a5.calibrate.session_text(a5.calibrate.with_readings(planned, readings))
 
 
-def printed(arguments: tuple[str, ...], terminal: bool) -> str:
-    """What a command prints, with 0 for numbers of about 1e-16, which are rounding."""
+def printed(arguments: tuple[str, ...], terminal: bool, status: int = 0) -> str:
+    """What a command prints, with 0 for numbers of about 1e-16, which are rounding.
+
+    Args:
+        status: With which it must end.
+    """
     out = Terminal() if terminal else io.StringIO()
     errors = io.StringIO()
     with redirect_stdout(out), redirect_stderr(errors):
-        main(arguments)
+        assert main(arguments) == status
     return re.sub(r"\b\d(\.\d+)?e-1\d\b", "0", out.getvalue() + errors.getvalue())
 
 
@@ -200,11 +242,12 @@ def test_what_is_printed(
         (check, "verify_urdf"),
         (measure, "compare"),
         (generate, "urdf"),
+        (workspace, "_record"),
     ):
         kept(module, function)
-    for columns, terminal in VIEWS:
+    for columns, terminal in [KEPT] if name in LONG else VIEWS:
         monkeypatch.setenv("COLUMNS", str(columns))
-        text = printed(ANSWERS[name], terminal)
+        text = printed(ANSWERS[name], terminal, int(name in NO))
         fits(text, columns)
         assert terminal or "\x1b" not in text
         if terminal:

@@ -1,21 +1,117 @@
-"""Where progress is drawn: results on stdout stay clean."""
+"""How results and progress are printed; results on stdout stay clean."""
 
 from __future__ import annotations
 
+import io
+import json
+import math
+import re
+import sys
+from contextlib import redirect_stdout
+
 import pytest
 
-from alpha5_model.cli.printing import progress_bars, progress_over
+from alpha5_model.cli import main, program
+from alpha5_model.cli.printing import (
+    progress_bars,
+    progress_over,
+    say,
+    show,
+    spinner,
+)
+
+Capture = pytest.CaptureFixture[str]
+#: Takes away the line above, as a bar that is not to stay ends.
+ERASED = "\x1b[1A\x1b[2K"
 
 
-def test_progress_is_drawn_on_stderr(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture
+def on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     # Rich takes it for a terminal then.
     monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "80")
+
+
+@pytest.mark.usefixtures("on_a_terminal")
+def test_progress_is_drawn_on_stderr_and_taken_away(capsys: Capture) -> None:
     assert list(progress_over(["one", "two"], "Drawing", 2)) == ["one", "two"]
-    with progress_bars() as progress:
-        progress("Reading", 0.5)
     written = capsys.readouterr()
     assert written.out == ""
     assert "Drawing" in written.err
-    assert "Reading" in written.err
+    assert "100%" in written.err
+    assert written.err.endswith(ERASED)
+
+    with progress_bars() as progress:
+        progress("Reading", 0.25)
+        progress("Reading", 0.5)
+        progress("Writing", 0.75)
+    written = capsys.readouterr()
+    assert written.out == ""
+    lines = re.sub(r"\x1b\[[\d;?]*[A-Za-z]", "", written.err).splitlines()
+    for stage, done in (("Reading", "50%"), ("Writing", "75%")):
+        assert any(stage in line and done in line for line in lines)
+    # Each stage has one bar.
+    assert written.err.endswith(ERASED * 2)
+
+
+@pytest.mark.usefixtures("on_a_terminal")
+def test_a_spinner_is_drawn_on_stderr(capsys: Capture) -> None:
+    with spinner("fitting"):
+        pass
+    written = capsys.readouterr()
+    assert written.out == ""
+    assert "fitting" in written.err
+
+
+def test_without_a_terminal_nothing_is_drawn(capsys: Capture) -> None:
+    with spinner("fitting"), progress_bars() as progress:
+        progress("Reading", 0.5)
+    written = capsys.readouterr()
+    assert (written.out, written.err) == ("", "")
+
+
+def test_json_is_indented_by_two_and_has_no_infinity(capsys: Capture) -> None:
+    record = {"joint": "axis_e", "range": [0.5, math.inf]}
+    show(True, record, ["not printed"])
+    text = capsys.readouterr().out
+    assert json.loads(text) == {"joint": "axis_e", "range": [0.5, None]}
+    assert text.splitlines()[1:3] == ['  "joint": "axis_e",', '  "range": [']
+
+
+def test_a_verdict_is_coloured_at_the_beginning_of_a_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    terminal = io.StringIO()
+    monkeypatch.setattr(terminal, "isatty", lambda: True, raising=False)
+    with redirect_stdout(terminal):
+        say("  failed  it agrees that it failed -1 times", "what agrees is -x, a-1")
+    assert terminal.getvalue().splitlines() == [
+        "  \x1b[31mfailed\x1b[0m  it agrees that it failed −1 times",
+        "what agrees is -x, a-1",
+    ]
+
+
+def test_errors_of_the_parser_have_one_base_class() -> None:
+    """It is in another module in some versions of typer."""
+    assert program._PARSER_ERROR.__name__ == "ClickException"
+
+
+def test_one_hint_is_enough(capsys: Capture) -> None:
+    """Each of several numbers may seem to have another unit; the first is told."""
+    assert main(["ik", "250", "-100", "50"]) == 2
+    said = capsys.readouterr().err
+    assert said.endswith("mm away; if 250 is in mm, write 250mm\n")
+    assert main(["fk", "170", "60", "100", "20"]) == 0
+    said = capsys.readouterr().err
+    assert said == "alpha5: warning: if 170 is in deg, write 170deg\n"
+
+
+def test_the_program_is_that_of_the_words_on_the_command_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["alpha5", "fk", "stow", "--json"])
+    with pytest.raises(SystemExit) as ended:
+        program.run()
+    assert ended.value.code == 0
+    assert set(json.loads(capsys.readouterr().out)) == {"q", "beyond_limits", "frames"}

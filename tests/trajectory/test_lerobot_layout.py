@@ -163,7 +163,11 @@ def no_number() -> dict[str, Any]:
 
 
 REFUSED = {
-    "several episodes": (several_episodes(), NAMES, "holds 2 episodes"),
+    "several episodes": (
+        several_episodes(),
+        NAMES,
+        r"2 episodes \(episode_index 0, 1, \.\.\.\)",
+    ),
     "a short list": (one_short_list(), NAMES, "a list of 4 numbers, expected 5"),
     "no number": (no_number(), NAMES, r"row 8 \(axis_c\): expected a finite number"),
     "names of another robot": (columns(), ["a", "b", "c", "d", "e"], "got a, b, c"),

@@ -83,6 +83,7 @@ def test_joint_states_torques_and_mount_load_are_those_of_the_analysis() -> None
         torques = found["/torques"][k][1]
         expected = [table[name][k] for name in torques.name]
         np.testing.assert_array_equal(torques.effort, expected)
+        assert len(torques.position) == len(torques.velocity) == 0
 
         wrench = found["/mount_load"][k][1].wrench
         load = [wrench.force.x, wrench.force.y, wrench.force.z]

@@ -16,7 +16,6 @@ from scipy.signal import savgol_coeffs, savgol_filter
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.trajectory import arm_loads, columns, time_series
-from alpha5_model.trajectory.csv_table import CHUNK
 from alpha5_model.trajectory.smoothing import savitzky_golay
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
@@ -247,8 +246,8 @@ def test_parts_are_put_together_in_order(
     motion = moving(count=101)
     whole = a5.trajectory.analyse(motion)
     seen: list[tuple[str, float]] = []
-    monkeypatch.setattr(arm_loads, "_CHUNK", 25)
-    monkeypatch.setattr(time_series, "_CHUNK", 40)
+    monkeypatch.setattr(arm_loads, "CHUNK", 25)
+    monkeypatch.setattr(time_series, "CHUNK", 40)
     parts = a5.trajectory.analyse(motion, progress=lambda *report: seen.append(report))
     a5.trajectory.write(
         parts, tmp_path / "parts.csv", lambda *report: seen.append(report)
@@ -288,15 +287,14 @@ def test_positions_in_another_unit_are_said() -> None:
         assert "is it in" not in warning.text
 
 
-def test_reading_reports_progress_by_blocks(tmp_path: Path) -> None:
-    assert CHUNK == 50_000
-    t, q = resting(60)
-    a5.trajectory.write(
-        a5.trajectory.analyse(a5.trajectory.motion(t, q)), tmp_path / "m.csv"
-    )
-    seen: list[tuple[str, float]] = []
-    a5.trajectory.read_motion(tmp_path / "m.csv", lambda *report: seen.append(report))
-    assert seen == [("read", 1.0)]
+def test_reading_reports_progress_after_ten_thousand_rows(tmp_path: Path) -> None:
+    path = tmp_path / "m.csv"
+    for count, expected in ((10_000, [1.0]), (10_001, [10_000 / 10_001, 1.0])):
+        rows = "".join(f"{k},1,1,1,1\n" for k in range(count))
+        path.write_text(f"time_secs,axis_e,axis_d,axis_c,axis_b\n{rows}", "utf-8")
+        seen: list[tuple[str, float]] = []
+        a5.trajectory.read_motion(path, lambda *report: seen.append(report))  # noqa: B023
+        assert seen == [("read", done) for done in expected]
 
 
 def test_the_rod_is_left_out_with_its_warnings() -> None:

@@ -1,0 +1,525 @@
+"""Commands at the edges of what they take: defaults, largest numbers, and few words."""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+import json
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from urdf_edits import OWN, with_mass
+
+import alpha5_model as a5
+from alpha5_model._support.text import plain
+from alpha5_model.cli import demo, generate, main, sweep, values, view, workspace
+from alpha5_model.cli.syntax import one_syntax
+from alpha5_model.cli.torque_record import Motors, State, torque_record
+from alpha5_model.cli.torque_text import torque_lines
+from alpha5_model.errors import InputError
+from alpha5_model.proofs.comparison import measure
+from alpha5_model.studies.sweep.extent import Extent
+
+Capture = pytest.CaptureFixture[str]
+POSE = ["--q", "3.1", "1.2", "1.8", "0"]
+
+
+def answer(capsys: Capture, *words: str) -> Any:
+    assert main([*words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+# --- numbers of options ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "largest"),
+    [("current", "m/s", 100.0), ("gravity", "m/s^2", 1e4), ("fluid", "kg/m^3", 1e5)],
+)
+def test_the_largest_number_of_an_option_is_taken(
+    name: str, unit: str, largest: float
+) -> None:
+    for number in (largest, -largest):
+        assert values.numbers(name, repr(number), (1,), unit) == [number]
+    for number in (largest + 0.5, -largest - 0.5):
+        with pytest.raises(InputError, match=re.escape(f"at most {largest:g} {unit}")):
+            values.numbers(name, repr(number), (1,), unit)
+
+
+@pytest.mark.parametrize(
+    ("text", "payload"),
+    [
+        ("0.5", (0.5, (0.0, 0.0, 0.0), 0.0)),
+        ("0.5 1 2 3", (0.5, (1.0, 2.0, 3.0), 0.0)),
+        ("0.5 1 2 3 4e-4", (0.5, (1.0, 2.0, 3.0), 4e-4)),
+    ],
+)
+def test_a_payload_has_one_four_or_five_numbers(text: str, payload: Any) -> None:
+    assert values.payload_numbers(text) == payload
+
+
+@pytest.mark.parametrize("count", [2, 3, 6])
+def test_a_payload_of_other_counts_is_refused(count: int) -> None:
+    with pytest.raises(InputError, match="MASS X Y Z VOLUME"):
+        values.payload_numbers(" ".join(["0.5"] * count))
+
+
+@pytest.mark.parametrize("option", ["--positions", "--payload", "--mount"])
+def test_a_vector_takes_nine_numbers_at_most(option: str) -> None:
+    """Three points have nine; a tenth number is an argument."""
+    points = "0.2 0 -0.03 -0.1 0.17 -0.03 -0.1 -0.17 -0.03"
+    words = ["calibrate", option, *points.split(), "10", "plan.toml"]
+    assert one_syntax(words) == ["calibrate", option, points, "10", "plan.toml"]
+
+
+def test_a_vector_of_one_word_takes_no_other() -> None:
+    words = ["dh", "--link", "0 1 2 3 0", "4", "5"]
+    assert one_syntax(words) == words
+    assert one_syntax(["move", "--mount", "90", "deg"]) == ["move", "--mount", "90deg"]
+
+
+# --- compare --------------------------------------------------------------------------
+
+
+@pytest.fixture
+def other(tmp_path: Path) -> Path:
+    file = tmp_path / "other.urdf"
+    file.write_text(with_mass(OWN, "0.5"), "utf-8")
+    return file
+
+
+def test_compare_without_options_is_the_function_without(
+    other: Path, capsys: Capture
+) -> None:
+    assert main(["compare", str(other), "--json"]) == 1
+    record = json.loads(capsys.readouterr().out)
+    assert record == plain(measure.compare(other).as_dict())
+
+
+@pytest.mark.parametrize(
+    ("samples", "taken"),
+    [("0", False), ("1", True), ("100000", True), ("100001", False)],
+)
+def test_compare_takes_one_to_a_hundred_thousand_samples(
+    samples: str,
+    taken: bool,
+    other: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Capture,
+) -> None:
+    asked = []
+
+    def compare_robots(model: Any, names: Any, count: int, *others: Any, **more: Any):
+        asked.append(count)
+        raise InputError("samples", count, "no work in this test")
+
+    monkeypatch.setattr(measure, "compare_robots", compare_robots)
+    assert main(["compare", str(other), "--samples", samples]) == 2
+    assert asked == [int(samples)] * taken
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("kilograms", "grams"),
+    [("9.9995", "9999.50"), ("10", "10000"), ("10.0005", "10000")],
+)
+def test_masses_of_a_table_have_decimals_below_ten_kilograms(
+    kilograms: str, grams: str, tmp_path: Path, capsys: Capture
+) -> None:
+    file = tmp_path / "heavy.urdf"
+    file.write_text(with_mass(OWN, kilograms), "utf-8")
+    assert main(["compare", str(file), "--samples", "1"]) == 1
+    row = re.search(r"link_2 +theirs +(\S+)", capsys.readouterr().out)
+    assert row is not None
+    assert row[1] == grams
+
+
+@pytest.mark.parametrize(("mass", "colour"), [("0.38", "32"), ("0.5", "31")])
+def test_the_verdict_is_green_or_red(
+    mass: str, colour: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[str] = []
+    monkeypatch.setattr("alpha5_model.cli.printing.say", lambda *x: shown.extend(x))
+    file = tmp_path / "model.urdf"
+    file.write_text(with_mass(OWN, mass), "utf-8")
+    assert main(["compare", str(file), "--samples", "1"]) == (mass != "0.38")
+    assert shown[1].startswith(f"\x1b[{colour}mThe model ")
+
+
+# --- torque ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("torque", "written"),
+    [(99999.5, "99999.5000"), (1e5, "1.000e+05"), (-100000.5, "-1.000e+05")],
+)
+def test_a_table_has_decimals_below_a_hundred_thousand(
+    torque: float, written: str
+) -> None:
+    state = State(q=[3.1, 1.2, 1.8, 0.0], v=[0.0] * 4, a=[0.0] * 4)
+    motors = Motors(constants=None, efficiency="gearbox")
+    record = torque_record(a5.load(), state, motors, current=None)
+    record["joints"][1]["torque"] = torque
+    row = next(line for line in torque_lines(record) if line.startswith("axis_d"))
+    assert row.split()[-2] == written
+    decimals = {cell.partition(".")[2] for cell in row.split()[1:3]}
+    assert decimals == ({"0000"} if torque < 1e5 and torque > 0 else {"000e+00"})
+
+
+# --- sweep ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"),
+    [
+        (None, ""),
+        (2.0, ""),
+        (2.4, "one part, about 2 s"),
+        (119.4, "one part, about 119 s"),
+        (120.0, "one part, about 2 min"),
+        (7199.0, "one part, about 120 min"),
+        (7200.0, "one part, about 2 h"),
+        (172799.0, "one part, about 48 h"),
+        (172800.0, "one part, about 2 days"),
+        (86400.0 * 1234, "one part, about 1,234 days"),
+    ],
+)
+def test_a_long_study_is_announced_in_a_unit_that_suits(
+    seconds: float | None, said: str, capsys: Capture
+) -> None:
+    one = Extent(rows=None, parts=1, of_parts=1, table_bytes=0, seconds=seconds)
+    sweep._announce(False, one)
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.strip() == said
+
+
+def test_the_size_of_a_study_names_rows_parts_and_tables(capsys: Capture) -> None:
+    large = Extent(
+        rows=12345678, parts=1200, of_parts=1200, table_bytes=14 * 10**9, seconds=2.4
+    )
+    words = "12,345,678 rows in 1,200 parts, about 14 GB of tables, about 2 s"
+    sweep._announce(True, large)
+    assert capsys.readouterr().err == f"{words}\n"
+    with pytest.raises(InputError, match=re.escape(f"--yes: {words}")):
+        sweep._announce(False, large)
+
+
+def test_files_of_others_are_named_up_to_five() -> None:
+    five = [f"file_{k}" for k in range(5)]
+    first = "\nnot of this study: file_0, file_1, file_2, file_3, file_4"
+    assert list(sweep._foreign([])) == []
+    assert list(sweep._foreign(five)) == [first]
+    assert list(sweep._foreign([*five, "file_5"])) == [f"{first} and 1 more"]
+
+
+# --- view -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def motion(tmp_path: Path) -> Path:
+    """A motion of 61 samples, in which axis_e turns by a radian."""
+    rows = [f"{k / 10},{2 + k / 60},1.2,2.2,1.5" for k in range(61)]
+    head = "time,axis_e,axis_d,axis_c,axis_b"
+    file = tmp_path / "motion.csv"
+    file.write_text("\n".join([head, *rows]), "utf-8")
+    return file
+
+
+def test_pictures_and_videos_have_the_size_and_rate_that_the_help_says(
+    motion: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    assert main(["view", "--help"]) == 0
+    text = capsys.readouterr().out
+    sizes = re.findall(r"(\d+)x(\d+)", text)
+    pixels = [(int(width), int(height)) for width, height in sizes]
+    rate = re.search(r"(\d+) frames/s", text)
+    assert rate is not None
+
+    seen: dict[str, Any] = {"framed": []}
+
+    def framed(shown: Any, size: Any, also: Any) -> Any:
+        seen["framed"].append((size, also))
+        return shown
+
+    @contextlib.contextmanager
+    def film(path: Path, per_second: float) -> Iterator[Any]:
+        seen["rate"] = per_second
+        yield per_second, lambda frame: None
+
+    def pictures(scenes: Any, size: Any) -> list[Any]:
+        seen["video"] = size
+        return [b"" for _ in scenes]
+
+    def picture_png(shown: Any, size: Any) -> bytes:
+        seen["image"] = size
+        return b""
+
+    for replaced in (framed, film, pictures, picture_png):
+        monkeypatch.setattr(view, replaced.__name__, replaced)
+    image = motion.with_name("arm.png")
+    video = motion.with_name("arm.gif")
+    words = ["view", "--motion", str(motion), "--gripper", "locked"]
+    assert main([*words, "--image", str(image), "--video", str(video)]) == 0
+    assert [seen["image"], seen["video"]] == pixels
+    assert [size for size, _ in seen["framed"]] == pixels
+    assert seen["rate"] == float(rate[1])
+    # Both cameras see poses from all of the motion, here its ends among them.
+    arm = a5.load()
+    for _, also in seen["framed"]:
+        assert 10 < len(also) <= 24
+        for poses, turn in ((also[0], 2.0), (also[-1], 3.0)):
+            tcp = arm.forward_kinematics([turn, 1.2, 2.2, 1.5]).homogeneous
+            np.testing.assert_allclose(poses["tcp"], tcp, atol=1e-12)
+
+
+# --- demo -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def quick_demo(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A demo that only describes the arm."""
+    still: dict[str, Callable[..., Any]] = {
+        "_audit": lambda: None,
+        "_solve": lambda: None,
+        "_compute": lambda q: None,
+        "_draw": lambda output, q: ["alpha5.html"],
+    }
+    for name, function in still.items():
+        monkeypatch.setattr(demo, name, function)
+
+
+@pytest.mark.usefixtures("quick_demo")
+def test_the_demo_fails_if_a_description_is_wrong(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    right = demo.variants.urdf
+    assert main(["demo", "--output", str(tmp_path)]) == 0
+    assert "FAILED" not in capsys.readouterr().out
+    monkeypatch.setattr(
+        demo.variants, "urdf", lambda variant: with_mass(right(variant), "0.83")
+    )
+    assert main(["demo", "--output", str(tmp_path)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert "   alpha5.urdf: checks against the tables: 7 passed, 1 FAILED" in lines
+    assert any(line.startswith("     inertias: link_2: mass 0.83") for line in lines)
+
+
+# --- generate -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("form", ["mjcf", "sdf", "c", "usd", "water", "lighthill"])
+def test_a_format_without_options_is_the_library_without(
+    form: str, capsys: Capture
+) -> None:
+    made = generate._FORMATS[form]
+    assert main(["generate", "--format", form]) == 0
+    expected = made.files(made.options())[made.main_file]
+    assert capsys.readouterr().out == expected.decode()
+
+
+def test_an_option_beside_a_check_is_named_by_its_long_name(capsys: Capture) -> None:
+    assert main(["generate", "--check", "-o", "x.urdf"]) == 2
+    assert "--output: expected nothing beside --check" in capsys.readouterr().err
+
+
+def test_an_update_names_what_it_wrote(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setattr(generate.committed, "update", lambda: [Path("one.urdf")])
+    monkeypatch.setattr(generate.committed, "not_generated", lambda: ["no meshes"])
+    assert main(["generate", "--update"]) == 0
+    assert capsys.readouterr().out == "wrote one.urdf\nno meshes\n"
+
+
+def test_a_check_counts_files_and_shows_what_differs(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    stale = [SimpleNamespace(diff="-a\n+b\n")]
+    three = {Path(name): b"" for name in "abc"}
+    monkeypatch.setattr(generate.committed, "generated_files", lambda: three)
+    monkeypatch.setattr(generate.committed, "not_generated", list)
+    for found, status, text in (
+        (stale, 1, "-a\n+b\n2 of 3 generated files are fresh\n"),
+        ([], 0, "3 of 3 generated files are fresh\n"),
+    ):
+        monkeypatch.setattr(
+            generate.committed,
+            "stale_files",
+            lambda fresh, found=found: found,
+        )
+        assert main(["generate", "--check"]) == status
+        assert capsys.readouterr().out == text
+
+
+# --- pictures -------------------------------------------------------------------------
+
+
+def test_a_picture_of_a_diagram_is_fit_for_print(
+    tmp_path: Path, capsys: Capture
+) -> None:
+    """A hundred dots per inch or more, as the file itself says, and all of the page."""
+    path = tmp_path / "polar.png"
+    words = ["torque", *POSE, "--current", "0 1 0", "--plot", str(path)]
+    assert main(words) == 0
+    with Image.open(path) as picture:
+        across, up = picture.info["dpi"]
+        assert across == up > 100
+        assert min(picture.size) > 4 * across
+
+
+# --- texts of options -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("counts", "unit", "expected"),
+    [
+        ((1,), "m", "one number (m)"),
+        ((2,), "rad", "two numbers (rad)"),
+        ((3,), "m/s", "three numbers (m/s)"),
+        ((4, 5), "rad", "four numbers or five numbers (rad)"),
+        ((9,), "m", "9 numbers (m)"),
+    ],
+)
+def test_what_is_expected_is_said_in_words(
+    counts: tuple[int, ...], unit: str, expected: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(f"expected {expected}, got 'x'")):
+        values.numbers("name", "x", counts, unit)
+    with pytest.raises(InputError, match=re.escape(f"expected {expected}, got ")):
+        values.numbers("name", " ".join("1" * 7), counts, unit)
+
+
+@pytest.mark.parametrize(("text", "density"), [("0", 0.0), ("0.5", 0.5), ("air", 0.0)])
+def test_a_fluid_may_be_thin(text: str, density: float) -> None:
+    assert values.fluid_density(text) == density
+    with pytest.raises(InputError, match="fluid"):
+        values.fluid_density("-0.5")
+
+
+@pytest.mark.parametrize(
+    ("parts", "sign", "found"),
+    [
+        (["a=1", "b=2"], "=", {"a": "1", "b": "2"}),
+        ([" a := 1 ", "", " "], ":=", {"a": "1"}),
+        (["a=b=c"], "=", {"a": "b=c"}),
+    ],
+)
+def test_pairs_are_names_and_values(
+    parts: list[str], sign: str, found: dict[str, str]
+) -> None:
+    assert values.pairs("package", parts, sign) == found
+
+
+@pytest.mark.parametrize("parts", [["a"], ["=1"], ["a="], ["a=1", "a=2"]])
+def test_pairs_that_are_none_are_refused(parts: list[str]) -> None:
+    with pytest.raises(InputError, match="NAME=VALUE with each name once"):
+        values.pairs("package", parts, "=")
+    # Only an argument of xacro may be empty.
+    if parts == ["a="]:
+        assert values.pairs("arg", parts, "=") == {"a": ""}
+
+
+def test_the_help_has_no_options_of_a_shell(capsys: Capture) -> None:
+    assert main(["--help"]) == 0
+    text = capsys.readouterr().out
+    assert "--version" in text
+    assert "completion" not in text
+
+
+def test_a_report_for_ci_ends_with_one_line_end(other: Path, capsys: Capture) -> None:
+    assert main(["compare", str(other), "--samples", "1", "--format", "junit"]) == 1
+    text = capsys.readouterr().out
+    assert text.startswith("<?xml")
+    assert text == text.rstrip() + "\n"
+
+
+# --- defaults -------------------------------------------------------------------------
+
+
+def test_a_sweep_uses_this_process_unless_it_is_given_workers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    asked = []
+
+    def run_study(*paths: Path, workers: int, **options: Any) -> None:
+        asked.append(workers)
+        raise InputError("workers", workers, "no work in this test")
+
+    monkeypatch.setattr(sweep, "run_study", run_study)
+    words = ["sweep", str(tmp_path / "study.toml"), "-o", str(tmp_path / "out")]
+    assert main(words) == 2
+    assert main([*words, "--workers", "0"]) == 2
+    assert main([*words, "--workers", "-1"]) == 2
+    assert asked == [0, 0]
+    assert "no work in this test" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("count", [5, 6])
+def test_up_to_five_values_of_a_study_are_all(count: int) -> None:
+    values_of_joint = np.arange(float(count))
+    values_of_joint[1] = np.inf
+    columns = {"axis_e": values_of_joint, "axis_e_row": np.arange(count)}
+    record: dict[str, Any] = {
+        "rows": 7,
+        "units": {"a": "N m"},
+        "outputs": {"a": columns},
+        "failures": {},
+        "repaired": [],
+        "foreign": [],
+    }
+    title = "\na [N m]" + (": the first 5 of 6" if count > 5 else "")
+    assert list(sweep._text(record)) == ["7 rows", title, "  axis_e  0  -  2  3  4"]
+
+
+def test_the_workspace_tries_as_many_points_as_the_library(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    asked = []
+
+    def sampled_share(free: Any, samples: int, **more: Any) -> None:
+        asked.append(samples)
+        raise InputError("samples", samples, "no work in this test")
+
+    default = inspect.signature(workspace.space.sampled_share).parameters["samples"]
+    monkeypatch.setattr(workspace.space, "sampled_share", sampled_share)
+    assert main(["workspace", "--self-collision"]) == 2
+    assert asked == [default.default]
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("pose", "q"),
+    [
+        ("reach", a5.named_pose("reach").tolist()),
+        ("180 90 180 90 deg", a5.named_pose("reach").tolist()),
+        ("180 90 180 90 8mm deg", [*a5.named_pose("reach").tolist(), 0.008]),
+        ("3.1,1.2,1.8,0", [3.1, 1.2, 1.8, 0.0]),
+    ],
+)
+def test_a_pose_may_be_in_degrees(pose: str, q: list[float]) -> None:
+    found = view._position(a5.load(gripper="jaws"), pose)
+    np.testing.assert_allclose(found[: len(q)], q, atol=1e-12)
+    assert found[4] == (0.008 if len(q) > 4 else a5.parameters().joints[4].lower)
+
+
+@pytest.mark.parametrize("serve", [True, False])
+def test_the_live_viewer_takes_a_free_port_and_opens_a_browser(
+    serve: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    served: list[tuple[int, bool]] = []
+
+    def stay(arm: Any, shown: Any, port: int, open_browser: bool) -> None:
+        served.append((port, open_browser))
+
+    monkeypatch.setattr(view, "_serve", stay)
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert main(["view", "--pose", "home", *["--serve"] * serve]) == 0
+    assert served == [(0, not serve)]
