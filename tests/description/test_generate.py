@@ -181,6 +181,15 @@ def test_the_committed_files_are_fresh(capsys):
     assert "generated files are fresh" in capsys.readouterr().out
 
 
+def test_the_committed_texts_are_fresh(monkeypatch):
+    """Without what takes seconds: meshes that are drawn, and formulas."""
+    monkeypatch.setitem(sys.modules, "manifold3d", None)
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    texts = generated_files()
+    assert len(texts) > 20
+    assert stale_files(fresh=texts) == []
+
+
 def test_every_file_in_the_folders_of_descriptions_is_generated():
     """A description that nothing generates any more would become stale unseen."""
     root = Path(REPOSITORY_PATH)
