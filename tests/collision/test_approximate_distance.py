@@ -152,6 +152,25 @@ def test_along_a_line_the_gradient_does_not_jump() -> None:
     assert jumps.max() < np.abs(np.diff(exact)).max()
 
 
+@pytest.mark.parametrize(
+    ("q", "distance"),
+    [
+        (a5.named_pose("stow"), 0.01883),
+        (a5.named_pose("home"), 0.03904),
+        (a5.named_pose("reach"), 0.05382),
+        ([0.3, 0.6, 0.9, 0.2], -0.02550),
+        ([1.0, 2.0, 3.0, 1.0], 0.04354),
+        ([0.5, 0.1, 0.1, 0.1], -0.02575),
+    ],
+)
+def test_other_spheres_would_move_what_optimisers_have_found(
+    q: list[float], distance: float
+) -> None:
+    """The spheres are a choice, which the exact distance does not tell apart."""
+    found = distances(parameters(), np.array([q]))
+    assert found == pytest.approx(distance, abs=2e-5)
+
+
 def test_more_smoothing_makes_it_smaller() -> None:
     q = sample(100, seed=44)
     sharp = distances(parameters(), q, smoothing=1e-5)
