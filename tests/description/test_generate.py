@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -134,6 +135,17 @@ def test_corrections_turn_the_base_and_are_named():
     base = ET.fromstring(printed).find("joint[@name='link_0_fixed']/origin")
     assert base.get("rpy") == "0.0 0.0 3.141592653589793"
     assert "Corrections to the document: base_frame" in urdf()
+
+
+@pytest.mark.parametrize("corrections", [(), ("base_frame",), ("link3_cob",)])
+def test_no_frame_is_written_with_more_than_half_a_turn(corrections):
+    text = urdf(Variant(gripper="jaws", dh_frames=True, corrections=corrections))
+    angles = [
+        float(angle)
+        for origin in ET.fromstring(text).iter("origin")
+        for angle in origin.get("rpy", "0").split()
+    ]
+    assert max(map(abs, angles)) == pytest.approx(math.pi)
 
 
 def test_the_file_names_document_version_and_package():
