@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -18,6 +19,7 @@ from alpha5_model.collision.bodies import (
 from alpha5_model.collision.turning_radii import (
     distance_rates,
     joints_between,
+    shape_radii,
     shape_rates,
 )
 from alpha5_model.geometry.primitives import Primitive
@@ -123,3 +125,27 @@ def turning(arm: str, body: int, joint: int) -> np.ndarray:
         is_round = shapes[shape][1].kind == "cylinder" and most - least < 1e-9
         reaches.append(0.0 if is_round else most)
     return np.array(reaches)
+
+
+@pytest.mark.parametrize(
+    ("xyz", "rpy", "stays"),
+    [
+        ((0.0, 0.0, 0.05), (0.0, 0.0, 1.0), True),
+        ((1e-10, 0.0, 0.05), (0.0, 1e-10, 0.0), True),
+        ((1e-6, 0.0, 0.05), (0.0, 0.0, 0.0), False),
+        ((0.0, 1e-6, 0.05), (0.0, 0.0, 0.0), False),
+        ((0.0, 0.0, 0.05), (1e-6, 0.0, 0.0), False),
+        ((0.0, 0.0, 0.05), (0.0, 1e-6, 0.0), False),
+    ],
+)
+def test_only_a_cylinder_about_the_axis_stays_where_it_is(
+    xyz: tuple[float, ...], rpy: tuple[float, ...], stays: bool
+) -> None:
+    bodies = BODIES["own"]
+    for kind, size in (("cylinder", (0.02, 0.1)), ("box", (0.02, 0.02, 0.1))):
+        shape = Primitive(kind, size, xyz, rpy)
+        wrist = replace(bodies.bodies[4], shapes=(shape,))
+        alone = replace(bodies, bodies=(*bodies.bodies[:4], wrist))
+        (of_wrist,) = shape_radii(alone, 4, [3, 4])
+        assert of_wrist[0] > 0.02
+        assert (of_wrist[1] == 0.0) == (stays and kind == "cylinder")
