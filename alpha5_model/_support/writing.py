@@ -66,7 +66,7 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
 
         for target, real in plain.items():
             with errors_of(target):
-                replacement.rename(real, may_be_undone=len(plain) > 1)
+                replacement.rename(real)
         replacement.synchronise()
     except BaseException:
         replacement.undo()
@@ -124,11 +124,10 @@ class _Replacement:
         """Synchronise the folders of the files with the disk."""
         _synchronise(self._folders)
 
-    def rename(self, file: Path, may_be_undone: bool) -> None:
+    def rename(self, file: Path) -> None:
         """Put the new content in a file's place."""
         temporary = self._staged[file]
-        if may_be_undone:
-            self._undo.append(_restorer(file, _spare(temporary)))
+        self._undo.append(_restorer(file, _spare(temporary)))
         temporary.replace(file)
 
     def undo(self) -> None:
@@ -152,7 +151,7 @@ def _spare(temporary: Path) -> Path:
 def _restorer(file: Path, spare: Path) -> Callable[[], object]:
     """A function that puts back the present file, which is kept by a hard link."""
     if not file.exists():
-        return partial(file.unlink, missing_ok=True)
+        return file.unlink
     with suppress(OSError):
         os.link(file, spare)
     return partial(spare.replace, file)

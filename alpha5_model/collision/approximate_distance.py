@@ -36,7 +36,6 @@ from alpha5_model.collision.bodies import CollisionBodies, collision_bodies
 from alpha5_model.collision.spheres import Spheres, spheres_for
 from alpha5_model.collision.touching_pairs import made_for, touching_pairs
 from alpha5_model.collision.turning_radii import joints_between
-from alpha5_model.errors import InputError
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
@@ -44,8 +43,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 SMOOTHING = 0.001
 #: By how much a distance is rounded off at an edge [m].
 _ROUNDED = 1e-4
-#: Arms whose numbers are kept.
-_ARMS = 16
 #: Pairs of shapes and cells that the proof for another arm looks at: half a second.
 _EFFORT = 30_000
 #: A turn about z is ``cos * _ACROSS + sin * _AROUND + _ALONG``.
@@ -130,10 +127,7 @@ def checked_smoothing(smoothing: float) -> float:
     Raises:
         InputError: Not a number above 0.
     """
-    value = real("smoothing", smoothing, minimum=0.0)
-    if value == 0.0:
-        raise InputError("smoothing", value, "a length above 0 m")
-    return value
+    return real("smoothing", smoothing, minimum=0.0, strict=True)
 
 
 def approximate_distance(
@@ -214,7 +208,7 @@ def _from_faces(beyond: list[Any], ops: Operations) -> Any:
     return ops.sqrt(squares) - _ROUNDED + inside
 
 
-@lru_cache(maxsize=_ARMS)
+@lru_cache(maxsize=16)
 def spheres_and_shapes(arm: Alpha5Parameters) -> SpheresAndShapes:
     """What the distance of an arm with closed jaws is made of.
 

@@ -32,11 +32,9 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: A line that comes nearer to a contact than this is not proved free [m].
 SHORTEST = 1e-6
-#: Arms whose bodies are kept.
-_ARMS = 16
 
 
-@lru_cache(maxsize=_ARMS)
+@lru_cache(maxsize=16)
 def self_collision(arm: Alpha5Parameters, gripper: str = "locked") -> SelfCollision:
     """The self-collision of an arm, made once.
 

@@ -29,8 +29,6 @@ STICKING_OUT = 0.0045
 SHORT_BY = 0.003
 #: Distance of neighbouring places on the surface, and of candidates [m].
 _SPACING = 0.004
-#: Lists of shapes whose spheres are kept.
-_KEPT = 32
 
 
 class Spheres(NamedTuple):
@@ -45,7 +43,7 @@ class Spheres(NamedTuple):
     radii: FloatArray
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=32)
 def spheres_for(shapes: tuple[Primitive, ...]) -> Spheres:
     """Spheres that stand for the shapes of a body.
 

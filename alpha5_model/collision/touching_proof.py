@@ -28,8 +28,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Pairs of shapes and cells that a single pair of links may take: half a second.
 _QUICK = 100_000
-#: Arms whose verdicts are kept.
-_ARMS = 16
 _HEAD = """\
 # Pairs of collision shapes that can ever touch within the joint limits, for closed jaws
 # that are part of link_4 ("locked") and for jaws that move ("jaws"). Each row has the
@@ -61,7 +59,7 @@ def prove_all(arm: Alpha5Parameters, gripper: str) -> list[Proof]:
     return [prove(body_pair(bodies, ranges, pair)) for pair in pairs_apart(bodies)]
 
 
-@lru_cache(maxsize=_ARMS)
+@lru_cache(maxsize=16)
 def never_within_limits(arm: Alpha5Parameters, gripper: str) -> Pairs:
     """Pairs of links of `NEVER_WITHIN_LIMITS` that never touch, proven for an arm.
 

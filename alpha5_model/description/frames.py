@@ -108,7 +108,7 @@ def _roll_yaw(alpha: float, beta: float) -> Triple:
     """
     sine = round(math.sin(alpha))
     cosine = round(math.cos(alpha))
-    if abs(sine) + abs(cosine) != 1:
+    if not math.isclose(math.sin(alpha), sine, abs_tol=1e-12):
         raise PublishedDataError(
             "Table 1", f"alpha = {alpha} rad is not a multiple of pi/2"
         )

@@ -338,7 +338,7 @@ class _Reader:
             return np.array([1.0, 0.0, 0.0])
         axis = np.array(self.numbers(element, "xyz", 3))
         length = float(np.linalg.norm(axis))
-        if not 0 < length < math.inf:
+        if length == 0:
             raise self.fail(element, f"joint {name!r}: the axis has no direction")
         return axis / length
 

@@ -10,7 +10,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model.description.bodies import Body
-from alpha5_model.geometry.materials import MATERIALS, material_of
+from alpha5_model.geometry.materials import MATERIALS, linear_light, material_of
 from alpha5_model.geometry.primitives import Primitive
 
 
@@ -60,23 +60,12 @@ def add_materials(stage: Any, scope: str) -> None:
         surface = UsdShade.Shader.Define(stage, f"{path}/surface")
         surface.CreateIdAttr("UsdPreviewSurface")
         colour = surface.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
-        colour.Set(Gf.Vec3f(*_linear(material.rgba[:3])))
+        colour.Set(Gf.Vec3f(*map(linear_light, material.rgba[:3])))
         number = Sdf.ValueTypeNames.Float
         surface.CreateInput("metallic", number).Set(material.metallic)
         surface.CreateInput("roughness", number).Set(material.roughness)
         output = surface.CreateOutput("surface", Sdf.ValueTypeNames.Token)
         made.CreateSurfaceOutput().ConnectToSource(output)
-
-
-def _linear(srgb: tuple[float, ...]) -> list[float]:
-    """sRGB as linear light, in which USD has colours (IEC 61966-2-1)."""
-    linear = []
-    for channel in srgb:
-        if channel <= 0.04045:
-            linear.append(channel / 12.92)
-        else:
-            linear.append(((channel + 0.055) / 1.055) ** 2.4)
-    return linear
 
 
 def add_visuals(

@@ -19,7 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.spatial import Placement, quaternion_from_rpy
-from alpha5_model.geometry.materials import MATERIALS, Material, material_of
+from alpha5_model.geometry.materials import (
+    MATERIALS,
+    Material,
+    linear_light,
+    material_of,
+)
 from alpha5_model.geometry.triangles import Surface
 
 _ROOT = Placement("")
@@ -162,9 +167,9 @@ def _split_at_creases(
 
 
 def _material(material: Material) -> dict[str, Any]:
-    """A material in linear light; MTL and URDF carry sRGB (IEC 61966-2-1)."""
+    """A material in linear light; MTL and URDF carry sRGB."""
     *srgb, alpha = material.rgba
-    linear = [round(_linear(c), 6) for c in srgb]
+    linear = [round(linear_light(c), 6) for c in srgb]
     return {
         "name": material.name,
         "pbrMetallicRoughness": {
@@ -173,13 +178,6 @@ def _material(material: Material) -> dict[str, Any]:
             "roughnessFactor": material.roughness,
         },
     }
-
-
-def _linear(c: float) -> float:
-    """A colour of sRGB in linear light."""
-    if c <= 0.04045:
-        return c / 12.92
-    return float(((c + 0.055) / 1.055) ** 2.4)
 
 
 def _chunk(kind: bytes, content: bytes, filler: bytes) -> bytes:

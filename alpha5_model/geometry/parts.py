@@ -13,6 +13,7 @@ import numpy as np
 
 from alpha5_model.geometry.dimensions import Dimensions
 from alpha5_model.geometry.solid import (
+    FAR,
     Groove,
     Solid,
     box,
@@ -98,8 +99,8 @@ def _base_neck(dimensions: Dimensions) -> Solid:
     rise = tube_axis_of_base(dimensions) / d.tube_front
     sheared = np.array([[1, 0, 0, 0], [rise, 1, 0, 0], [0, 0, 1, 0]], float)
     return neck.transform(sheared) - box(
-        low=(d.tube_front, -40, d.hub_high),
-        high=(1, 40, 40),
+        low=(d.tube_front, -FAR, d.hub_high),
+        high=(1, FAR, FAR),
     )
 
 
@@ -131,19 +132,18 @@ def shell(dimensions: Dimensions) -> Part:
     cheek = cylinder(
         dimensions.radius, low=d.cheek_inner, high=d.cheek_outer, edges=(0, 1.2)
     )
-    bolt = cylinder(1.4, low=d.cheek_outer - 1.6, high=40, segments=12)
+    bolt = cylinder(1.4, low=d.cheek_outer - 1.6, high=FAR, segments=12)
     bolts = circle_of(bolt, 6, 14.0)
-    ring = cylinder(9.5, low=d.cheek_outer - 0.8, high=40) - cylinder(
-        8.3, low=0, high=41
-    )
+    ring = cylinder(9.5, low=d.cheek_outer - 0.8, high=FAR)
+    ring -= cylinder(8.3, low=-FAR, high=FAR)
     collar = _collar(dimensions).translate([d.axes_apart, 0, 0])
     open_shell = union([collar - _room_of_barrel(dimensions), cheek]) - bolts - ring
 
     def bored(radius: float) -> Solid:
         bore = cylinder(radius, low=-40, high=d.floor, axis="y")
         bore ^= box(
-            low=(0, -60, -40),
-            high=(40, 60, d.cheek_outer - 2.5 - d.bore_shift),
+            low=(0, -FAR, -FAR),
+            high=(FAR, FAR, d.cheek_outer - 2.5 - d.bore_shift),
         )
         return open_shell - bore.translate([d.axes_apart, 0, d.bore_shift])
 
@@ -174,7 +174,7 @@ def _collar(dimensions: Dimensions) -> Solid:
 def _room_of_barrel(dimensions: Dimensions) -> Solid:
     """What the half-shell leaves free for link 2's barrel, up to the cheek."""
     d = dimensions.shell
-    far = (-40, -40, -40)
+    far = (-FAR, -FAR, -FAR)
     turning = cylinder(dimensions.radius + 0.6, low=-40, high=d.cheek_inner)
     beside = box(far, (d.inside, d.floor, d.cheek_inner))
     behind = box(far, (d.axes_apart + 0.6, 0, d.cheek_inner))
@@ -231,9 +231,8 @@ def _barrel(dimensions: Dimensions) -> Solid:
     )
     bolt = cylinder(1.4, low=-40, high=d.barrel_low + 1.6, segments=12)
     bolts = circle_of(bolt, 6, 11.5)
-    ring = cylinder(9.0, low=-40, high=d.barrel_low + 0.8) - cylinder(
-        7.8, low=-41, high=0
-    )
+    ring = cylinder(9.0, low=-FAR, high=d.barrel_low + 0.8)
+    ring -= cylinder(7.8, low=-FAR, high=FAR)
     return barrel - bolts - ring
 
 
@@ -243,6 +242,6 @@ def _barrel_neck(dimensions: Dimensions) -> Solid:
     stub = cylinder(d.neck_radius, low=2.0, high=d.neck_end, axis="x")
     stub = stub.translate([0, d.drop / 2, 0])
     return stub ^ box(
-        low=(0, -1, -40),
-        high=(60, d.neck, d.barrel_high),
+        low=(0, -1, -FAR),
+        high=(FAR, d.neck, d.barrel_high),
     )

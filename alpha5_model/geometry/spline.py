@@ -27,7 +27,7 @@ def cubic_spline(knots: FloatArray, values: FloatArray, at: FloatArray) -> Float
     slope = np.diff(values, axis=0) / step[:, None]
     derivative = np.linalg.solve(*_conditions(knots, step, slope))
 
-    piece = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(step) - 1)
+    piece = np.searchsorted(knots[1:-1], at, side="right")
     past = (at - knots[piece])[:, None]
     width = step[piece][:, None]
     start, end = derivative[piece], derivative[piece + 1]

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
+from alpha5_model._support.files import read_named, standard_stream
 from alpha5_model._support.outputs import check_outputs, output_format
 from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.cli import COMMANDS as COMMAND_NAMES
@@ -415,6 +416,23 @@ def test_a_reader_that_leaves_is_no_error(motion_file: Path) -> None:
         )
         assert done.returncode == 0
         assert not {"Traceback", "Error", "alpha5:"} & set(done.stderr.split())
+
+
+def test_the_largest_file_is_read_and_the_next_is_not(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_bytes(b"x" * 2048)
+    assert read_named(path, "a file", 2048) == read_named(path, "a file")
+    path.write_bytes(b"x" * 2049)
+    with pytest.raises(FileFormatError, match="more than 2 KiB, a file is expected"):
+        read_named(path, "a file", 2048)
+
+
+@pytest.mark.usefixtures("capfd")
+def test_the_streams_are_told_apart(tmp_path: Path) -> None:
+    """Both are files here, each of its own."""
+    assert [standard_stream(os.fstat(number)) for number in (1, 2)] == [1, 2]
+    (tmp_path / "file").write_text("neither")
+    assert standard_stream((tmp_path / "file").stat()) is None
 
 
 # --- no command writes over what it reads ---------------------------------------------

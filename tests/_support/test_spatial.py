@@ -61,3 +61,50 @@ def test_transforms() -> None:
     np.testing.assert_array_equal(placed[:3, 3], xyz)
     np.testing.assert_array_equal(placed[3], [0, 0, 0, 1])
     np.testing.assert_array_equal(spatial.transform(), np.eye(4))
+
+
+def test_many_at_a_time_are_the_single_ones() -> None:
+    vectors = rng.normal(size=(2, 5, 3))
+    axes = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    angles = rng.uniform(-4.0, 4.0, (2, 5))
+    crosses = spatial.cross_matrix(vectors[0])
+    turns = spatial.rotation_about(axes[0], angles[0])
+    poses = spatial.transform(turns, vectors[1])
+    points = spatial.moved(poses, vectors[0])
+    for k in range(5):
+        vector = vectors[0, k]
+        np.testing.assert_array_equal(crosses[k], spatial.cross_matrix(vector))
+        turn = spatial.rotation_about(axes[0, k], angles[0, k])
+        np.testing.assert_allclose(turns[k], turn, atol=1e-15)
+        np.testing.assert_array_equal(poses[k, :3, 3], vectors[1, k])
+        np.testing.assert_array_equal(poses[k, 3], [0, 0, 0, 1])
+        np.testing.assert_allclose(points[k], turn @ vector + vectors[1, k], atol=1e-15)
+    # One axis, several angles.
+    about_z = spatial.rotation_about([0.0, 0.0, 1.0], angles[0])
+    assert about_z.shape == (5, 3, 3)
+    np.testing.assert_allclose(about_z[:, 1, 0], np.sin(angles[0]), atol=1e-15)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_at_the_singular_pitch_the_roll_is_zero(sign: float) -> None:
+    for roll, yaw in rng.uniform(-np.pi, np.pi, (20, 2)):
+        matrix = spatial.rotation_from_rpy((roll, sign * np.pi / 2, yaw))
+        found = spatial.rpy_from_rotation(matrix)
+        assert found[0] == pytest.approx(0.0, abs=1e-12)
+        assert found[1] == pytest.approx(sign * np.pi / 2, abs=1e-12)
+        between = found[2] - (yaw - sign * roll)
+        assert np.cos(between) == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("point", [(0.5, 0.2, -0.1), (0.0, 1.0, 1.0), (1.0, 0.0, -1.0)])
+def test_in_a_box_nothing_is_in_excess(point: tuple[float, ...]) -> None:
+    box = np.array([[0.0, 1.0], [0.0, 1.0], [-1.0, 1.0]])
+    assert spatial.excess_of_box(np.array(point), box) == 0.0
+
+
+def test_the_distance_from_a_box_is_that_of_its_nearest_point() -> None:
+    box = np.array([[0.0, 1.0], [2.0, 3.0], [-1.0, 1.0]])
+    for point in rng.uniform(-5.0, 5.0, (50, 3)):
+        nearest = np.clip(point, box[:, 0], box[:, 1])
+        expected = np.linalg.norm(point - nearest)
+        assert spatial.excess_of_box(point, box) == pytest.approx(expected, abs=1e-15)

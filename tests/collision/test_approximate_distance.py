@@ -152,6 +152,25 @@ def test_along_a_line_the_gradient_does_not_jump() -> None:
     assert jumps.max() < np.abs(np.diff(exact)).max()
 
 
+@pytest.mark.parametrize(
+    ("q", "distance"),
+    [
+        (a5.named_pose("stow"), 0.01883),
+        (a5.named_pose("home"), 0.03904),
+        (a5.named_pose("reach"), 0.05382),
+        ([0.3, 0.6, 0.9, 0.2], -0.02550),
+        ([1.0, 2.0, 3.0, 1.0], 0.04354),
+        ([0.5, 0.1, 0.1, 0.1], -0.02575),
+    ],
+)
+def test_other_spheres_would_move_what_optimisers_have_found(
+    q: list[float], distance: float
+) -> None:
+    """The spheres are a choice, which the exact distance does not tell apart."""
+    found = distances(parameters(), np.array([q]))
+    assert found == pytest.approx(distance, abs=2e-5)
+
+
 def test_more_smoothing_makes_it_smaller() -> None:
     q = sample(100, seed=44)
     sharp = distances(parameters(), q, smoothing=1e-5)
@@ -212,6 +231,33 @@ def test_spheres_are_as_near_the_shapes_as_they_say(link: int) -> None:
     skin = centres[chosen] + radii[chosen, None] * turned
     out = np.min([signed_distances(shape, skin) for shape in shapes], axis=0)
     assert out.max() < STICKING_OUT + 0.002
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Primitive("box", (0.03, 0.021, 0.009), (0.1, 0.0, -0.1), (0.4, 0.0, 0.2)),
+        Primitive("cylinder", (0.02, 0.031), (0.0, 0.2, 0.0), (0.0, 1.0, 0.0)),
+    ],
+    ids=lambda shape: shape.kind,
+)
+def test_places_are_all_over_the_surface(shape: Primitive) -> None:
+    """No farther apart than 4 mm along either of two directions."""
+    places = surface_places(shape)
+    assert np.abs(signed_distances(shape, places)).max() < 1e-12
+    # Random points, moved to the surface along the gradient of the distance.
+    rng = np.random.default_rng(46)
+    points = np.array(shape.xyz) + rng.uniform(-0.03, 0.03, (3000, 3))
+    step = 1e-7
+    for _ in range(3):
+        depth = signed_distances(shape, points)
+        ahead = [signed_distances(shape, points + step * unit) for unit in np.eye(3)]
+        slope = (np.array(ahead) - depth).T / step
+        points = points - depth[:, None] * slope
+    on_surface = points[np.abs(signed_distances(shape, points)) < 1e-6]
+    assert len(on_surface) > 2000
+    away = np.linalg.norm(on_surface[:, None] - places, axis=2).min(axis=1)
+    assert away.max() < 0.004 / np.sqrt(2.0)
 
 
 def test_one_sphere_would_do_for_a_cube_that_is_small() -> None:

@@ -17,7 +17,8 @@ import alpha5_model as a5
 from alpha5_model.collision import self_collision as module
 from alpha5_model.collision.bodies import collision_bodies
 from alpha5_model.collision.cells import FREE, HIT, UNDECIDED
-from alpha5_model.collision.cells_file import committed_cells
+from alpha5_model.collision.cells_file import committed_cells, packed
+from alpha5_model.collision.coal_scene import CoalScene
 from alpha5_model.collision.self_collision import SelfCollision, self_collision
 
 #: coal's distances are right to this [m].
@@ -356,3 +357,34 @@ def test_the_quick_function_answers_for_plain_angles_only(scene: SelfCollision) 
     for angles in (rows[0].tolist(), np.append(rows[0], [0.0, 0.0]), rows[0][:3]):
         assert quick(angles, 0.0) is None
     assert quick(np.array([np.nan, 0.0, 0.0, 0.0]), 0.0) is None
+
+
+@pytest.mark.parametrize("count", range(1, 10))
+def test_four_codes_are_in_a_byte_the_first_in_its_lowest_bits(count: int) -> None:
+    codes = np.random.default_rng(count).integers(0, 3, count).astype(np.uint8)
+    bits = np.unpackbits(np.frombuffer(packed(codes), np.uint8), bitorder="little")
+    found = bits[::2] + 2 * bits[1::2]
+    assert found[:count].tolist() == codes.tolist()
+    assert len(found) == -(-count // 4) * 4
+    assert not found[count:].any()
+
+
+def test_coal_is_asked_by_the_smallest_balls_around_the_shapes() -> None:
+    """Larger ones would ask it more often, for the same answers."""
+    bodies = collision_bodies(a5.parameters(), "jaws")
+    scene = CoalScene(bodies)
+    kinds = set()
+    for (_, shape), radius in zip(bodies.shapes, scene._radius, strict=True):
+        kinds.add(shape.kind)
+        if shape.kind == "box":
+            farthest = np.linalg.norm(shape.size) / 2
+        else:
+            farthest = np.hypot(shape.size[0], shape.size[1] / 2)
+        assert radius == pytest.approx(farthest, rel=1e-12)
+    assert kinds == {"box", "cylinder"}
+    q = np.random.default_rng(21).uniform(-3.0, 3.0, 6)
+    poses = scene._poses(q)
+    apart = scene._least_distances(poses)
+    for (one, other), bound in zip(scene._pairs, apart, strict=True):
+        centres = np.linalg.norm(poses[one, :3, 3] - poses[other, :3, 3])
+        assert bound + scene._radius[[one, other]].sum() == pytest.approx(centres)

@@ -207,6 +207,27 @@ def test_the_proof_gives_the_list_again(gripper: str, one: str, other: str) -> N
     assert len(rows) == (len(proof.witnesses) + 2 if proof.witnesses else 0)
 
 
+@pytest.mark.parametrize(
+    ("pair", "looks", "nearest"),
+    zip(
+        QUICK,
+        (2989, 3275, 27, 18409, 1757, 2313, 99, 3069, 79),
+        (-3.5516, 0.2748, 155.1717, -4.1208, 0.6856, -7.7285, 3.3588, 18.133, 133.0018),
+        strict=True,
+    ),
+)
+def test_no_proof_takes_more_looks_than_it_did(
+    pair: tuple[str, str, str], looks: int, nearest: float
+) -> None:
+    """A bound that is less sharp would give the same list, but later.
+
+    With the smallest distance that was seen [mm].
+    """
+    proof = prove(pair_of(*pair))
+    assert proof.effort == pytest.approx(looks, rel=0.01)
+    assert proof.nearest * 1e3 == pytest.approx(nearest, abs=0.01)
+
+
 def test_links_held_apart_by_length_are_so_at_any_angle() -> None:
     """`NEVER_PAIRS` are 40 mm apart all the way round, at any opening of the jaws."""
     lower, upper = joint_ranges(parameters(), "jaws")

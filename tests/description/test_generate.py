@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -136,6 +137,17 @@ def test_corrections_turn_the_base_and_are_named():
     assert "Corrections to the document: base_frame" in urdf()
 
 
+@pytest.mark.parametrize("corrections", [(), ("base_frame",), ("link3_cob",)])
+def test_no_frame_is_written_with_more_than_half_a_turn(corrections):
+    text = urdf(Variant(gripper="jaws", dh_frames=True, corrections=corrections))
+    angles = [
+        float(angle)
+        for origin in ET.fromstring(text).iter("origin")
+        for angle in origin.get("rpy", "0").split()
+    ]
+    assert max(map(abs, angles)) == pytest.approx(math.pi)
+
+
 def test_the_file_names_document_version_and_package():
     head = urdf().split("<link", 1)[0]
     for words in (
@@ -179,6 +191,15 @@ def test_the_committed_files_are_fresh(capsys):
     assert stale_files() == []
     assert main(["generate", "--check"]) == 0
     assert "generated files are fresh" in capsys.readouterr().out
+
+
+def test_the_committed_texts_are_fresh(monkeypatch):
+    """Without what takes seconds: meshes that are drawn, and formulas."""
+    monkeypatch.setitem(sys.modules, "manifold3d", None)
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    texts = generated_files()
+    assert len(texts) > 20
+    assert stale_files(fresh=texts) == []
 
 
 def test_every_file_in_the_folders_of_descriptions_is_generated():

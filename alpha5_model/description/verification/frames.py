@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator
+from itertools import product
 
 import numpy as np
 
@@ -81,8 +82,7 @@ def configurations(p: Alpha5Parameters, count: int) -> FloatArray:
     joints = p.joints[:4]
     lower = np.array([joint.lower for joint in joints])
     upper = np.array([joint.upper for joint in joints])
-    sides = np.indices((2, 2, 2, 2)).reshape(4, -1).T
-    corners = np.where(sides == 0, lower, upper)
+    corners = list(product(*zip(lower, upper, strict=True)))
     inside = np.random.default_rng(5).uniform(lower, upper, (count, 4))
     return np.vstack([corners, inside])
 
@@ -120,7 +120,7 @@ def dh_product(p: Alpha5Parameters, q: FloatArray) -> dict[str, FloatArray]:
 
 def frame_error(given: FloatArray, expected: FloatArray) -> float:
     """Larger of the errors in position [m] and orientation [rad], over all samples."""
-    shift = np.linalg.norm(given[:, :3, 3] - expected[:, :3, 3], axis=-1)
+    shift = np.linalg.norm(given[:, :3, 3] - expected[:, :3, 3], axis=1)
     relative = np.swapaxes(expected[:, :3, :3], -1, -2) @ given[:, :3, :3]
     # |R - R^T| / sqrt(8) is sin(angle): exact for small angles, where acos of the trace
     # is blind.
