@@ -55,6 +55,8 @@ KERNEL_TESTS = (
     "tests/codegen/test_kernels_arithmetic.py",
     "tests/codegen/test_kernels_transposition.py",
     "tests/codegen/test_rounding.py",
+    "tests/codegen/test_collision_kernels.py",
+    "tests/codegen/test_collision_kernels_refusals.py",
     "tests/kinematics/test_ik_kernels.py",
     "tests/codegen/test_casadi.py",
     "tests/dynamics/test_dynamics_kernels.py",

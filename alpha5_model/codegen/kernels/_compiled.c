@@ -219,17 +219,18 @@ static int64_t now(void)
 
 enum { BLOCK = 128 * PANEL, PATIENCE = 20000000 }; /* rows between two looks at the clock; ns between two at signals */
 
-/* The first of n rows, for as long as PATIENCE: how many, and whether they could be computed. */
+/* The first of n rows, for as long as PATIENCE: how many; 0 if one of them cannot be computed. */
 static npy_intp some_rows(const Kernel *kernel, const double *k, const double **in, const ptrdiff_t *step, double **out,
-                          npy_intp n, int *good)
+                          npy_intp n)
 {
     int64_t start = 0, time = 0;
     npy_intp done = 0;
     while ((uint64_t)(time - start) < PATIENCE) { /* not after the clock was set back */
         const npy_intp block = n - done < BLOCK ? n - done : BLOCK;
-        *good = rows(kernel, k, in, step, out, block);
+        if (!rows(kernel, k, in, step, out, block))
+            return 0;
         done += block;
-        if (!*good || done == n)
+        if (done == n)
             break;
         time = now();
         if (start == 0)
@@ -246,7 +247,6 @@ static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t 
     double *out[MOST_SLOTS];
     ptrdiff_t step[MOST_SLOTS];
     npy_intp n = 0;
-    int good = 1;
     if (count < 3)
         return PyErr_Format(PyExc_TypeError, "batch takes a name, parameters and arrays");
     const Kernel *kernel = named(arguments[0], arguments[1], k);
@@ -269,14 +269,18 @@ static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t 
         else
             out[i - kernel->inputs] = PyArray_DATA(array);
     }
-    while (good && n > 0) {
+    while (n > 0) {
+        npy_intp done;
         Py_BEGIN_ALLOW_THREADS
-        n -= some_rows(kernel, k, in, step, out, n, &good);
+        done = some_rows(kernel, k, in, step, out, n);
         Py_END_ALLOW_THREADS
+        if (done == 0)
+            Py_RETURN_FALSE;
+        n -= done;
         if (n > 0 && PyErr_CheckSignals() < 0)
             return NULL;
     }
-    return PyBool_FromLong(good);
+    Py_RETURN_TRUE;
 }
 
 static PyObject *is_state(PyObject *module, PyObject *const *arguments, Py_ssize_t count)

@@ -206,16 +206,18 @@ static void triangle_of(const Simplex *simplex, int i, int j, int k, Part *best)
     difference(simplex->w[j], simplex->w[i], one);
     difference(simplex->w[k], simplex->w[i], other);
     cross(one, other, normal);
-    const double square = dot(normal, normal);
-    int inside = square > FLAT * FLAT * dot(one, one) * dot(other, other);
+    int inside = dot(normal, normal) > FLAT * FLAT * dot(one, one) * dot(other, other);
+    double sum = 0.0; /* n . n, but for rounding, which is large if the triangle is thin */
     for (int c = 0; c < 3 && inside; c++) { /* barycentric: n . (w1 x w2) / n . n */
         double product[3];
         cross(simplex->w[corners[(c + 1) % 3]], simplex->w[corners[(c + 2) % 3]], product);
-        weights[c] = dot(normal, product) / square;
+        weights[c] = dot(normal, product);
         inside = weights[c] > 0.0;
+        sum += weights[c];
     }
     if (inside) {
-        take(simplex, best, (Part){.size = 3, .corners = {i, j, k}, .weights = {weights[0], weights[1], weights[2]}});
+        take(simplex, best, (Part){.size = 3, .corners = {i, j, k},
+                                   .weights = {weights[0] / sum, weights[1] / sum, weights[2] / sum}});
         return;
     }
     for (int c = 0; c < 3; c++) {
