@@ -163,8 +163,19 @@ def test_batches_equal_single_calls() -> None:
             np.testing.assert_array_equal(
                 batch[index], function(m[index], c[index], t[index])
             )
-    assert mod.principal_moments(t).shape == (2, 3, 3)
-    assert mod.radii_of_gyration(m, t).shape == (2, 3, 3)
+    turns = np.array([rotation(k) for k in range(6)]).reshape(2, 3, 3, 3)
+    for name, arguments in (
+        ("rotate_tensor", (turns, t)),
+        ("point_mass_tensor", (m, c)),
+        ("second_moments", (t,)),
+        ("principal_moments", (t,)),
+        ("radii_of_gyration", (m, t)),
+    ):
+        function = getattr(mod, name)
+        batch = function(*arguments)
+        for index in np.ndindex(2, 3):
+            one = function(*(argument[index] for argument in arguments))
+            np.testing.assert_allclose(batch[index], one, rtol=1e-14, atol=1e-15)
 
 
 def test_arguments_are_left_alone_and_checked() -> None:

@@ -367,6 +367,9 @@ def test_a_hole_and_a_slit() -> None:
         (lambda: PlanarArm((1, 2), None, "RP"), MissingParameterError, "prismatic"),
         (lambda: PlanarArm((1, -1), [None, (0, 1)], "RP"), InputError, "not negative"),
         (lambda: PlanarArm((1, 2), angles=(0,)), ShapeError, "angles"),
+        (lambda: PlanarArm((1, 2), angles=[[0, 0]]), ShapeError, "angles"),
+        (lambda: PlanarArm((1, 2), [[[0, 1]], None]), ShapeError, "a pair"),
+        (lambda: PlanarArm([[1, 2]]), ShapeError, "at least one"),
         (lambda: PlanarArm((1, 2)).forward_kinematics([1]), ShapeError, "q"),
         (
             lambda: PlanarArm((1, 2)).workspace().contains([1, 2, 3]),
