@@ -193,7 +193,7 @@ class ArmKinematics:
     def sampled_share(
         self,
         accept: Accept,
-        samples: int = 20_000,
+        samples: int,
         seed: int = 0,
         azimuth: float | None = None,
     ) -> SampledShare:

@@ -10,7 +10,11 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.errors import JointLimitError, PublishedDataError
+from alpha5_model.errors import (
+    JointLimitError,
+    PublishedDataError,
+    SelfCollisionError,
+)
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.kinematics.arm_shape import SHAPE_NUMBERS, ArmShape
 from alpha5_model.kinematics.catalogue_arm import catalogue
@@ -90,6 +94,48 @@ def test_an_arm_of_the_same_lengths_answers_as_the_catalogue() -> None:
         arm.nearest_reachable(TARGETS), a5.nearest_reachable(TARGETS)
     )
     assert arm.volume() == a5.workspace.volume()
+
+
+def test_what_is_left_out_means_the_same_as_in_the_public_functions() -> None:
+    arm = ArmKinematics(a5.parameters())
+    space = a5.workspace
+    inside = TARGETS[a5.reachable(TARGETS)]
+    solutions = arm.inverse_kinematics(inside)
+    np.testing.assert_array_equal(solutions.q, a5.inverse_kinematics(inside).q)
+    free = (solutions.within_limits & ~arm.collides(solutions)).any(axis=-1)
+    ours = arm.best(arm.inverse_kinematics(inside[free]), REFERENCE)
+    theirs = a5.inverse_kinematics(inside[free]).best(REFERENCE)
+    np.testing.assert_array_equal(ours, theirs)
+    assert not free.all()
+    with pytest.raises(SelfCollisionError):
+        arm.best(solutions, REFERENCE)
+    with pytest.raises(SelfCollisionError):
+        arm.inverse_kinematics_path(inside[~free][:1])
+    pose = np.eye(4)
+    pose[:3, 3] = inside[~free][0]
+    with pytest.raises(SelfCollisionError):
+        arm.best_pose(arm.inverse_kinematics_pose(pose), REFERENCE)
+
+    np.testing.assert_array_equal(arm.reachable(TARGETS), a5.reachable(TARGETS))
+    np.testing.assert_array_equal(
+        arm.distance_to_reach(TARGETS), a5.distance_to_reach(TARGETS)
+    )
+    assert arm.boundary() == space.boundary()
+    assert arm.cross_section_area() == space.cross_section_area()
+    radius, z = np.abs(TARGETS[:, 0]), TARGETS[:, 2]
+    reached = arm.in_half_plane(radius, z)
+    np.testing.assert_array_equal(reached, space.in_half_plane(radius, z))
+    assert not np.array_equal(reached, arm.in_half_plane(radius, z, limits=False))
+
+
+def test_the_public_functions_keep_the_limits_unless_told_otherwise() -> None:
+    space = a5.workspace
+    for function in (space.cross_section_area, space.volume, space.boundary):
+        assert function() == function(limits=True) != function(limits=False)
+    for function in (a5.reachable, a5.distance_to_reach):
+        kept = function(TARGETS)
+        np.testing.assert_array_equal(kept, function(TARGETS, True))
+        assert not np.array_equal(kept, function(TARGETS, False))
 
 
 @pytest.mark.parametrize("record", [a5.parameters(), longer(), wider()])
