@@ -113,9 +113,7 @@ class ArmKinematics:
         chosen = self._best_of_one(solutions, q_reference, allow_collision)
         if chosen is not None:
             return chosen
-        scene = (
-            None if flag("allow_collision", allow_collision) else self.self_collision
-        )
+        scene = self._compared(allow_collision)
         return choosing.best(solutions, q_reference, self.shape, self._wrist, scene)
 
     def inverse_kinematics_pose(self, transform: Any) -> PoseSolutionArrays:
@@ -129,9 +127,7 @@ class ArmKinematics:
         allow_collision: bool = False,
     ) -> FloatArray:
         """The free solution within the limits with the least rotation error."""
-        scene = (
-            None if flag("allow_collision", allow_collision) else self.self_collision
-        )
+        scene = self._compared(allow_collision)
         return choosing.best_pose(
             solutions, q_reference, self.shape, self._wrist, scene
         )
@@ -145,9 +141,7 @@ class ArmKinematics:
         allow_collision: bool = False,
     ) -> FloatArray:
         """Joint positions along a path of points, continuous, within limits, free."""
-        scene = (
-            None if flag("allow_collision", allow_collision) else self.self_collision
-        )
+        scene = self._compared(allow_collision)
         return path_search.solve_path(
             self.shape, self._wrist, scene, positions, q_start, wrist, max_step
         )
@@ -199,7 +193,7 @@ class ArmKinematics:
     def sampled_share(
         self,
         accept: Accept,
-        samples: int = 20_000,
+        samples: int,
         seed: int = 0,
         azimuth: float | None = None,
     ) -> SampledShare:

@@ -67,8 +67,7 @@ class ArmShape(NamedTuple):
         twists = [row_0.alpha, row_1.alpha, row_2.alpha]
         must_be_zero = [row_1.d, row_2.d, row_3.a, row_4.d, row_4.a]
         tool = parameters.tool
-        wrong_side = tool is None and row_3.d >= 0.0
-        if twists != _TWISTS or any(must_be_zero) or row_1.a <= 0.0 or wrong_side:
+        if twists != _TWISTS or any(must_be_zero):
             raise PublishedDataError(
                 "Table 1", "not a vertical plane with two links in it"
             )

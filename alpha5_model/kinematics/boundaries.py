@@ -139,7 +139,7 @@ def trace(plane: ArmPlane, arcs: Sequence[Arc], contains: Region) -> tuple[Arc, 
     for edge in edges:
         if not isinstance(edge.curve, planar.Arc):
             continue
-        arc = _on_same_circle(arcs, edge.curve, 2 * tolerance)
+        arc = _on_same_circle(arcs, edge.curve)
         start, end = edge.curve.interval
         turn = math.tau * round((start + end) / (2 * math.tau))
         filled = 1 if edge.inside_left else -1
@@ -147,9 +147,7 @@ def trace(plane: ArmPlane, arcs: Sequence[Arc], contains: Region) -> tuple[Arc, 
     return tuple(traced)
 
 
-def _on_same_circle(arcs: Sequence[Arc], found: planar.Arc, tolerance: float) -> Arc:
-    """The first of the arcs with the centre and radius of another."""
+def _on_same_circle(arcs: Sequence[Arc], found: planar.Arc) -> Arc:
+    """The arc with the centre and radius of another."""
     circle = (*found.center, found.radius)
-    return next(
-        arc for arc in arcs if math.dist((*arc.center, arc.radius), circle) <= tolerance
-    )
+    return min(arcs, key=lambda arc: math.dist((*arc.center, arc.radius), circle))

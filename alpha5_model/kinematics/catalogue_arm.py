@@ -11,9 +11,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 if TYPE_CHECKING:
     from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 
-#: Arms whose kinematics are kept.
-_ARMS = 64
-
 
 @cache
 def catalogue() -> ArmKinematics:
@@ -33,7 +30,7 @@ def kinematics_of(arm: Alpha5Parameters | None) -> ArmKinematics:
     return _kinematics(instance("arm", arm, Alpha5Parameters))
 
 
-@lru_cache(maxsize=_ARMS)
+@lru_cache(maxsize=64)
 def _kinematics(arm: Alpha5Parameters) -> ArmKinematics:
     # Imported late: solving a single target needs none of it.
     from alpha5_model.kinematics.arm_kinematics import ArmKinematics

@@ -114,7 +114,9 @@ def _step(points: PathPoints, k: int, front: Front) -> Ways:
 def _least_travel(stages: list[Ways], count: int) -> FloatArray:
     """Joint positions at all points, (count, 4), traced back from the best end."""
     q = np.empty((count, 4))
-    chosen = int(stages[-1].travel.argmin()) if stages else 0
+    if not stages:
+        return q
+    chosen = int(stages[-1].travel.argmin())
     for ways in reversed(stages):
         q[ways.first : ways.stop] = ways.q[chosen]
         chosen = int(ways.origin[chosen])

@@ -34,8 +34,6 @@ ON_AXIS = "inverse_kinematics_of_lengths"
 OFF_AXIS = "inverse_kinematics_of_tool"
 #: The kernel of the catalogue's arm: its numbers are constants.
 _NO_PARAMETERS = np.empty(0)
-#: Arms whose kernels are kept ready.
-_ARMS = 64
 
 Kind = TypeVar("Kind", bound=SolutionArrays)
 
@@ -58,7 +56,7 @@ def shape_of_kernels() -> ArmShape:
     return ArmShape.from_parameters(parameters())
 
 
-@lru_cache(maxsize=_ARMS)
+@lru_cache(maxsize=64)
 def kernel_of(shape: ArmShape) -> Kernel:
     """The kernel that solves an arm."""
     if shape == shape_of_kernels():
@@ -67,7 +65,7 @@ def kernel_of(shape: ArmShape) -> Kernel:
     return Kernel(name=name, numbers=frozen(shape.numbers))
 
 
-@lru_cache(maxsize=_ARMS)
+@lru_cache(maxsize=64)
 def _bound(kernels: Any, shape: ArmShape) -> tuple[Any, ...]:
     """The kernel of an arm with its numbers; nothing for the catalogue's."""
     kernel = kernel_of(shape)

@@ -7,6 +7,7 @@ from collections.abc import Set as AbstractSet
 
 from alpha5_model._support.spatial import excess_of_box
 from alpha5_model.numbers.arm_checks import LENGTHS
+from alpha5_model.numbers.arm_schema import ZEROS
 from alpha5_model.numbers.inertia import inconsistencies
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
@@ -14,7 +15,6 @@ from alpha5_model.numbers.parameters import (
     LinkParameters,
 )
 from alpha5_model.numbers.plausibility import warn
-from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Two arms of one kind do not differ by more: a length [m], a zero [rad].
 _LENGTH = 0.02
@@ -59,8 +59,8 @@ def _lengths_and_zeros(own: Alpha5Parameters, printed: Alpha5Parameters) -> None
             off = abs(length - published) * 1e3
             warn(f"lengths.{name}: {length:g} m is {off:.0f} mm off the printed one")
 
-    for i, name in enumerate(JOINT_NAMES[:4]):
-        zero = own.dh[i].theta_offset - printed.dh[i].theta_offset
+    for name, row, published_row in zip(ZEROS, own.dh, printed.dh, strict=False):
+        zero = row.theta_offset - published_row.theta_offset
         if abs(zero) > _ZERO:
             warn(f"zeros.{name}: {zero:.4g} rad is more than 10 deg off the printed 0")
 

@@ -212,7 +212,7 @@ def _check_size(
     if plausible is None or plausible.holds(largest):
         return
     # "at most 2 on this arm" becomes "at most 2 m on this arm".
-    bound = _NUMBER.sub(rf"\g<0> {plausible.unit}", plausible.expected, count=1)
+    bound = _NUMBER.sub(rf"\g<0> {plausible.unit}", plausible.expected)
     problem = f"{written}; expected {bound}".rstrip()
     likely = dimension.likely_unit(largest)
     if likely not in (None, unit):

@@ -49,10 +49,8 @@ class Covariance:
             raise InputError("covariance.deviation", smallest, "numbers above 0")
         rank = np.shape(self.factor)[-1] if np.ndim(self.factor) == 2 else 0
         factor = shaped("covariance.factor", self.factor, (size, rank))
-        largest = np.linalg.norm(factor, 2) if factor.size else 0.0
-        if largest > 1.0 + _ROUNDING:
-            expected = "a factor whose largest singular value is at most 1"
-            raise InputError("covariance.factor", float(largest), expected)
+        if factor.size:
+            _check_singular_values(factor)
         object.__setattr__(self, "names", names)
         object.__setattr__(self, "deviation", frozen(deviation))
         object.__setattr__(self, "factor", frozen(factor))
@@ -86,11 +84,18 @@ class Covariance:
         widths = (WIDTH * self.standard_deviation).tolist()
         for name, width in zip(self.names, widths, strict=True):
             key = key_of(name)
-            found[key] = max(width, found.get(key, 0.0))
+            found[key] = max(width, found.get(key, width))
         return found
+
+
+def _check_singular_values(factor: FloatArray) -> None:
+    """Refuse a factor that tells more than everything."""
+    largest = float(np.linalg.norm(factor, 2))
+    if largest > 1.0 + _ROUNDING:
+        expected = "a factor whose largest singular value is at most 1"
+        raise InputError("covariance.factor", largest, expected)
 
 
 def key_of(name: str) -> str:
     """The key of the arm file that a number belongs to."""
-    parts = name.split(".")
-    return ".".join(parts[:3] if parts[0] == "links" else parts[:2])
+    return ".".join(name.split(".")[:3])  # "zeros.axis_d" has two parts

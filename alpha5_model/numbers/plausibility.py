@@ -287,7 +287,9 @@ def _check_inertia(
     prefix: str, mass: float, inertia: FloatArray, limits: Plausible
 ) -> None:
     """Warn of an inertia whose radius of gyration is implausible."""
-    radius = math.sqrt(np.trace(inertia) / 2 / mass) if mass > 0 else 0.0
+    if not mass:
+        return
+    radius = math.sqrt(np.trace(inertia) / 2 / mass)
     if limits.holds(radius):
         return
     message = f"{prefix}inertia: a radius of gyration of {radius:.4g} m is implausible"

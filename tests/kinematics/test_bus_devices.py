@@ -12,6 +12,7 @@ import reference
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.numbers.parameters import JointParameters
 
 PAGE = Path(__file__).parents[2] / "docs" / "guides" / "from-arm-to-q.md"
 HOME = {5: 3.14, 4: 1.57, 3: 1.56, 2: 0.4}
@@ -59,6 +60,26 @@ def test_what_no_arm_reports_is_refused(change: dict, said: str) -> None:
         a5.q_from_devices({**HOME, **change})
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("joint", a5.parameters().joints)
+def test_a_zero_may_be_off_by_a_tenth_of_the_range(joint: JointParameters) -> None:
+    width = joint.upper - joint.lower
+    per_si = 1e3 if joint.name == "axis_a" else 1.0
+    for end, outwards in ((joint.lower, -1.0), (joint.upper, 1.0)):
+        inside = per_si * (end + outwards * 0.0999 * width)
+        beyond = per_si * (end + outwards * 0.1001 * width)
+        q = a5.q_from_devices({**HOME, joint.device_id: inside})
+        assert q[5 - joint.device_id] == inside / per_si
+        with pytest.raises(InputError, match=f"expected {joint.name} in its range"):
+            a5.q_from_devices({**HOME, joint.device_id: beyond})
+
+
+def test_the_first_of_several_samples_out_of_range_is_named() -> None:
+    devices = {device: np.full(5, value) for device, value in HOME.items()}
+    devices[4] = np.array([1.0, 7.0, 1.0, 8.0, 9.0])
+    with pytest.raises(InputError, match=r"axis_d in its range of .*, got 7"):
+        a5.q_from_devices(devices)
 
 
 def test_other_wrong_inputs() -> None:

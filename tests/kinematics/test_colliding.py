@@ -16,7 +16,9 @@ import alpha5_model as a5
 from alpha5_model.collision.self_collision import SelfCollision, self_collision
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.errors import JointLimitError, SelfCollisionError, UnreachableError
+from alpha5_model.kinematics import colliding
 from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.colliding import nearest_free_angle
 
 HOME = np.array([3.0, 1.6, 1.6, 1.4])
 #: Reached only with link_2 in link_0.
@@ -214,6 +216,44 @@ def test_the_nearest_free_yaw_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     assert s.best([2.0, 1.0, 1.0, 0.0])[0] == pytest.approx(2.5, abs=1e-4)
     assert s.best([0.9, 1.0, 1.0, 0.0])[0] == 0.9
     assert isinstance(scene, SelfCollision)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_a_gap_of_a_degree_between_collisions_is_found(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And the nearer end of the gap is met to a hundredth of a degree."""
+    rng = np.random.default_rng(seed)
+    start = rng.uniform(2.0, 4.0)
+    side = rng.choice([-1.0, 1.0])
+    near = start + side * rng.uniform(0.2, 0.8)
+    far = near + side * math.radians(1.01)
+
+    def touches(self: SelfCollision, angles: Any, *_: Any, **__: Any) -> np.ndarray:
+        yaw = angles[:, 0]
+        return np.asarray((yaw - near) * (yaw - far) > 0.0)
+
+    monkeypatch.setattr(SelfCollision, "touches", touches)
+    scene = self_collision(a5.parameters())
+    q = np.array([start, 1.0, 1.0, 0.0])
+    found = nearest_free_angle(scene, q, 0, LOWER[0], UPPER[0])
+    assert abs(found - near) < math.radians(0.01)
+    assert (found - near) * side >= 0.0
+    none = nearest_free_angle(scene, q, 0, start - 0.1, start + 0.1)
+    assert math.isnan(none)
+
+
+def test_targets_are_tried_in_all_directions_alike() -> None:
+    directions = colliding._directions()
+    assert np.linalg.norm(directions, axis=1) == pytest.approx(np.ones(256))
+    assert np.abs(directions.mean(axis=0)).max() < 1e-3
+    second = directions.T @ directions / len(directions)
+    assert second == pytest.approx(np.eye(3) / 3, abs=1e-3)
+    cosine = directions @ directions.T - 2 * np.eye(len(directions))
+    gap = np.arccos(cosine.max(axis=1))
+    even = math.sqrt(4 * math.pi / len(directions))
+    assert gap.min() > 0.75 * even
+    assert gap.max() < 1.1 * even
 
 
 def test_best_of_poses_is_free(coal: CollisionModel) -> None:

@@ -12,6 +12,7 @@ from scipy.optimize import minimize
 
 import alpha5_model as a5
 from alpha5_model.errors import UnknownNameError
+from alpha5_model.kinematics.arcs import Arc, first_moment
 
 space = a5.workspace
 #: Box around everything that can be reached [m].
@@ -297,8 +298,6 @@ def test_volume_without_limits_by_pappus() -> None:
 
 def test_volume_lost_to_the_wedges() -> None:
     """If theta_0 were free, the wedges would be as full as the rest."""
-    from alpha5_model.kinematics.arcs import first_moment
-
     moment = {side: first_moment(space.boundary(side)) for side in space.SIDES}
     lost = WEDGE * (2 * moment["both"] - moment["underarm"] - moment["overarm"])
     assert space.volume() == pytest.approx(
@@ -385,6 +384,58 @@ def test_singular_sets() -> None:
         jacobian = a5.dh.DHChain.alpha5().jacobian(on)[:, :3]
         assert np.linalg.matrix_rank(jacobian, tol=1e-9).max() <= 2
     assert not s.near().all()
+
+
+def test_how_near_is_near() -> None:
+    """A millionth of a radian, or a thousandth of a millimetre; or as you say."""
+    q = np.array([3.0, 1.6, 1.0, 0.5])
+    for off in (0.9e-6, -0.9e-6, 1.1e-6, -1.1e-6):
+        for angle in (STRETCHED, FOLDED):
+            q[2] = angle + off
+            assert space.singularities(q).near() == (abs(off) < 1e-6)
+            assert not space.singularities(q).near(angle=0.5e-6)
+            assert space.singularities(q).near(angle=2e-6)
+    to_axis = a5.inverse_kinematics([0.0, 0.0, 0.3]).best([3.0, 1.0, 1.0, 0.0])
+    turned = to_axis + np.array([0.0, 1e-3, 0.0, 0.0])
+    distance = abs(float(space.singularities(turned).yaw_axis))
+    assert 1e-5 < distance < 1e-3
+    assert space.singularities(turned).near(distance=1.01 * distance)
+    assert not space.singularities(turned).near(distance=0.99 * distance)
+    assert not space.singularities(turned).near()
+    for bad in ({"angle": -0.5}, {"distance": -0.5}):
+        with pytest.raises(a5.Alpha5Error, match="at least 0"):
+            space.singularities(q).near(**bad)
+
+
+def test_the_moment_of_arcs_is_that_of_their_points() -> None:
+    """The integral of R^2 / 2 dz over a polygon of many points."""
+    rng = np.random.default_rng(63)
+    for _ in range(10):
+        start = rng.uniform(-4.0, 4.0)
+        arc = Arc(
+            center=(rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1)),
+            radius=rng.uniform(0.1, 0.4),
+            start=start,
+            end=start + rng.uniform(0.2, 6.0),
+            filled=int(rng.choice([-1, 1])),
+            cause="any",
+            side="underarm",
+        )
+        r, z = arc.points(np.linspace(arc.start, arc.end, 20_001)).T
+        # Simpson's rule for R^2 on straight pieces.
+        square = (r[1:] ** 2 + r[1:] * r[:-1] + r[:-1] ** 2) / 3
+        expected = arc.filled * (square / 2 * np.diff(z)).sum()
+        assert first_moment([arc]) == pytest.approx(expected, abs=1e-8)
+    assert first_moment([]) == 0.0
+
+
+def test_the_middle_of_each_arc_is_within_a_half_turn() -> None:
+    for side in space.SIDES:
+        for limits in (True, False):
+            for arc in space.boundary(side, limits):
+                assert abs(arc.start + arc.end) / 2 <= math.pi + 1e-12
+                assert 0.0 < arc.end - arc.start <= math.tau
+                assert arc.filled in (-1, 1)
 
 
 def test_yaw_axis_singularity() -> None:

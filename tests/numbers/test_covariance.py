@@ -38,6 +38,20 @@ WRONG = (
     ("[0.3, 0.4]]", "[0.3, true]]", "covariance.factor[1][1]: True; expected"),
     ("[0.3, 0.4]]", "[0.9, 0.9]]", "largest singular value is at most 1"),
     ("[[0.6, 0.0], [0.3, 0.4]]", "[[0.6, 0.0]]", "expected 2 rows of numbers"),
+    ("[0.3, 0.4]]", "[0.3, 0.4], [0, 0]]", "expected 2 rows of numbers"),
+    ("[[0.6, 0.0], [0.3, 0.4]]", "[3, 3]", "covariance.factor[0]: 3; expected 0 "),
+    ("[0.0175, 0.005]", "[0.1, 0.1, 0.1]", "deviation: 3 numbers; expected 2"),
+    ("[0.0175, 0.005]", "[0.1, 1000000]", "deviation[1]: 1000000; expected a number"),
+    (
+        '["zeros.axis_d", ',
+        f"[{'3, ' * 80}",
+        "a list of names such as links.link_2.com.x",
+    ),
+    (
+        "[[0.6, 0.0], [0.3, 0.4]]",
+        f"[[{'0, ' * 80}], [0, 0]]",
+        "80 numbers; expected at most 79 numbers in a row",
+    ),
     ("[covariance]\n", "[[covariance]]\n", "covariance: "),
 )
 
@@ -59,6 +73,13 @@ def test_what_a_file_says(tmp_path: Path) -> None:
     assert np.allclose([*found.half_widths.values()], widths)
     assert [*found.half_widths] == ["zeros.axis_d", "links.link_2.com"]
     assert key_of("links.link_2.mass") == "links.link_2.mass"
+
+
+def test_a_deviation_below_a_million_is_a_number(tmp_path: Path) -> None:
+    text = GOOD.replace("[0.0175, 0.005]", "[0.0175, 999999]")
+    found = a5.arm_file(written(tmp_path, text)).covariance
+    assert found is not None
+    assert found.deviation.tolist() == [0.0175, 999999.0]
 
 
 def test_it_is_written_and_read_again(tmp_path: Path) -> None:
@@ -104,3 +125,39 @@ def test_a_record_is_checked() -> None:
         Covariance(names=names, deviation=[1, 2], factor=2 * one)
     with pytest.raises(InputError, match=r"covariance\.factor"):
         Covariance(names=names, deviation=[1, 2], factor=[1, 2])
+    with pytest.raises(InputError, match="names, each once"):
+        Covariance(names=(3, 4), deviation=[1, 2], factor=one)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("rank", [0, 1, 2, 3])
+def test_the_root_of_a_factor_of_any_rank(rank: int) -> None:
+    """A rank of 0 is a calibration that has told nothing."""
+    rng = np.random.default_rng(rank)
+    factor = rng.normal(size=(3, rank))
+    if rank:
+        factor *= 0.9 / np.linalg.norm(factor, 2)
+    names = ("zeros.axis_e", "zeros.axis_d", "lengths.a_1")
+    found = Covariance(names=names, deviation=[0.1, 0.2, 0.3], factor=factor)
+    left = np.eye(3) - factor @ factor.T
+    assert found.root @ found.root.T == pytest.approx(left, abs=1e-15)
+    expected = np.outer(found.deviation, found.deviation) * left
+    assert found.matrix == pytest.approx(expected, abs=1e-17)
+    assert found.standard_deviation**2 == pytest.approx(np.diag(expected), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_number_that_is_known_exactly(seed: int) -> None:
+    """Its singular value is 1, above or below by rounding."""
+    direction = np.random.default_rng(seed).normal(size=(3, 1))
+    direction /= np.linalg.norm(direction)
+    names = ("zeros.axis_e", "zeros.axis_d", "lengths.a_1")
+    found = Covariance(names=names, deviation=[1, 1, 1], factor=direction)
+    assert np.abs(found.root @ direction).max() < 1e-7
+    alone = Covariance(names=names[:1], deviation=[1], factor=[[1.0 + 1e-15]])
+    assert alone.standard_deviation[0] == 0.0
+
+
+def test_no_numbers_at_all() -> None:
+    empty = Covariance(names=(), deviation=[], factor=np.empty((0, 0)))
+    assert empty.matrix.shape == empty.root.shape == (0, 0)
+    assert empty.half_widths == {}

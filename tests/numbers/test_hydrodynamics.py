@@ -13,6 +13,10 @@ import alpha5_model as a5
 from alpha5_model.numbers.hydrodynamics import (
     LEVELS,
     BodyHydrodynamics,
+    DragStrip,
+    centre_of_added_mass,
+    gauss_count,
+    gauss_points,
     gauss_rule,
     hydrodynamics,
     scaled_at_centre,
@@ -222,6 +226,9 @@ def test_the_points_on_the_strips_are_enough(speed):
         ),
         ('shape_low = ["1.00", ', "shape_low = ["),
         ('shape_low = ["1.00", ', 'shape_low = ["-0.5", '),
+        ('shape_low = ["1.00", ', 'shape_low = ["0", '),
+        ('across = ["0.5", "0.8", ', 'across = ["0.9", "0.8", '),
+        ('across = ["0.5", "0.8", ', 'across = ["-0.1", "0.8", '),
         ('status = "estimated"', 'status = "published"'),
         ("[bodies.link_0]", "[bodies.link_7]"),
         ('diameter = "mm"', 'diameter = "m"'),
@@ -241,6 +248,13 @@ def test_malformed_numbers_are_refused(old, new):
     with pytest.raises(a5.Alpha5Error) as error:
         parse_hydrodynamics("some.toml", TEXT.replace(old, new, 1))
     assert "some.toml" in str(error.value)
+
+
+def test_the_blocks_of_an_added_mass_have_units_of_their_own():
+    for row in read("estimated").values():
+        units = [[entry.unit for entry in line] for line in row.added_mass]
+        linear = ["kg"] * 3 + ["kg.m"] * 3
+        assert units == [linear] * 3 + [["kg.m"] * 3 + ["kg.m^2"] * 3] * 3
 
 
 def test_bodies_must_be_a_table():
@@ -278,6 +292,95 @@ def test_shares_of_an_added_mass_at_both_ends() -> None:
     matrix[1, 5] = matrix[5, 1] = 0.4
     assert np.array_equal(scaled_at_centre(matrix, np.ones(6)), matrix)
     assert not scaled_at_centre(matrix, np.zeros(6)).any()
-    np.testing.assert_allclose(
-        scaled_at_centre(matrix, np.full(6, 0.25)), matrix / 4, atol=1e-15
+    for factor in (0.25, 4.0):
+        np.testing.assert_allclose(
+            scaled_at_centre(matrix, np.full(6, factor)), factor * matrix, atol=1e-14
+        )
+
+
+def moved_to_origin(at_centre: np.ndarray, centre: np.ndarray) -> np.ndarray:
+    """An added mass about its centre, by the kinetic energy of a motion at the origin.
+
+    A body that turns about the origin moves its centre with ``angular x centre``.
+    """
+    columns = []
+    for velocity in np.eye(6):
+        linear, angular = velocity[:3], velocity[3:]
+        columns.append([*(linear + np.cross(angular, centre)), *angular])
+    motion = np.transpose(columns)
+    return np.asarray(motion.T @ at_centre @ motion)
+
+
+def test_the_centre_of_an_added_mass_and_shares_there() -> None:
+    """Each motion at the centre keeps its own share of the added mass."""
+    rng = np.random.default_rng(11)
+    for _ in range(20):
+        centre = rng.uniform(-0.2, 0.2, 3)
+        own = rng.uniform(0.1, 2.0, 6)
+        matrix = moved_to_origin(np.diag(own), centre)
+        assert centre_of_added_mass(matrix) == pytest.approx(centre, abs=1e-12)
+        shares = rng.uniform(0.5, 1.5, 6)
+        expected = moved_to_origin(np.diag(shares * own), centre)
+        found = scaled_at_centre(matrix, shares)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_low_and_high_are_on_both_sides_of_nominal(gripper: str) -> None:
+    low, nominal, high = (hydrodynamics(gripper, level) for level in LEVELS)
+    for link, body in nominal.items():
+        least, most = low[link], high[link]
+        for below, above in ((least, body), (body, most)):
+            smaller, larger = np.diag(below.added_mass), np.diag(above.added_mass)
+            assert (smaller < larger).all()
+            assert (smaller > 0.2 * larger).all()
+            for one, other in zip(below.strips, above.strips, strict=True):
+                assert one.across < other.across
+                assert one.along < other.along
+                assert one.diameter == other.diameter
+
+
+def test_how_far_rounding_may_take_an_added_mass() -> None:
+    """A millionth of the diagonal; beyond it is an error of who wrote the numbers."""
+    for size in (1.0, 1e-6):
+        matrix = size * np.eye(6)
+        matrix[0, 4] = 0.9e-6 * size
+        found = BodyHydrodynamics(matrix).added_mass
+        assert found[0, 4] == found[4, 0] == pytest.approx(0.45e-6 * size)
+        matrix[0, 4] = 1.1e-6 * size
+        with pytest.raises(a5.Alpha5Error, match="a symmetric matrix"):
+            BodyHydrodynamics(matrix)
+
+        matrix = size * np.eye(6)
+        for coupling, possible in ((1 + 0.8e-6, True), (1 + 1.2e-6, False)):
+            matrix[1, 2] = matrix[2, 1] = coupling * size
+            if possible:
+                BodyHydrodynamics(matrix)
+                continue
+            with pytest.raises(a5.Alpha5Error, match="no negative eigenvalue"):
+                BodyHydrodynamics(matrix)
+
+
+def test_points_on_a_strip() -> None:
+    """Four up to a length of 0.1 m, six beyond; shares of the whole length."""
+    start = np.array([0.01, -0.02, 0.03])
+    short, long, upright = (
+        DragStrip(start, start + np.array(line), diameter=0.04, across=1.0)
+        for line in ([0.06, 0.08, 0.0], [0.06, 0.081, 0.0], [0.0, 0.0, 0.1])
     )
+    assert short.along == 0.0
+    assert gauss_count(upright) == 4
+    for strip, count in ((short, 4), (long, 6), (long, 9)):
+        points = gauss_points(strip, count) if count == 9 else gauss_points(strip)
+        assert len(points) == count
+        assert sum(share for _, share in points) == pytest.approx(1.0, abs=1e-14)
+        line = strip.end - strip.start
+        # The mean of the k-th power of the way along, by which the quadrature is made.
+        for power in range(2 * count):
+            mean = sum(
+                share * ((at - start) @ line / (line @ line)) ** power
+                for at, share in points
+            )
+            assert mean == pytest.approx(1 / (power + 1), abs=1e-13)
+        for at, _ in points:
+            assert np.cross(at - start, line) == pytest.approx(np.zeros(3), abs=1e-15)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,19 @@ import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.errors import Alpha5Error, ImplausibleWarning, InputError
 from alpha5_model.numbers.attached import AttachedBody
-from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.covariance import Covariance
+from alpha5_model.numbers.jaws import FingerJoint, split_link_4
+from alpha5_model.numbers.joint_losses import joint_losses
 from alpha5_model.numbers.loaded_links import loaded_links
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.motors import Motors
 from alpha5_model.numbers.mount import Mount
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    DHParameters,
+    JawParameters,
+    JointParameters,
+)
 from alpha5_model.numbers.tool import ToolPose
 
 ARM = a5.parameters()
@@ -65,6 +73,11 @@ REFUSED = {
     "d_3 of the other sign": (lambda: with_row(3, d=0.18), "d_3: expected a length be"),
     "no length": (lambda: with_row(2, a=0.0), "a_2: expected a length above 0"),
     "a twist": (lambda: with_row(1, alpha=math.pi + 0.01), "no twisted axes"),
+    "a twisted wrist": (lambda: with_row(3, alpha=1.56), "no twisted axes"),
+    "a full turn both ways": (
+        lambda: with_joint(3, lower=-3.2, upper=3.2),
+        "axis_b range: expected a range of less than a full turn",
+    ),
     "a full turn": (
         lambda: with_joint(3, lower=0.0, upper=math.tau),
         "axis_b range: expected a range of less than a full turn",
@@ -118,7 +131,11 @@ REFUSED = {
         lambda: Mount(parent="rov", position=np.zeros(3), rotation=-np.eye(3)),
         "mount.rotation: expected a rotation",
     ),
-    "three rotors": (lambda: Motors(rotor_inertias=(1e-7,) * 3), "5 values, axis_e"),
+    "three rotors": (
+        lambda: Motors(rotor_inertias=(1e-7,) * 3),
+        "5 values, axis_e to axis_a",
+    ),
+    "six rotors": (lambda: Motors(rotor_inertias=(1e-7,) * 6), "5 values, axis_e"),
     "no supply": (lambda: Motors(supply_voltage=0.0), "supply_voltage"),
     "no current": (lambda: Motors(current_limits=(0.0,) * 5), r"current_limits\[0\]"),
     "no constants": (lambda: Motors(constants="both"), "unknown motor constants"),
@@ -144,6 +161,19 @@ def test_what_is_just_possible_is_accepted() -> None:
     with_body(inertia=np.zeros((3, 3)))
     # A weightless float.
     with_body(mass=0.0, inertia=np.zeros((3, 3)))
+    none = (0.0,) * 5
+    Motors(rotor_inertias=none, backward_frictions=none, viscous_frictions=none)
+
+
+def test_a_com_in_mm_is_known_as_such_anywhere_in_the_body() -> None:
+    """Link 1 reaches from 14 to 67 mm above its origin."""
+    for com in ([0, 0, 14.005], [0, 0, 66.995], [39.995, -19.995, 50]):
+        with pytest.raises(InputError, match="is it in mm"):
+            dataclasses.replace(ARM.links[1], com=com)
+    for com in ([0, 0, 13.995], [0, 0, 67.005], [40.005, 0, 50]):
+        with pytest.raises(InputError) as caught:
+            dataclasses.replace(ARM.links[1], com=com)
+        assert "mm" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -155,6 +185,7 @@ def test_what_is_just_possible_is_accepted() -> None:
         lambda: Motors(supply_voltage=24000.0),
         lambda: Motors(current_limits=(1000.0, None, None, None, None)),
         lambda: Motors(rotor_inertias=(None, 0.5, None, None, None)),
+        lambda: Motors(backward_frictions=(3.7, None, None, None, None)),
     ],
 )
 def test_other_units_are_warned_of(make: Any) -> None:
@@ -171,6 +202,65 @@ def test_the_defaults_are_as_printed() -> None:
     assert ARM.motors.supply_voltage is None
     assert set(ARM.motors.current_limits + ARM.motors.rotor_inertias) == {None}
     assert loaded_links(ARM) == ARM.links
+
+
+def records_of(value: Any) -> Iterator[Any]:
+    """A record and all records inside it."""
+    if isinstance(value, tuple):
+        for item in value:
+            yield from records_of(item)
+    elif dataclasses.is_dataclass(value):
+        yield value
+        for field in dataclasses.fields(value):
+            yield from records_of(getattr(value, field.name))
+
+
+def test_a_record_equals_itself_only() -> None:
+    """As the arm that it is part of, by which caches remember what they computed."""
+    own = dataclasses.replace(
+        with_body(),
+        tool=tool(0.0, 0.0, -0.2),
+        mount=Mount(parent="rov", position=np.zeros(3), rotation=np.eye(3)),
+        covariance=Covariance(
+            names=("zeros.axis_d",), deviation=[0.01], factor=[[0.6]]
+        ),
+    )
+    jaws = split_link_4(own)
+    found = [*records_of(own), jaws, *records_of((jaws.bodies, jaws.joints))]
+    kinds = {type(record) for record in found}
+    assert {DHParameters, JointParameters, FingerJoint, JawParameters} <= kinds
+    for record in found:
+        again = dataclasses.replace(record)
+        assert record == record
+        assert again != record
+        assert len({record, again}) == 2
+
+
+def test_what_the_motors_add_to_the_joints() -> None:
+    """Reflected by the gear: rotors and damping by its square, friction once."""
+    assert joint_losses(ARM) == {}
+    rows = list(ARM.actuators)
+    rows[1] = dataclasses.replace(rows[1], friction=2e-3)
+    rows[2] = dataclasses.replace(rows[2], friction=5e-3)
+    motors = Motors(
+        rotor_inertias=(1e-6, None, None, None, 1e-6),
+        viscous_frictions=(None, 2e-6, None, None, 2e-6),
+        backward_frictions=(None, None, 3e-3, None, 3e-3),
+    )
+    own = dataclasses.replace(ARM, actuators=tuple(rows), motors=motors)
+    gear = 1754.4
+    found = joint_losses(own)
+    assert [*found] == ["axis_e", "axis_d", "axis_c"]
+    assert found["axis_e"] == pytest.approx((1e-6 * gear**2, 0.0, 0.0), rel=1e-12)
+    assert found["axis_d"] == pytest.approx(
+        (0.0, 2e-3 * gear, 2e-6 * gear**2), rel=1e-12
+    )
+    # Friction that differs by direction counts with its mean.
+    assert found["axis_c"] == pytest.approx((0.0, 4e-3 * gear, 0.0), rel=1e-12)
+    backward = Motors(backward_frictions=(None, None, None, 1e-3, None))
+    wrist = joint_losses(dataclasses.replace(ARM, motors=backward))
+    mean = (0.469e-3 + 1e-3) / 2
+    assert wrist == {"axis_b": pytest.approx((0.0, mean * 340.4, 0.0), rel=1e-12)}
 
 
 def test_a_spacer_moves_the_tool() -> None:
@@ -267,3 +357,56 @@ def test_the_jaw_rod_is_a_solid_cylinder() -> None:
     rod = split_link_4(ARM).rod
     assert rod.mass == pytest.approx(mass, rel=1e-12)
     assert rod.inertia == pytest.approx(inertia, rel=1e-3, abs=1e-14)
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_finger_is_a_solid_box_beside_the_wrist_axis(number: int) -> None:
+    """Summed over points, which fill it evenly; closed, it hangs below its hinge."""
+    side = -1.0 if number == 1 else 1.0
+    jaws = ARM.jaws
+    volume = jaws.finger_volume if number == 1 else jaws.second_finger_volume
+    even = (np.arange(80) + 0.5) / 80 - 0.5
+    size = [
+        volume / (jaws.finger_length * jaws.finger_width),
+        jaws.finger_length,
+        jaws.finger_width,
+    ]
+    grid = np.meshgrid(*(length * even for length in size))
+    points = np.column_stack([axis.ravel() for axis in grid])
+    squares = points.T @ points / len(points)
+    mass = jaws.finger_density * volume
+    inertia = mass * (np.trace(squares) * np.eye(3) - squares)
+
+    split = split_link_4(ARM)
+    finger = getattr(split, f"finger_{number}")
+    assert (finger.mass, finger.volume) == pytest.approx((mass, volume), rel=1e-12)
+    assert finger.inertia == pytest.approx(inertia, rel=1e-3, abs=1e-14)
+    assert finger.cob.tolist() == finger.com.tolist()
+    hinge = jaws.collar_base + jaws.pivot_height
+    assert finger.origin.tolist() == [side * jaws.pivot_offset, 0.0, -hinge]
+    closed = next(body for body in split.closed if body.name == f"finger_{number}")
+    below = hinge + jaws.finger_length / 2
+    half_way = side * jaws.pivot_offset / 2
+    assert closed.com == pytest.approx([half_way, 0.0, -below], abs=1e-16)
+
+
+def test_the_rod_turns_the_fingers() -> None:
+    """From closed to open, with the power that the rod has."""
+    split = split_link_4(ARM)
+    rod, *fingers = split.joints
+    assert rod is ARM.joints[4]
+    for finger in fingers:
+        assert finger.multiplier * rod.lower + finger.offset == pytest.approx(
+            finger.lower, abs=1e-15
+        )
+        assert finger.multiplier * rod.upper + finger.offset == pytest.approx(
+            finger.upper, abs=1e-15
+        )
+        power = rod.effort * rod.velocity
+        assert finger.effort * finger.velocity == pytest.approx(power, rel=1e-15)
+        assert finger.velocity == finger.multiplier * rod.velocity
+        assert finger.lower == 0.0
+    assert split.rod.com.tolist() == split.rod.cob.tolist() == [0.0, 0.0, 0.0]
+    height = ARM.jaws.collar_base + rod.lower
+    assert split.rod.origin.tolist() == [0.0, 0.0, -height]
+    assert split.wrist.origin.tolist() == [0.0, 0.0, 0.0]

@@ -284,6 +284,12 @@ MALFORMED = {
         f"{TABLE_2}.rows[0].inertia_com[0][1]",
         "not symmetric: 2.832 against 2.823",
     ),
+    "asymmetric the other way": (
+        '["2.832", "393.932", "-0.010"]',
+        '["2.841", "393.932", "-0.010"]',
+        f"{TABLE_2}.rows[0].inertia_com[0][1]",
+        "not symmetric: 2.832 against 2.841",
+    ),
     "short tensor": (
         '  ["2.832", "393.932", "-0.010"],\n',
         "",
@@ -358,6 +364,18 @@ MALFORMED_SUPPLEMENTARY = {
         "supplementary.toml: bodies.link_0[0]",
         "min must be below max",
     ),
+    "bounds without width": (
+        'link_0 = [["-126.65", "20"]',
+        'link_0 = [["20", "20"]',
+        "supplementary.toml: bodies.link_0[0]",
+        "min must be below max",
+    ),
+    "a range without width": (
+        'value = "6.143"',
+        'value = "0.01745"',
+        "supplementary.toml: joints.axis_e.upper",
+        "not above lower",
+    ),
     "unknown joint": (
         "[joints.axis_e]",
         "[joints.axis_f]",
@@ -412,8 +430,11 @@ def refuse(document: str, supplementary: str, place: str, problem: str) -> None:
 def test_an_unreadable_expression_is_refused() -> None:
     from alpha5_model.numbers.parameters import parameters_from_tables
 
-    printed = parse(
-        DOCUMENT.replace("theta_3 + pi/2", "theta_3 + tau/4"), SUPPLEMENTARY
-    )
-    with pytest.raises(PublishedDataError, match=r"Table 1, link 3.*'tau/4'"):
-        parameters_from_tables(printed, ())
+    for wrong, term in (
+        ("theta_3 + tau/4", "'tau/4'"),
+        ("pi/2 - theta_3", "'-theta_3'"),  # it turns the other way
+        ("theta_3 + theta_2", "'theta_2'"),
+    ):
+        printed = parse(DOCUMENT.replace("theta_3 + pi/2", wrong), SUPPLEMENTARY)
+        with pytest.raises(PublishedDataError, match=f"Table 1, link 3.*{term}"):
+            parameters_from_tables(printed, ())

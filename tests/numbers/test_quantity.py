@@ -54,6 +54,11 @@ def test_trailing_zeros_carry_precision() -> None:
     assert Quantity.parse("0.380", "kg", "here").rounding == 0.0005
 
 
+def test_degrees() -> None:
+    quantity = Quantity.parse("30", "deg", "here")
+    assert quantity.si == pytest.approx(math.radians(30), rel=1e-15)
+
+
 def test_degrees_per_second() -> None:
     quantity = Quantity.parse("30", "deg/s", "here")
     assert quantity.si == pytest.approx(math.radians(30), rel=1e-15)

@@ -125,6 +125,20 @@ def test_what_was_measured_as_printed_is_kept(read: Any) -> None:
     check_same(found, record)
 
 
+def test_a_zero_has_no_sign(read: Any) -> None:
+    link = dataclasses.replace(a5.parameters().links[2], com=[0.07, -0.0, 0.0])
+    links = (*a5.parameters().links[:2], link, *a5.parameters().links[3:])
+    text = arm_file_text(dataclasses.replace(a5.parameters(), links=links))
+    assert "com = [0.07, 0.0, 0.0]" in text
+    assert read(text).links[2].com.tolist() == [0.07, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("names", [(), ("link3_cob",), ("base_frame", "link3_cob")])
+def test_corrections_come_back(names: tuple[str, ...], read: Any) -> None:
+    record = a5.parameters(names)
+    assert read(arm_file_text(record)).corrections == names
+
+
 def test_no_record_is_refused() -> None:
     with pytest.raises(InputError, match="arm: expected"):
         arm_file_text("my_arm.toml")  # type: ignore[arg-type]

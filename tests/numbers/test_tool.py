@@ -15,7 +15,7 @@ from alpha5_model.description import frames
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.errors import ImplausibleWarning, InputError
 from alpha5_model.kinematics.plane import ArmPlane
-from alpha5_model.numbers.tool import ToolPose
+from alpha5_model.numbers.tool import ToolPose, printed_tool
 from alpha5_model.theory.dh import DHChain
 from alpha5_model.theory.dh.alpha5_table import alpha5_table
 
@@ -78,6 +78,24 @@ def test_the_plane_of_the_arm_has_a_tool_on_the_wrist_axis() -> None:
 def test_a_tool_is_read_only() -> None:
     with pytest.raises(ValueError, match="read-only"):
         TOOL.position[0] = 1.0
+
+
+@pytest.mark.parametrize("twist", [-2, -1, 0, 1, 2, 3, 0.3])
+@pytest.mark.parametrize("turn", [-2, -1, 0, 1, 2, 3, -1.7])
+def test_a_printed_tool_turns_by_its_rows(twist: float, turn: float) -> None:
+    """By quarter turns it is exact: a matrix of -1, 0 and 1."""
+    wrist, last = a5.parameters().dh[3:]
+    quarter = math.pi / 2
+    found = printed_tool(
+        dataclasses.replace(wrist, alpha=twist * quarter),
+        dataclasses.replace(last, theta_offset=turn * quarter),
+    )
+    about_x = rotation_from_rpy((twist * quarter, 0.0, 0.0))
+    about_z = rotation_from_rpy((0.0, 0.0, turn * quarter))
+    assert found.rotation == pytest.approx(about_x @ about_z, abs=1e-15)
+    if isinstance(twist, int) and isinstance(turn, int):
+        assert set(found.rotation.ravel().tolist()) <= {-1.0, 0.0, 1.0}
+    assert found.position.tolist() == [wrist.a, 0.0, wrist.d]
 
 
 @pytest.mark.parametrize(

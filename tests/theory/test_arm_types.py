@@ -18,12 +18,17 @@ from alpha5_model.kinematics.pose import approach_directions
 from alpha5_model.theory.dh import DHChain, DHLink
 from alpha5_model.theory.dh.arm_types import classify
 from alpha5_model.theory.dh.orientations import (
+    _PSI,
     _damped_step,
     even_rotations,
     orientation_freedom,
     spatial_dexterity,
 )
-from alpha5_model.theory.dh.sampling import matrix_rank
+from alpha5_model.theory.dh.sampling import (
+    chain_size,
+    matrix_rank,
+    sample_configurations,
+)
 from alpha5_model.theory.dh.tasks import spatial_conditions, task_capability
 
 Q = math.pi / 2
@@ -101,6 +106,77 @@ def test_classification(
     assert (found.kind, found.joints, found.horizontal) == (kind, joints, horizontal)
     assert found.reason
     assert "\n" not in found.reason
+
+
+@pytest.mark.parametrize(
+    ("chain", "reason"),
+    [
+        (DHChain.alpha5(), "all joints are revolute"),
+        (GANTRY, "the first three joints slide along perpendicular axes"),
+        (OBLIQUE, "the first three joints slide, but not along perpendicular axes"),
+        (
+            axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1)]),
+            "2 prismatic joints, not three perpendicular ones",
+        ),
+        (FALLEN_SCARA, "a prismatic joint, and the first axis is not vertical"),
+        (
+            SPHERICAL,
+            "a prismatic joint, and only 1 vertical revolute axes before one that is "
+            "not vertical",
+        ),
+        (
+            DHChain.from_table(SCARA),
+            "3 vertical revolute axes apart and a vertical prismatic one: the major "
+            "links move in a horizontal plane",
+        ),
+    ],
+)
+def test_why_an_arm_is_of_its_kind(chain: DHChain, reason: str) -> None:
+    assert classify(chain).reason == reason
+
+
+@pytest.mark.parametrize(("tilt", "kind"), [(0.9e-9, "scara"), (1.1e-9, "other")])
+def test_how_vertical_an_axis_must_be(tilt: float, kind: str) -> None:
+    rows = [[0, 0, 1, tilt, 0], [0, 0, 1, 0, 0], [0, 0, 0, 0, 1]]
+    assert classify(DHChain.from_table(rows)).kind == kind
+
+
+def test_the_size_of_an_arm_is_about_its_reach() -> None:
+    """Lengths and offsets of the links, the farther end of each slide, and the tool."""
+    tool = np.eye(4)
+    tool[:3, 3] = [0.0, 0.3, 0.4]
+    links = (
+        DHLink(0, -0.2, 0.1, 0),
+        DHLink(0, 0.05, -0.3, 0, 1, lower=-0.7, upper=0.6),
+        DHLink(0, 0.9, 0, 0, 1, lower=0.1),
+        DHLink(0, -0.08, 0, 0, 1),
+    )
+    assert chain_size(DHChain(links, tool=tool)) == pytest.approx(
+        (0.1 + 0.2) + (0.3 + 0.7) + 0.9 + 0.08 + 0.5
+    )
+    assert chain_size(DHChain((DHLink(0, 0, 0, 1.0),))) == 1.0
+
+
+def test_configurations_fill_the_limits_or_a_turn_or_the_arms_size() -> None:
+    """A joint with one limit is sampled over the same width from that limit."""
+    links = [
+        DHLink(0, 0, 1.5, 0),
+        DHLink(0, 0, 0, 0, lower=0.5),
+        DHLink(0, 0, 0, 0, upper=-0.5),
+        DHLink(0, 0, 0, 0, lower=-1.0, upper=0.2),
+        DHLink(0, 0, 0, 0, 1),
+        DHLink(0, 0, 0, 0, 1, lower=0.5),
+        DHLink(0, 0, 0, 0, 1, upper=0.25),
+    ]
+    size = 1.5 + 0.5 + 0.25
+    q = sample_configurations(DHChain(tuple(links)), 4000, np.random.default_rng(1))
+    low = [-math.pi, 0.5, -0.5 - math.tau, -1.0, -size, 0.5, 0.25 - 2 * size]
+    high = [math.pi, 0.5 + math.tau, -0.5, 0.2, size, 0.5 + 2 * size, 0.25]
+    width = np.subtract(high, low)
+    assert (q >= low).all()
+    assert (q <= high).all()
+    assert (q.min(axis=0) - low < 0.01 * width).all()
+    assert (high - q.max(axis=0) < 0.01 * width).all()
 
 
 def test_a_fallen_scara_stands_up_with_another_vertical() -> None:
@@ -246,6 +322,13 @@ def test_the_notes_conditions_for_spatial_arms() -> None:
     assert missing.reasons == (
         "1 more, beside them, where placing the end effector takes three",
     )
+    slides = [[0, 0, 0, Q, 1]] * 3 + [[0, 0, 1, Q, 0]] * 2
+    assert spatial_conditions(DHChain.from_table(slides)).reasons == (
+        "2 revolute where turning the end effector takes three",
+    )
+    enough = spatial_conditions(DHChain.from_table(slides + slides[-1:]))
+    assert enough.satisfied
+    assert enough.reasons == ()
     assert len(spatial_conditions(GANTRY).reasons) == 1
     assert (
         len(spatial_conditions(DHChain.from_table([[0, 0, 1, 0, 0]] * 2)).reasons) == 2
@@ -482,6 +565,12 @@ def test_a_damped_step_is_newtons_unless_it_is_too_long() -> None:
     far = 10 * rng.normal(size=(50, 6))
     step = _damped_step(jacobian, far)
     np.testing.assert_allclose(np.abs(step).max(axis=1), 0.8)
+
+
+def test_the_constant_of_the_rotations_is_a_root() -> None:
+    """Of psi^4 = psi + 4, see [Alexa2022]."""
+    assert _PSI > 0.0
+    assert abs(_PSI**4 - (_PSI + 4.0)) < 1e-14
 
 
 def test_even_rotations_are_rotations_and_even() -> None:

@@ -432,6 +432,41 @@ def test_a_joint_without_limits_is_named_and_nothing_printed(
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.parametrize("ends", ["", 'lower="0" upper="0"', 'lower="1" upper="-1"'])
+def test_a_range_without_width_is_none(ends: str, tmp_path: Path) -> None:
+    """URDF's limits are 0 if they are not written."""
+    file = tmp_path / "arm.urdf"
+    file.write_text(
+        '<robot name="r"><link name="a"/><link name="b"/><joint name="j" '
+        f'type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>'
+        f'<limit {ends} effort="1" velocity="1"/></joint></robot>'
+    )
+    (link,) = DHChain.from_urdf(file).links
+    assert (link.lower, link.upper) == (-math.inf, math.inf)
+
+
+def test_a_urdf_may_have_100_joints_that_move_and_1000_links(tmp_path: Path) -> None:
+    def written(links: int, moving: int) -> Path:
+        parts = ['<link name="l0"/>']
+        for k in range(1, links):
+            kind = "continuous" if k <= moving else "fixed"
+            parts.append(
+                f'<link name="l{k}"/><joint name="j{k}" type="{kind}">'
+                f'<parent link="l{max(k - 1, 0) if k <= moving else moving}"/>'
+                f'<child link="l{k}"/><axis xyz="0 0 1"/></joint>'
+            )
+        file = tmp_path / "arm.urdf"
+        file.write_text(f'<robot name="r">{"".join(parts)}</robot>')
+        return file
+
+    assert DHChain.from_urdf(written(1000, 3), "l3").n == 3
+    with pytest.raises(FileFormatError, match="at most 1000 links, got 1001"):
+        DHChain.from_urdf(written(1001, 3), "l3")
+    assert DHChain.from_urdf(written(101, 100), "l2").n == 2
+    with pytest.raises(FileFormatError, match="at most 100 joints that move, got 101"):
+        DHChain.from_urdf(written(102, 101), "l2")
+
+
 @pytest.mark.parametrize("frame", ["tooth", "Tool", "", "tcp", 5, -1, True, 1.0])
 def test_a_frame_is_a_number_or_the_tool(frame: object) -> None:
     chain = DHChain.alpha5()

@@ -124,6 +124,22 @@ def test_the_frames_obey_the_rule(kind: str) -> None:
             assert abs(link.alpha) == pytest.approx(math.pi, abs=TIGHT)
 
 
+@pytest.mark.parametrize("point", [(0, 0, 0.3), (0.2, 0, 0), (0, 0.2, 0), (0, 1e-6, 0)])
+@pytest.mark.parametrize(
+    "direction", [(0, 0, 1), (0, 0, -1), (0, 1e-6, 1), (1e-6, 0, 1)]
+)
+def test_the_world_frame_is_the_first_one_on_its_own_axis(
+    point: tuple[float, ...], direction: tuple[float, ...]
+) -> None:
+    """Only if the first axis is the world's z axis; else a frame on that axis."""
+    points = np.array([point, (0.4, 0.3, 0.2)])
+    directions = np.array([direction, (0.0, 1.0, 0.3)])
+    chain = assign_frames(points, directions)
+    assert axis_error(chain, chain.home, points, directions) < 1e-12
+    on_world_axis = direction == (0, 0, 1) and point[:2] == (0, 0)
+    assert np.array_equal(chain.base, np.eye(4)) == on_world_axis
+
+
 @pytest.mark.parametrize("angle", [1e-12, 1e-10, 1e-8, 1e-6, 1e-4])
 def test_nearly_parallel_axes(angle: float) -> None:
     """Little accuracy is lost although the common normal is far away."""
@@ -218,6 +234,16 @@ def test_alpha5_axes_from_its_urdf_give_table_1() -> None:
     assert np.abs(chain.base - np.eye(4)).max() == 0
     assert np.abs(chain.tool - table.tool).max() < TIGHT
     assert chain.joint_names == table.joint_names
+
+
+def test_without_a_name_the_last_frame_of_the_last_joint_is_meant() -> None:
+    q = [0.3, 0.2, 0.1, 0.4]
+    tips = {
+        frame: DHChain.from_urdf(a5.URDF_PATH, frame).forward_kinematics(q)
+        for frame in (None, "tcp", "link_4")
+    }
+    assert np.array_equal(tips[None], tips["tcp"])
+    assert np.abs(tips["link_4"] - tips["tcp"]).max() > 0.1
 
 
 @pytest.mark.parametrize(

@@ -394,6 +394,13 @@ def test_nothing_is_reached_where_squares_overflow(kinds: str) -> None:
     ]
 
 
+def test_the_coarsest_map_has_the_corners_of_the_workspace() -> None:
+    found = dexterity_map(PlanarArm((5, 4, 1)), resolution=2, orientations=4)
+    assert found.x.tolist() == found.y.tolist() == pytest.approx([-10, 10])
+    assert found.spacing == pytest.approx(20)
+    assert found.orientations == 4
+
+
 def test_negative_controls_of_the_map() -> None:
     arm = PlanarArm((5, 4, 1), [None, None, (-3, 3)])
     assert dexterity(arm, [20.0, 0.0]) == 0

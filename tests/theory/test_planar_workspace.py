@@ -340,6 +340,20 @@ def test_beyond_the_last_joint_there_is_the_tip_alone() -> None:
     assert (tip.shape, tip.area, tip.radii) == ("point", 0, (0, 0))
 
 
+@pytest.mark.parametrize(
+    ("arm", "reach"),
+    [
+        (PlanarArm((5, 4), [(-3, 3), None]), 9.0),
+        (PlanarArm((1, 0.5), [None, (-3, 2)], "RP"), 1 + 0.5 + 3),
+        (PlanarArm((0, 2), [(1, 4), (-0.5, 0.5)], "PR"), 4 + 2),
+    ],
+)
+def test_the_reach_is_the_sum_of_the_longest_links(
+    arm: PlanarArm, reach: float
+) -> None:
+    assert arm.reach == reach
+
+
 def test_a_hole_and_a_slit() -> None:
     """The lens in the PR arm's workspace and the places below the 2R arm are out."""
     space = LIMITED["PR"].workspace()
@@ -367,6 +381,9 @@ def test_a_hole_and_a_slit() -> None:
         (lambda: PlanarArm((1, 2), None, "RP"), MissingParameterError, "prismatic"),
         (lambda: PlanarArm((1, -1), [None, (0, 1)], "RP"), InputError, "not negative"),
         (lambda: PlanarArm((1, 2), angles=(0,)), ShapeError, "angles"),
+        (lambda: PlanarArm((1, 2), angles=[[0, 0]]), ShapeError, "angles"),
+        (lambda: PlanarArm((1, 2), [[[0, 1]], None]), ShapeError, "a pair"),
+        (lambda: PlanarArm([[1, 2]]), ShapeError, "at least one"),
         (lambda: PlanarArm((1, 2)).forward_kinematics([1]), ShapeError, "q"),
         (
             lambda: PlanarArm((1, 2)).workspace().contains([1, 2, 3]),

@@ -1,0 +1,206 @@
+"""Arcs and segments by their points: parts, motions, areas, and where they meet."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from alpha5_model.theory.planar import Arc, PlanarArm, Segment
+from alpha5_model.theory.planar.arm import within_limits
+from alpha5_model.theory.planar.boundary import bounds
+from alpha5_model.theory.planar.intersections import circle_hits, line_hits
+
+Curve = Arc | Segment
+TINY = 1e-9
+
+
+def random_curve(rng: np.random.Generator, kind: type[Curve]) -> Curve:
+    point = tuple(rng.uniform(-2, 2, 2).tolist())
+    if kind is Arc:
+        span = rng.uniform(0.5, 6.0)
+        return Arc(
+            center=point,
+            radius=rng.uniform(0.5, 2.0),
+            start=rng.uniform(-7, 7),
+            span=span,
+        )
+    return Segment(start=point, angle=rng.uniform(-7, 7), length=rng.uniform(0.5, 2.0))
+
+
+def points_of(curve: Curve, count: int = 2001) -> np.ndarray:
+    return curve.point(np.linspace(*curve.interval, count))
+
+
+CURVES = [
+    random_curve(np.random.default_rng(seed), kind)
+    for seed in range(8)
+    for kind in (Arc, Segment)
+]
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_length_area_and_normal_are_those_of_the_points(curve: Curve) -> None:
+    points = points_of(curve)
+    step = np.diff(points, axis=0)
+    assert np.linalg.norm(step, axis=1).sum() == pytest.approx(curve.length, rel=1e-5)
+    x, y = points.T
+    area = (x[:-1] * y[1:] - y[:-1] * x[1:]).sum() / 2
+    assert curve.area_integral() == pytest.approx(area, abs=1e-5)
+    low, high = curve.interval
+    for share in (0.0, 0.3, 1.0):
+        at = low + share * (high - low)
+        ahead = curve.point(at + 1e-6) - curve.point(at - 1e-6)
+        ahead /= np.linalg.norm(ahead)
+        assert curve.left(at) == pytest.approx([-ahead[1], ahead[0]], abs=1e-8)
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_a_parameter_gives_its_point_back(curve: Curve) -> None:
+    low, high = curve.interval
+    t = np.linspace(low, high, 21)
+    found = curve.parameter(curve.point(t), TINY)
+    assert found == pytest.approx(t, abs=1e-12)
+    ahead = curve.point(np.array([low - 0.1, high + 0.1]))
+    assert np.isnan(curve.parameter(ahead, TINY)).all()
+    # Beyond an end by less than the tolerance, it is the end.
+    per_unit = curve.radius if isinstance(curve, Arc) else 1.0
+    for off, kept in ((0.9, True), (1.1, False)):
+        near = np.array([low, high]) + np.array([-off, off]) * TINY / per_unit
+        ends = curve.parameter(curve.point(near), TINY)
+        if kept:
+            assert ends == pytest.approx([low, high], abs=1e-12)
+        else:
+            assert np.isnan(ends).all()
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_a_part_and_a_moved_curve_have_the_points(curve: Curve) -> None:
+    low, high = curve.interval
+    part = curve.piece(low + 0.1, high - 0.2)
+    expected = curve.point(np.linspace(low + 0.1, high - 0.2, 11))
+    assert points_of(part, 11) == pytest.approx(expected, abs=1e-12)
+    angle, shift = 0.7, (0.3, -0.4)
+    turn = np.array([[math.cos(0.7), -math.sin(0.7)], [math.sin(0.7), math.cos(0.7)]])
+    moved = (points_of(curve, 11) + shift) @ turn.T
+    assert points_of(curve.moved(angle, shift), 11) == pytest.approx(moved, abs=1e-12)
+
+
+def crossings_of_circle(curve: Curve, center: np.ndarray, radius: float) -> np.ndarray:
+    """Points of a curve next to the sign changes of its distance from a circle."""
+    t = np.linspace(*curve.interval, 20_001)
+    gap = np.linalg.norm(curve.point(t) - center, axis=1) - radius
+    return curve.point(t[:-1][np.diff(np.sign(gap)) != 0])
+
+
+def crossings_of_line(curve: Curve, start: np.ndarray, along: np.ndarray) -> np.ndarray:
+    t = np.linspace(*curve.interval, 20_001)
+    off = curve.point(t) - start
+    gap = along[0] * off[:, 1] - along[1] * off[:, 0]
+    return curve.point(t[:-1][np.diff(np.sign(gap)) != 0])
+
+
+def assert_same_points(found: np.ndarray, expected: np.ndarray) -> None:
+    found = found[~np.isnan(found).any(axis=-1)]
+    assert len(found) == len(expected)
+    for point in expected:
+        assert np.linalg.norm(found - point, axis=1).min() < 1e-3
+
+
+def test_circles_and_lines_meet_curves_where_the_distance_changes_sign() -> None:
+    rng = np.random.default_rng(20)
+    met = 0
+    for curve in CURVES:
+        centers = rng.uniform(-2, 2, (12, 2))
+        radii = rng.uniform(0.3, 3.0, 12)
+        directions = rng.normal(size=(12, 2))
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        on_circles = circle_hits(centers, radii, curve, TINY)
+        on_lines = line_hits(centers, directions, curve, TINY)
+        for k in range(12):
+            expected = crossings_of_circle(curve, centers[k], radii[k])
+            assert_same_points(on_circles[k], expected)
+            met += len(expected)
+            assert_same_points(
+                on_lines[k], crossings_of_line(curve, centers[k], directions[k])
+            )
+        hits = on_circles[~np.isnan(on_circles).any(axis=-1)]
+        assert not np.isnan(curve.parameter(hits, TINY)).any()
+    assert met > 50
+
+
+@pytest.mark.parametrize(("gap", "touches"), [(0.9e-9, True), (1.1e-9, False)])
+def test_touching_counts_within_the_tolerance(gap: float, touches: bool) -> None:
+    circle = Arc(center=(1.0, 0.0), radius=2.0)
+    line = Segment(start=(-5.0, 2.0), angle=0.0, length=9.0)
+    outside = circle_hits(np.array([[5.0, 0.0]]), np.array([2.0 - gap]), circle, TINY)
+    within = circle_hits(np.array([[2.0, 0.0]]), np.array([1.0 - gap]), circle, TINY)
+    above = circle_hits(np.array([[0.0, 4.0]]), np.array([2.0 - gap]), line, TINY)
+    across = line_hits(
+        np.array([[-4.0, 2.0 + gap]]), np.array([[1.0, 0.0]]), circle, TINY
+    )
+    cases = ((outside, (3, 0)), (within, (3, 0)), (above, (0, 2)), (across, (1, 2)))
+    for found, at in cases:
+        assert np.isnan(found).all() != touches
+        if touches:
+            assert found[0, 0] == pytest.approx(at, abs=1e-4)
+
+
+def test_points_meet_points_and_parallel_lines_nothing() -> None:
+    point = Arc(center=(1.0, 2.0), radius=0.0)
+    centers = np.array([[1.0, 2.0], [1.0, 2.0 + 2e-9]])
+    found = circle_hits(centers, np.zeros(2), point, TINY)
+    assert not np.isnan(found[0]).any()
+    assert found[0, 0] == pytest.approx([1.0, 2.0])
+    assert np.isnan(found[1]).all()
+    line = Segment(start=(0.0, 0.0), angle=0.3, length=2.0)
+    along = np.array([[math.cos(0.3), math.sin(0.3)]])
+    assert np.isnan(line_hits(np.array([[0.0, 1.0]]), along, line, TINY)).all()
+
+
+@pytest.mark.parametrize("kinds", ["R", "P"])
+def test_limits_have_the_slack_on_both_sides(kinds: str) -> None:
+    arm = PlanarArm((1.0,), [(-0.5, 1.2)], kinds)
+    off = np.array([-1.5, -0.5, 0.5, 1.5]) * 1e-6
+    low = within_limits(arm, 0, -0.5 + off, 1e-6)
+    high = within_limits(arm, 0, 1.2 + off, 1e-6)
+    assert low.tolist() == [False, True, True, True]
+    assert high.tolist() == [True, True, True, False]
+    turned = within_limits(arm, 0, np.array([0.3 + math.tau, 0.3 - math.tau]), 0.0)
+    assert turned.tolist() == [kinds == "R"] * 2
+    free = PlanarArm((1.0,))
+    assert within_limits(free, 0, np.array([9.0, np.nan]), 0.0).tolist() == [
+        True,
+        False,
+    ]
+
+
+def test_a_square_of_lines_with_a_hole_and_a_hair() -> None:
+    """Edges have the set on the left; a line that the set has on no side is thin."""
+    square = [
+        Segment(start=(0.0, 0.0), angle=0.0, length=4.0),
+        Segment(start=(4.0, 0.0), angle=math.pi / 2, length=4.0),
+        Segment(start=(4.0, 4.0), angle=math.pi, length=4.0),
+        Segment(start=(0.0, 4.0), angle=-math.pi / 2, length=4.0),
+    ]
+    hole = Arc(center=(2.0, 2.0), radius=1.0)
+    hair = Segment(start=(4.0, 1.0), angle=0.0, length=2.0)
+    inside_only = Segment(start=(0.5, 0.5), angle=0.0, length=3.0)
+
+    def contains(points: np.ndarray) -> np.ndarray:
+        x, y = points.T
+        box = (np.abs(x - 2.0) <= 2.0) & (np.abs(y - 2.0) <= 2.0)
+        return np.asarray(box & (np.hypot(x - 2.0, y - 2.0) >= 1.0))
+
+    curves: list[Curve] = [*square, hole, hair, inside_only]
+    edges, thin = bounds(curves, contains, TINY, 1e-6)
+    area = sum(
+        edge.curve.area_integral() * (1 if edge.inside_left else -1) for edge in edges
+    )
+    assert area == pytest.approx(16 - math.pi)
+    length = sum(edge.curve.length for edge in edges)
+    assert length == pytest.approx(16 + 2 * math.pi)
+    assert len(thin) == 1
+    assert thin[0].length == pytest.approx(2.0)
+    assert points_of(thin[0], 2) == pytest.approx(np.array([[4.0, 1.0], [6.0, 1.0]]))
