@@ -1,8 +1,10 @@
 """Mutants of Python: another operator, another number, a condition the other way round.
 
 Left out by rule, since no test can see them: annotations, a cache taken off a function
-or of another size, ``strict=True`` of a zip, ``slots=True`` of a record, and what only
-a type checker reads.
+or of another size, ``strict=True`` of a zip, ``slots=True`` of a record, what only a
+type checker reads, and -2 in place of the -1 of a ``reshape``, which NumPy takes alike.
+A comparison with a word has one mutant, since words have no order that would mean
+anything: ``kind == "box"`` becomes ``kind != "box"``.
 """
 
 from __future__ import annotations
@@ -40,11 +42,14 @@ COMPARISONS = {
     ast.Gt: ">",
     ast.GtE: ">=",
 }
+EQUALITIES = {ast.Eq: "==", ast.NotEq: "!="}
 IDENTITIES = {ast.Is: "is", ast.IsNot: "is not"}
 MEMBERSHIPS = {ast.In: "in", ast.NotIn: "not in"}
 BOOLEANS = {ast.And: "and", ast.Or: "or"}
 #: Operators of which any may stand for any other.
 FAMILIES = (ARITHMETIC, BITS, COMPARISONS, IDENTITIES, MEMBERSHIPS, BOOLEANS)
+#: The same where an operand is a word.
+FAMILIES_OF_WORDS = (EQUALITIES, *FAMILIES)
 #: Fields of syntax nodes that no test can see a change of.
 _UNSEEN = ("annotation", "returns", "type_params")
 #: Arguments by name that no test can see a change of.
@@ -77,10 +82,12 @@ Change = tuple[int, int, str, str]
 def places(file: Path, text: str) -> list[Place]:
     """One place for each syntax node, with all changes of it."""
     source = _Text(text)
+    tree = ast.parse(text)
+    any_lengths = list(_any_lengths(tree))
     found = []
-    for node in _visible(ast.parse(text)):
+    for node in _visible(tree):
         changes = list(_changes(source, node))
-        if changes:
+        if changes and node not in any_lengths:
             found.append(_place(file, text, source, changes))
     return found
 
@@ -151,6 +158,18 @@ def _visible(node: ast.AST) -> Iterator[ast.AST]:
                 yield from _visible(child)
 
 
+def _any_lengths(tree: ast.AST) -> Iterator[ast.AST]:
+    """The 1 of each -1 that a ``reshape`` is given."""
+    for call in ast.walk(tree):
+        match call:
+            case ast.Call(func=ast.Attribute(attr="reshape")):
+                for argument in call.args:
+                    for part in ast.walk(argument):
+                        match part:
+                            case ast.UnaryOp(op=ast.USub(), operand=ast.Constant()):
+                                yield part.operand
+
+
 def _for_types(node: ast.If) -> bool:
     return ast.unparse(node.test) == "TYPE_CHECKING"
 
@@ -214,7 +233,9 @@ def _decorators(
 def _operator(
     source: _Text, op: ast.AST, left: ast.expr, right: ast.expr
 ) -> Iterator[Change]:
-    family = next((f for f in FAMILIES if type(op) in f), {})
+    of_words = any(_is_word(operand) for operand in (left, right))
+    families = FAMILIES_OF_WORDS if of_words else FAMILIES
+    family = next((f for f in families if type(op) in f), {})
     old = family.get(type(op))
     if old is None:
         return
@@ -223,6 +244,10 @@ def _operator(
         for new in family.values():
             if new != old:
                 yield start, start + len(old), new, f"{old} becomes {new}"
+
+
+def _is_word(operand: ast.expr) -> bool:
+    return isinstance(operand, ast.Constant) and isinstance(operand.value, str)
 
 
 def _constant(source: _Text, node: ast.Constant) -> Iterator[Change]:

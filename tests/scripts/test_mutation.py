@@ -31,6 +31,10 @@ def made(part: ModuleType, name: str, text: str) -> set[str]:
     [
         ("y = a is b\n", {"y = a is not b\n"}),
         ("y = a @ b\n", set()),
+        ("y = a == 'b'\n", {"y = a != 'b'\n"}),
+        ("y = 'b' != a\n", {"y = 'b' == a\n"}),
+        ("y = a.reshape(b, -1)\n", {"y = a.reshape(b,  1)\n"}),
+        ("y = a.reshape((-1, b))\n", {"y = a.reshape(( 1, b))\n"}),
         ("y = a and b\n", {"y = a or b\n"}),
         ("y: int | None = x\n", set()),
         ("def f(a: A | B = True) -> C | D: ...\n", {"False"}),
