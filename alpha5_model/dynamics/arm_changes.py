@@ -144,12 +144,17 @@ def _tool_alone(own: Alpha5Parameters, printed: Alpha5Parameters) -> ToolPose | 
     """The tool without what a spacer moves it by; None for Table 1's."""
     if own.tool is None:
         return None
-    before = printed_tool(printed.dh[3], printed.dh[4])
+    before = _tool_of_table_1(printed)
     position = before.position if own.spacer else own.tool.position
     same_point = np.array_equal(position, before.position)
     if same_point and np.array_equal(own.tool.rotation, before.rotation):
         return None
     return ToolPose(position=position, rotation=own.tool.rotation)
+
+
+def _tool_of_table_1(printed: Alpha5Parameters) -> ToolPose:
+    *_, wrist, tip = printed.dh
+    return printed_tool(wrist, tip)
 
 
 def _with_row(
@@ -170,7 +175,7 @@ def _differences(
     """What differs in some fields of two records."""
     for name in names:
         if name == "tool":
-            before = printed_tool(printed.dh[3], printed.dh[4])
+            before = _tool_of_table_1(printed)
             if own.tool is not None:
                 yield from _of_records("", before, own.tool)
             continue
