@@ -113,7 +113,7 @@ def test_a_forked_child_and_its_child_use_one_thread():
 
 
 def test_threads_go_by_the_size_of_the_batch(monkeypatch):
-    n = 5000  # as `Arm.inverse_dynamics_batch` says
+    n = batch.STATES_PER_THREAD
     assert n == 5000  # as `Arm.inverse_dynamics_batch` says
     counts = {
         (8, 0): 1,
