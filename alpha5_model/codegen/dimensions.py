@@ -50,7 +50,8 @@ class Dimensions(NamedTuple):
     def from_parameters(cls, parameters: Alpha5Parameters) -> Dimensions:
         """The dimensions that a record has."""
         dh = parameters.dh
-        tool = parameters.tool or printed_tool(dh[3], dh[4])
+        *_, wrist, tip = dh
+        tool = parameters.tool or printed_tool(wrist, tip)
         pose = np.column_stack([tool.rotation, tool.position])
         offsets = [row.theta_offset for row in dh[:_JOINTS]]
         return cls(

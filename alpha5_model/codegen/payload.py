@@ -17,11 +17,11 @@ def slope_by_moments_at_the_tcp(parameters: Alpha5Parameters) -> FloatArray:
     """
     tool = np.reshape(Dimensions.from_parameters(parameters).tool, (3, 4))
     tcp_in_link_4 = np.vstack([tool, [0.0, 0.0, 0.0, 1.0]])
-    nothing = np.zeros((2, 4, 4))
 
     columns = []
     for unit in np.eye(32).reshape(32, 2, 4, 4):
         in_link_4 = tcp_in_link_4 @ unit @ tcp_in_link_4.T
+        nothing = np.zeros_like(unit)
         links = [nothing, nothing, nothing, nothing, in_link_4]
         columns.append(regrouped(links, np.zeros(3), parameters))
     return np.array(columns).T

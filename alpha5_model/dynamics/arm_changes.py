@@ -144,12 +144,17 @@ def _tool_alone(own: Alpha5Parameters, printed: Alpha5Parameters) -> ToolPose | 
     """The tool without what a spacer moves it by; None for Table 1's."""
     if own.tool is None:
         return None
-    before = printed_tool(printed.dh[3], printed.dh[4])
+    before = _tool_of_table_1(printed)
     position = before.position if own.spacer else own.tool.position
     same_point = np.array_equal(position, before.position)
     if same_point and np.array_equal(own.tool.rotation, before.rotation):
         return None
     return ToolPose(position=position, rotation=own.tool.rotation)
+
+
+def _tool_of_table_1(printed: Alpha5Parameters) -> ToolPose:
+    *_, wrist, tip = printed.dh
+    return printed_tool(wrist, tip)
 
 
 def _with_row(
@@ -170,18 +175,24 @@ def _differences(
     """What differs in some fields of two records."""
     for name in names:
         if name == "tool":
-            before = printed_tool(printed.dh[3], printed.dh[4])
-            if own.tool is not None:
-                yield from _of_records("", before, own.tool)
-            continue
-        one = getattr(printed, name)
-        other = getattr(own, name)
-        if not isinstance(other, tuple) or name == "corrections":
-            yield from _of_values(name, one, other)
-            continue
-        for i, (first, second) in enumerate(zip_longest(one, other)):
-            prefix = f"{JOINT_NAMES[i]} " if name == "actuators" else ""
-            yield from _of_records(prefix, first, second)
+            yield from _of_tools(printed, own)
+        else:
+            yield from _of_fields(name, getattr(printed, name), getattr(own, name))
+
+
+def _of_tools(printed: Alpha5Parameters, own: Alpha5Parameters) -> Iterator[Difference]:
+    if own.tool is not None:
+        yield from _of_records("", _tool_of_table_1(printed), own.tool)
+
+
+def _of_fields(name: str, one: Any, other: Any) -> Iterator[Difference]:
+    """What differs in a field of two records: in each record of it, if it has some."""
+    if not isinstance(other, tuple) or name == "corrections":
+        yield from _of_values(name, one, other)
+        return
+    for i, (first, second) in enumerate(zip_longest(one, other)):
+        prefix = f"{JOINT_NAMES[i]} " if name == "actuators" else ""
+        yield from _of_records(prefix, first, second)
 
 
 def _of_values(name: str, one: Any, other: Any) -> Iterator[Difference]:

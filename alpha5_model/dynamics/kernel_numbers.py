@@ -92,8 +92,9 @@ def moments_of_links(arm: Any) -> FloatArray:
     model = arm._model
     nowhere = np.zeros(3)
     weightless = np.zeros((3, 3))
+    density = arm.fluid_density
     bodies = [
-        moments(body.mass, body.lever, body.inertia, 0.0, nowhere, 0.0)
+        moments(body.mass, body.lever, body.inertia, 0.0, nowhere, density)
         for body in model.inertias
     ]
     found = np.array(bodies)
@@ -105,7 +106,7 @@ def moments_of_links(arm: Any) -> FloatArray:
             weightless,
             displaced.volume,
             displaced.cob,
-            arm.fluid_density,
+            density,
         )
     return found
 

@@ -37,8 +37,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: What can compute single calls.
 BACKENDS = ("pinocchio", "kernels")
-#: Arms whose URDF is kept after reading.
-_ARMS = 64
 
 
 def load(
@@ -205,7 +203,7 @@ class _Parsed(NamedTuple):
     displacements: tuple[Displacement, ...]
 
 
-@lru_cache(maxsize=_ARMS)
+@lru_cache(maxsize=64)
 def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> _Parsed:
     """Read the URDF of an arm."""
     text = arm_urdf(gripper, parameters)
@@ -219,7 +217,7 @@ def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> 
     )
 
 
-@lru_cache(maxsize=_ARMS)
+@lru_cache(maxsize=64)
 def arm_urdf(gripper: str, parameters: Alpha5Parameters) -> str:
     """Text of the URDF: the shipped one, or generated for another record.
 

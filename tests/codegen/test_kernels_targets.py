@@ -9,7 +9,9 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+import alpha5_model as a5
 from alpha5_model.kinematics import ik
+from alpha5_model.kinematics.solver import ON_AXIS, shape_of_kernels
 
 
 @pytest.fixture(params=["_compiled", "numpy_kernels"])
@@ -126,6 +128,25 @@ def test_the_compiled_kernel_makes_named_tuples_only() -> None:
         with pytest.raises(TypeError, match="kind of tuple, position and wrist"):
             compiled.inverse_kinematics(*arguments)
     assert type(compiled.inverse_kinematics(tuple, TARGET, 0.5)) is tuple
+
+
+@pytest.mark.parametrize(
+    "name", ["forward_kinematics", "link_poses", "coriolis_matrix", "forward_dynamics"]
+)
+def test_only_a_bound_solver_is_the_kernel_of_an_arm(name: str) -> None:
+    """Neither one with as many outputs nor one with as many inputs."""
+    compiled = pytest.importorskip(COMPILED, exc_type=ImportError)
+    bound = compiled.bind(name, a5.load()._kernel_parameters)
+    for wrong in (bound, name, None, compiled):
+        with pytest.raises(TypeError, match="the bound kernel of an arm"):
+            compiled.inverse_kinematics(ik.Solutions, TARGET, 0.5, wrong)
+    solver = compiled.bind(ON_AXIS, shape_of_kernels().numbers)
+    arguments = (ik.Solutions, TARGET, 0.5, solver)
+    one = compiled.inverse_kinematics(*arguments)
+    other = compiled.inverse_kinematics(*arguments[:3])
+    np.testing.assert_allclose(one.q, other.q, rtol=0, atol=1e-12)
+    with pytest.raises(TypeError, match="the bound kernel of an arm"):
+        compiled.inverse_kinematics(*arguments, solver)
 
 
 def test_references_of_a_target_are_given_back() -> None:

@@ -146,7 +146,7 @@ def test_what_costs_nothing_is_named_all_the_same() -> None:
     )
     found = by_key(own)
     assert found.keys() == {"name", "joint_limits.axis_e", "motors", "all"}
-    assert {change.torque for change in found.values()} == {0.0}
+    assert {(change.torque, change.tcp) for change in found.values()} == {(0.0, 0.0)}
     names = [d.name for d in found["joint_limits.axis_e"].differences]
     assert names == ["lower", "effort"]
 

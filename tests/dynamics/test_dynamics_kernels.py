@@ -426,9 +426,53 @@ def test_parameters_of_the_arm_are_those_of_its_tables_and_payload() -> None:
     )
 
 
+def rebuilt(model: pin.Model, change: str) -> pin.Model:
+    """The joints and bodies of a model with another third joint, or none of its tcp."""
+    third = {
+        "axis": pin.JointModelRX(),
+        "any axis": pin.JointModelRevoluteUnaligned(np.array([0.0, 0.0, 1.0])),
+    }
+    out = pin.Model()
+    out.appendBodyToJoint(0, model.inertias[0], pin.SE3.Identity())
+    for number in range(1, 5):
+        kind = third.get(change) if number == 3 else None
+        parent = 2 if change == "branch" and number == 4 else number - 1
+        out.addJoint(
+            parent,
+            kind or pin.JointModelRZ(),
+            model.jointPlacements[number],
+            model.names[number],
+        )
+        out.appendBodyToJoint(number, model.inertias[number], pin.SE3.Identity())
+    if change != "no tcp":
+        placement = model.frames[model.getFrameId("tcp")].placement
+        out.addFrame(pin.Frame("tcp", 4, 0, placement, pin.FrameType.OP_FRAME))
+    return out
+
+
+def test_a_model_made_by_hand_is_known_by_its_joints() -> None:
+    arm = a5.load()
+    made = a5.Arm(rebuilt(arm.model, ""), arm.displacements)
+    np.testing.assert_allclose(
+        made._kernel_parameters, arm._kernel_parameters, rtol=0, atol=1e-15
+    )
+
+
 @pytest.mark.parametrize(
     "change",
-    ["placement", "armature", "tcp", "tcp's joint", "joint", "jaws", "floating"],
+    [
+        "placement",
+        "armature",
+        "tcp",
+        "tcp's joint",
+        "no tcp",
+        "axis",
+        "any axis",
+        "branch",
+        "joint",
+        "jaws",
+        "floating",
+    ],
 )
 def test_arms_that_the_kernels_do_not_know_stay_on_pinocchio(change: str) -> None:
     arm = a5.load(
@@ -445,6 +489,8 @@ def test_arms_that_the_kernels_do_not_know_stay_on_pinocchio(change: str) -> Non
             model.frames[model.getFrameId("tcp")].placement.translation[0] += 1e-6
         elif change == "tcp's joint":
             model.frames[model.getFrameId("tcp")].parentJoint = 3
+        elif change != "joint":
+            model = rebuilt(model, change)
         else:
             model = pin.buildSampleModelManipulator()
         arm = a5.Arm(model, arm.displacements if change != "joint" else [])
