@@ -243,6 +243,29 @@ def test_a_gap_of_a_degree_between_collisions_is_found(
     assert math.isnan(none)
 
 
+@pytest.mark.parametrize("needed", [1e-3, 0.0042, 0.03, 0.17, 0.4])
+def test_a_free_target_is_little_farther_than_the_nearest(
+    needed: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Behind a wall, at most a third farther than the wall itself."""
+    rng = np.random.default_rng(15)
+    plane = catalogue()
+    for _ in range(6):
+        normal = rng.normal(size=3)
+        normal /= np.linalg.norm(normal)
+        target = rng.uniform(-0.2, 0.2, 3)
+        wall = target @ normal + 0.95 * needed
+
+        def is_free(
+            targets: np.ndarray, *_: Any, wall: float = wall, n: np.ndarray = normal
+        ) -> np.ndarray:
+            return np.asarray(targets @ n > wall)
+
+        monkeypatch.setattr(colliding, "_is_free", is_free)
+        found = colliding._free_target(target, 0.0, plane.shape, plane.self_collision)
+        assert needed * 0.95 < math.dist(found, target) < 1.36 * needed
+
+
 def test_targets_are_tried_in_all_directions_alike() -> None:
     directions = colliding._directions()
     assert np.linalg.norm(directions, axis=1) == pytest.approx(np.ones(256))

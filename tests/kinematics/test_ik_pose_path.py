@@ -120,6 +120,8 @@ def test_pose_shapes(shape: tuple[int, ...]) -> None:
     s = a5.inverse_kinematics_pose(pose)
     assert s.q.shape == (*shape, 4, 4)
     assert s.rotation_error.shape == s.exact.shape == (*shape, 4)
+    for array in s:
+        assert not array.flags.writeable
 
 
 def test_bad_poses() -> None:

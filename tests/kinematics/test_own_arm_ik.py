@@ -326,6 +326,23 @@ def test_an_error_says_what_is_known() -> None:
         a5.inverse_kinematics([0.25, 0.0, 0.1], 6.25, arm=off).best([0.0] * 4)
 
 
+@pytest.mark.parametrize("off", [0.0, 1e-3])
+@pytest.mark.parametrize("end", ["lower", "upper"])
+def test_a_wrist_within_its_limits_is_not_blamed(off: float, end: str) -> None:
+    """Another joint is beyond its limit, and the wrist is at its own, or next to it."""
+    arm = ARMS["60 mm beside, 1"]
+    joint = arm.joints[3]
+    wrist = joint.lower + off if end == "lower" else joint.upper - off
+    position = np.random.default_rng(8).uniform(-0.35, 0.35, (300, 3))
+    s = a5.inverse_kinematics(position, wrist, arm=arm)
+    beyond = s.exists.any(axis=-1) & ~s.within_limits.any(axis=-1)
+    assert beyond.sum() > 10
+    for target in position[beyond][:10]:
+        one = a5.inverse_kinematics(target, wrist, arm=arm)
+        with pytest.raises(UnreachableError, match=r"within the joint limits$"):
+            one.best([0.0] * 4)
+
+
 def test_only_a_record_is_an_arm() -> None:
     with pytest.raises(InputError, match="a Alpha5Parameters"):
         a5.inverse_kinematics([0.2, 0.0, 0.1], arm="arm.toml")  # type: ignore[arg-type]

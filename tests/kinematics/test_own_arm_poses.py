@@ -90,6 +90,7 @@ def test_poses_out_of_reach_do_not_exist(arm: Alpha5Parameters) -> None:
     target = np.eye(4)
     target[0, 3] = 0.9
     s = a5.inverse_kinematics_pose(target, arm=arm)
+    assert not any(array.flags.writeable for array in s)
     assert not s.exists.any()
     assert np.isnan(s.q).all()
     assert np.isnan(s.rotation_error).all()

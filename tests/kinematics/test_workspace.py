@@ -165,6 +165,18 @@ def test_nearest_point_is_reachable_and_at_the_distance() -> None:
         assert np.linalg.norm(cloud - target[i], axis=-1).min() >= distance[i] - 1e-12
 
 
+@pytest.mark.parametrize("limits", [True, False])
+def test_points_very_far_away_have_a_nearest_point(limits: bool) -> None:
+    """Squares of their distances would overflow."""
+    direction = np.random.default_rng(48).normal(size=(30, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    for far in (1e9, 1e99, 1e150, 1e300):
+        found = a5.nearest_reachable(far * direction, limits)
+        assert a5.reachable(found, limits).all()
+        distance = a5.distance_to_reach(far * direction, limits)
+        assert distance == pytest.approx(np.full(30, far), rel=1e-9)
+
+
 @pytest.mark.parametrize("side", ["underarm", "overarm", "both"])
 def test_both_sides_of_every_arc(side: str) -> None:
     """A point 1e-6 m inside an arc is reached, and one 1e-6 m outside is not.

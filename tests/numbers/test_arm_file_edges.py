@@ -214,3 +214,19 @@ def test_the_numbers_of_a_covariance_are_components() -> None:
     ]
     assert "links.link_0.com.z" in arm_schema.NUMBERS
     assert "links.link_4.volume" in arm_schema.NUMBERS
+
+
+@pytest.mark.parametrize(
+    ("key", "number", "takes"),
+    [
+        (arm_schema.LINKS["link_2"]["mass"], 20.0, True),
+        (arm_schema.LINKS["link_2"]["mass"], 20.1, False),
+        (arm_schema.LENGTHS["d_3"], -2.0, True),
+        (arm_schema.LENGTHS["d_3"], -2.1, False),
+        (arm_schema.LINKS["link_2"]["inertia"], 1e6, True),  # of any size
+    ],
+)
+def test_what_numbers_a_key_takes(
+    key: arm_schema.Key, number: float, takes: bool
+) -> None:
+    assert key.takes(number) == takes

@@ -123,8 +123,8 @@ IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
         "is 1 kg/m.3.* in L, write 5e-05$",
     ),
     "payload's kg mm^2": (
-        lambda: payload(0.5, inertia=500 * np.eye(3)),
-        "radius of gyration of 38.73 m .* kg mm.2, multiply it by 1e-06$",
+        lambda: payload(0.7, inertia=5 * np.eye(3)),
+        "radius of gyration of 3.273 m .* kg mm.2, multiply it by 1e-06$",
     ),
     "vehicle's litres": (lambda: vehicle(volume=11.4), "volume is in L, write 0.0114$"),
     "vehicle in g": (lambda: vehicle(mass=11500), "mass is in g, write 11.5$"),

@@ -508,6 +508,18 @@ def test_steps_converge_quadratically() -> None:
     assert near.share == 1
 
 
+def test_the_same_seed_finds_the_same_orientations() -> None:
+    options = {"orientations": 30, "starts": 1, "steps": 8}
+    chain = elbow_arm(0.1)
+    found = [
+        spatial_dexterity(chain, [0.25, 0.1, 0.3], **options, **seed).reached
+        for seed in ({}, {"seed": 0}, {"seed": 1}, {"seed": 2})
+    ]
+    assert np.array_equal(found[0], found[1])
+    assert not np.array_equal(found[0], found[2])
+    assert not np.array_equal(found[0], found[3])
+
+
 @pytest.mark.parametrize("hand", [0.0, 0.1])
 def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> None:
     """A point is dexterous if the sphere of possible wrist places lies in the shell.

@@ -257,6 +257,7 @@ def test_alpha5_is_table_1() -> None:
         for (theta, d, a, alpha), x in zip(rows, (*q, 0.0), strict=True):
             pose = pose @ elementary(theta + x, d / 1e3, a / 1e3, alpha)
         assert np.abs(chain.forward_kinematics(q) - pose).max() < 1e-15
+    assert chain.home.tolist() == [0.0, 0.0, 0.0, 0.0]
     joints = a5.parameters().joints[:4]
     assert chain.lower.tolist() == [j.lower for j in joints]
     assert chain.upper.tolist() == [j.upper for j in joints]

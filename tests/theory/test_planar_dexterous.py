@@ -401,6 +401,14 @@ def test_the_coarsest_map_has_the_corners_of_the_workspace() -> None:
     assert found.orientations == 4
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_the_stretched_arm_reaches_in_one_direction(scale: float) -> None:
+    arm = PlanarArm((5 * scale, 4 * scale, 1 * scale))
+    assert dexterity(arm, [10 * scale, 0.0], orientations=4) == 0.25
+    assert dexterity(arm, [0.0, -10 * scale], orientations=4) == 0.25
+    assert dexterity(arm, [10.001 * scale, 0.0], orientations=4) == 0.0
+
+
 def test_negative_controls_of_the_map() -> None:
     arm = PlanarArm((5, 4, 1), [None, None, (-3, 3)])
     assert dexterity(arm, [20.0, 0.0]) == 0

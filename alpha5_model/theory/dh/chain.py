@@ -192,7 +192,7 @@ class DHChain:
 
         frames = frames_on_axes(p, z, end, tolerance)
         links = []
-        for j, (frame, following) in enumerate(pairwise(frames[: len(p) + 1])):
+        for j, (frame, following) in enumerate(pairwise(frames)):
             row = table_row(np.linalg.inv(frame) @ following)
             position = None if drawn is None else float(drawn[j])
             links.append(_link(row, types[j], position, pairs[j]))
