@@ -208,7 +208,7 @@ class System:
                 correlation=np.zeros(shape),
                 deviation=np.ones(len(noise)),
                 known=False,
-                independent=0.0,
+                independent=np.nan,
                 likely=np.zeros((0, len(noise), ORDER + 1)),
             )
         likely = np.stack([one.likely for one in noise], axis=1)
@@ -304,8 +304,7 @@ class System:
         triangle = self._triangle(weights._replace(deviation=deviation))
         best = [self._equations(triangle, weights.independent)]
         found = [*named_causes(best, self.causes), *contradiction(best)]
-        uncertain = len(weights.likely) > 0 and (weights.deviation > floor).all()
-        if not found or not uncertain:
+        if not found or (weights.deviation <= floor).any():
             return ranked(found)
 
         # What is found must hold for other noise that is likely, too.
