@@ -143,6 +143,22 @@ def test_the_noise_is_that_beside_the_unknowns(case: Case, suspected: bool) -> N
     assert found.independent == pytest.approx(independent, rel=1e-5)
 
 
+@pytest.mark.parametrize(("share", "names"), [(1e-7, set()), (1e-4, {"Coulomb"})])
+def test_a_millionth_of_what_is_recorded_is_no_misfit(
+    case: Case, share: float, names: set[str]
+) -> None:
+    """A computed recording without noise, its friction off by a share of its size."""
+    given = case.system.recording
+    exact = case.arm.inverse_dynamics_batch(
+        given.position, given.velocity, given.acceleration
+    )
+    off = share * exact.std(axis=0) * np.sign(given.velocity)
+    unknowns, known = case.system.unknowns, case.system.known
+    recording = given._replace(measured=exact + off)
+    problems = System(recording, unknowns, known, case.system.causes)._problems()
+    assert {one.name for one in problems[:1]} == names
+
+
 def test_equations_have_the_squares_of_all_rows(case: Case) -> None:
     """Of the unknowns, the suspects, and what the best unknowns leave."""
     system = case.system
