@@ -290,3 +290,41 @@ def test_bounds_with_jaws_move_all_quantities_by_the_jaws() -> None:
     )
     for ours, theirs, shift in zip(found[1:], narrow[1:], shifts, strict=True):
         np.testing.assert_allclose(ours, np.array(theirs) + shift, atol=1e-10)
+
+
+def test_a_measured_centre_of_buoyancy_needs_no_length() -> None:
+    """The correction of link 3 has it from lengths, unless it is measured itself."""
+    corrections = ("base_frame", "link3_cob")
+    for measured_cob in (False, True):
+        widths = {"links.link_3.mass": 1e-3, "links.link_2.cob": 1e-3}
+        if measured_cob:
+            widths["links.link_3.cob"] = 1e-3
+        record = dataclasses.replace(
+            a5.parameters(corrections),
+            measurements=tuple(Measurement(k, half_width=w) for k, w in widths.items()),
+        )
+        numbers = arm_numbers(record)
+        for name, axis in (("link_2.a", 0), ("link_0.d", 1)):
+            values = numbers.middle.copy()
+            values[numbers.names.index(name)] += 1e-4
+            moved = np.abs(
+                numbers.parameters(values).links[3].cob - record.links[3].cob
+            )
+            expected = np.zeros(3) if measured_cob else 1e-4 * np.eye(3)[axis]
+            np.testing.assert_allclose(moved, expected, atol=1e-12)
+            rest = numbers.parameters(values).links[2]
+            assert np.array_equal(rest.cob, record.links[2].cob)
+        near = numbers.names.index("link_3.cob.y")
+        values = numbers.middle.copy()
+        values[near] += 1e-4
+        moved = numbers.parameters(values).links[3].cob - record.links[3].cob
+        assert np.abs(moved).sum() == pytest.approx(1e-4, rel=1e-6)
+
+
+def test_the_five_largest_effects_come_first() -> None:
+    effects = np.array([[1.0, 0.0], [-5.0, 3.0], [2.0, -3.0], [0.5, 4.0]])
+    effects = np.vstack([effects, [[-4.0, 0.1], [0.2, 0.2], [3.0, 0.3]]])
+    found = u.Sensitivity(tuple("abcdefg"), np.zeros(2), effects)
+    assert [name for name, _ in found.most(0)] == ["b", "e", "g", "c", "a"]
+    assert dict(found.most(1, count=3)) == {"d": 4.0, "b": 3.0, "c": -3.0}
+    assert found.half_width.tolist() == [15.7, pytest.approx(10.6)]

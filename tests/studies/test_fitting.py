@@ -17,6 +17,7 @@ from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
 from alpha5_model.studies.uncertainty.digit_bounds import payload
 from alpha5_model.studies.uncertainty.fitting import System, Weights, lagged_products
 from alpha5_model.studies.uncertainty.identification import possible_causes
+from alpha5_model.studies.uncertainty.noise import noise_of_channel
 from alpha5_model.studies.uncertainty.recorded import recording_of
 from alpha5_model.studies.uncertainty.unknowns import Unknowns
 
@@ -120,6 +121,42 @@ def test_the_noise_is_about_that_of_the_recording(case: Case) -> None:
     assert case.weights.likely.shape == (16, 4, 4)
     # A first-order channel has a quarter of its samples: 0.4 / 1.6.
     assert 0.1 < case.weights.independent / (4 * COUNT) < 0.6
+
+
+@pytest.mark.parametrize("suspected", [False, True])
+def test_the_noise_is_that_beside_the_unknowns(case: Case, suspected: bool) -> None:
+    """Beside all causes, too, and numbers twenty times beyond their digits, if so."""
+    system = case.system
+    count = system.unknowns.count
+    about = columns(system, np.zeros(count))
+    causes = about[..., count:-1] if suspected else about[..., :0]
+    numbers = about[..., :count] * (20.0 if suspected else 1.0)
+    found = system._weights(suspected)
+    assert found.known
+    independent = 0.0
+    for k in range(4):
+        one = noise_of_channel(causes[:, k], numbers[:, k], about[:, k, -1])
+        np.testing.assert_allclose(found.correlation[k], one.coefficients, atol=1e-6)
+        assert found.deviation[k] == pytest.approx(one.deviation, rel=1e-6)
+        np.testing.assert_allclose(found.likely[:, k], one.likely, atol=1e-5)
+        independent += one.independent
+    assert found.independent == pytest.approx(independent, rel=1e-5)
+
+
+@pytest.mark.parametrize(("share", "names"), [(1e-7, set()), (1e-4, {"Coulomb"})])
+def test_a_millionth_of_what_is_recorded_is_no_misfit(
+    case: Case, share: float, names: set[str]
+) -> None:
+    """A computed recording without noise, its friction off by a share of its size."""
+    given = case.system.recording
+    exact = case.arm.inverse_dynamics_batch(
+        given.position, given.velocity, given.acceleration
+    )
+    off = share * exact.std(axis=0) * np.sign(given.velocity)
+    unknowns, known = case.system.unknowns, case.system.known
+    recording = given._replace(measured=exact + off)
+    problems = System(recording, unknowns, known, case.system.causes)._problems()
+    assert {one.name for one in problems[:1]} == names
 
 
 def test_equations_have_the_squares_of_all_rows(case: Case) -> None:

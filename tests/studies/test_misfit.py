@@ -153,6 +153,7 @@ def test_problems_are_ranked_by_their_gain() -> None:
             deviation=np.array([0.5, 0.125]),
             unit="N m",
             gain=gain,
+            rank=0,
         )
         for gain in gains
     ]

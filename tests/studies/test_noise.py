@@ -17,6 +17,7 @@ from alpha5_model.studies.uncertainty.noise import (
     _rest_deviation,
     _with_likely,
     noise_of_channel,
+    root_mean_square,
     stationary,
 )
 
@@ -328,3 +329,10 @@ def test_noise_in_a_corner_of_what_is_possible_is_all_that_is_drawn() -> None:
     curvature = 1e8 * (np.eye(3) - np.outer(along, along))
     drawn = _drawn(lambda x: float((x - best) @ curvature @ (x - best)) / 2, best)
     assert np.array_equal(drawn, np.tile(best, (16, 1)))
+
+
+def test_a_root_mean_square_leaves_out_what_is_missing() -> None:
+    rows = np.array([[3.0, -1.0], [np.nan, 1.0], [-4.0, -2.0]])
+    expected = [12.5**0.5, 2.0**0.5]
+    np.testing.assert_allclose(root_mean_square(rows), expected)
+    assert root_mean_square(rows[:, 0]) == pytest.approx(12.5**0.5)

@@ -108,8 +108,12 @@ def test_each_axis_of_a_case_is_what_a_single_call_takes(
 
 
 def test_margin_and_reach_on_a_vehicle_are_those_of_its_arm(tmp_path: Path) -> None:
-    study = study_of(tmp_path, 'vehicle = "small"\nlevel = "nominal"', VEHICLE)
-    found = quantities(study)
+    axes = 'vehicle = "small"\nlevel = "nominal"'
+    found = quantities(study_of(tmp_path, axes, VEHICLE))
+    in_trim = quantities(study_of(tmp_path, f"{axes}\ntrim = true", VEHICLE))
+    assert np.array_equal(found["torque"], in_trim["torque"])
+    level = quantities(study_of(tmp_path, f"{axes}\ntrim = false", VEHICLE))
+    assert np.abs(found["torque"] - level["torque"]).max() > 1e-3
     efforts = np.array([joint.effort for joint in a5.parameters().joints[:4]])
     assert found["margin"] == pytest.approx(efforts - np.abs(found["torque"]))
     tip = a5.load().forward_kinematics(np.array(Q)).translation

@@ -7,14 +7,19 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from concurrent.futures import CancelledError
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.errors import InputError
+from alpha5_model.errors import InputError, OutputError
 from alpha5_model.studies.sweep import extent as of_extent
 from alpha5_model.studies.sweep import workers
 from alpha5_model.studies.sweep.chunks import Chunks, chunks_of
@@ -274,3 +279,62 @@ def test_the_extent_of_recordings_is_their_number(tmp_path: Path) -> None:
     study.write_text(f"{axes}{output}", encoding="utf-8")
     found = extent_of(chunks_of(read_study(study), 1), 2, 0)
     assert found == Extent(rows=None, parts=2, of_parts=3, table_bytes=0, seconds=None)
+
+
+class _Client:
+    """A client of Dask whose futures are what they are computed of."""
+
+    def __enter__(self) -> _Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def map(self, work: Any, chunks: Any, pure: bool) -> list[Any]:
+        return [SimpleNamespace(result=partial(work, chunk)) for chunk in chunks]
+
+
+@pytest.mark.parametrize(
+    ("error", "refused"),
+    [
+        (distributed.KilledWorker("chunk", SimpleNamespace(address="none"), 3), True),
+        (CancelledError("chunk"), True),
+        (OSError("no route"), True),
+        (RuntimeError("a mistake"), False),
+    ],
+)
+def test_lost_workers_are_told_from_mistakes(
+    error: Exception, refused: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def work(chunk: int) -> int:
+        if chunk == 2:
+            raise error
+        return 10 * chunk
+
+    monkeypatch.setattr(workers, "_client", lambda *_: _Client())
+    monkeypatch.setattr(distributed, "as_completed", iter)
+    found = workers.results(work, [0, 1, 2], 1, None, tmp_path)
+    assert [next(found), next(found)] == [0, 10]
+    expected = OutputError if refused else type(error)
+    said = "the workers are lost" if refused else "a mistake"
+    with pytest.raises(expected, match=said):
+        next(found)
+
+
+def test_interrupts_are_ignored_by_the_main_thread_only() -> None:
+    """Other threads cannot set what a signal does."""
+    before = signal.getsignal(signal.SIGINT)
+    inside = []
+    with workers._interrupts_ignored():
+        inside.append(signal.getsignal(signal.SIGINT))
+    assert inside == [signal.SIG_IGN]
+
+    def ignored() -> None:
+        with workers._interrupts_ignored():
+            inside.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=ignored)
+    thread.start()
+    thread.join()
+    assert inside == [signal.SIG_IGN, before]
+    assert signal.getsignal(signal.SIGINT) is before

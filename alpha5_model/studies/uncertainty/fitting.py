@@ -20,6 +20,7 @@ from alpha5_model.studies.uncertainty.noise import (
     EXACT,
     ORDER,
     noise_of_channel,
+    root_mean_square,
     whitened,
 )
 from alpha5_model.studies.uncertainty.recorded import Recording
@@ -168,16 +169,27 @@ class System:
         base_parameters = self.unknowns.base_parameters(z) + self.known
         fitted = self.recording.regressor @ base_parameters + self._by_geometry @ z
         left_over = self.recording.measured - fitted
-        return np.asarray(np.sqrt(np.nanmean(left_over**2, axis=0)))
+        return root_mean_square(left_over)
 
     def _columns(self, z: FloatArray) -> FloatArray:
         """Columns of unknowns, then suspects, then the rest, (N, n, count + s + 1)."""
-        regressor = self.recording.regressor
+        rest = self._rest(z)[..., None]
+        return np.concatenate([self._of_unknowns(), self._suspects, rest], axis=-1)
+
+    def _of_unknowns(self) -> FloatArray:
+        """What each unknown changes, (N, n, count)."""
+        by_base_parameters = self.recording.regressor @ self.unknowns.slope.T
+        return by_base_parameters + self._by_geometry
+
+    def _rest(self, z: FloatArray) -> FloatArray:
+        """What the unknowns are to explain, linear about z, (N, n)."""
+        at_zero = self._at_zero(z)
+        return self.recording.measured - self.recording.regressor @ at_zero
+
+    def _at_zero(self, z: FloatArray) -> FloatArray:
+        """Base parameters at 0, linear about z, (38,)."""
         slope = self.unknowns.slope
-        at_zero = self.unknowns.base_parameters(z) + self.known - z @ slope
-        of_unknowns = regressor @ slope.T + self._by_geometry
-        rest = self.recording.measured - regressor @ at_zero
-        return np.concatenate([of_unknowns, self._suspects, rest[..., None]], axis=-1)
+        return self.unknowns.base_parameters(z) + self.known - z @ slope
 
     def _weights(self, suspected: bool) -> Weights:
         """Noise of each channel about the best fit.
@@ -187,19 +199,17 @@ class System:
                 intervals: otherwise a misfit would be taken for noise. Without them,
                 slow noise is known better.
         """
-        at_zero = self._columns(np.zeros(self.unknowns.count))
-        count = self.unknowns.count
-        by_unknowns = at_zero[..., :count]
-        suspects = at_zero[..., count:-1]
+        by_unknowns = self._of_unknowns()
+        suspects = self._suspects
         if suspected:
             by_unknowns = _LOOSE * by_unknowns
         else:
-            suspects = suspects[..., :0]
-        rest = at_zero[..., -1]
-        size = float(np.sqrt(np.nanmean(self.recording.measured**2, axis=0)).max())
+            suspects = np.delete(suspects, slice(None), axis=-1)
+        rest = self._rest(np.zeros(self.unknowns.count))
+        size = float(root_mean_square(self.recording.measured).max())
         noise = [
-            noise_of_channel(suspects[:, k], by_unknowns[:, k], rest[:, k], size)
-            for k in range(rest.shape[1])
+            noise_of_channel(suspects[:, k], by_unknowns[:, k], of_channel, size)
+            for k, of_channel in enumerate(rest.T)
         ]
         deviation = np.array([one.deviation for one in noise])
         if np.isnan(deviation).any():
@@ -208,7 +218,7 @@ class System:
                 correlation=np.zeros(shape),
                 deviation=np.ones(len(noise)),
                 known=False,
-                independent=0.0,
+                independent=np.nan,
                 likely=np.zeros((0, len(noise), ORDER + 1)),
             )
         likely = np.stack([one.likely for one in noise], axis=1)
@@ -257,17 +267,16 @@ class System:
             by_base_parameters=base,
             by_geometry=geometry,
             by_suspects=suspects,
-            measured=last[:, 0],
+            measured=last.ravel(),
             samples=samples,
         )
 
     def _linear(self, triangle: _Triangle, z: FloatArray) -> _Linear:
         """The equations of the unknowns, linear about z."""
-        slope = self.unknowns.slope
-        at_zero = self.unknowns.base_parameters(z) + self.known - z @ slope
+        by_base_parameters = triangle.by_base_parameters
         return _Linear(
-            of_data=triangle.by_base_parameters @ slope.T + triangle.by_geometry,
-            rest=triangle.measured - triangle.by_base_parameters @ at_zero,
+            of_data=by_base_parameters @ self.unknowns.slope.T + triangle.by_geometry,
+            rest=triangle.measured - by_base_parameters @ self._at_zero(z),
         )
 
     def _factor(
@@ -298,14 +307,12 @@ class System:
         weights = self._weights(suspected=True)
         if not weights.known:
             return (untested(len(recording.measured)),)
-        size = np.sqrt(np.nanmean(recording.measured**2, axis=0))
-        floor = _HARMLESS * size
+        floor = _HARMLESS * root_mean_square(recording.measured)
         deviation = np.maximum(weights.deviation, floor)
         triangle = self._triangle(weights._replace(deviation=deviation))
         best = [self._equations(triangle, weights.independent)]
         found = [*named_causes(best, self.causes), *contradiction(best)]
-        uncertain = len(weights.likely) > 0 and (weights.deviation > floor).all()
-        if not found or not uncertain:
+        if not found or (weights.deviation <= floor).any():
             return ranked(found)
 
         # What is found must hold for other noise that is likely, too.

@@ -57,7 +57,7 @@ class Problem(NamedTuple):
     deviation: FloatArray
     unit: str
     gain: float
-    rank: int = 1
+    rank: int
 
     def __str__(self) -> str:
         if self.name == "untested":
@@ -233,6 +233,7 @@ def named_causes(
             deviation=best.deviation,
             unit=cause.unit,
             gain=_gain(cause, best, likely[0].samples),
+            rank=0,
         )
 
 
@@ -312,6 +313,7 @@ def contradiction(likely: Sequence[Equations]) -> Iterator[Problem]:
         deviation=np.array([np.nan]),
         unit="",
         gain=-np.inf,
+        rank=0,
     )
 
 
@@ -324,6 +326,7 @@ def untested(samples: int) -> Problem:
         deviation=np.array([np.nan]),
         unit="",
         gain=-np.inf,
+        rank=1,
     )
 
 

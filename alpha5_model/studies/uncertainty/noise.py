@@ -98,7 +98,7 @@ def noise_of_channel(
     channel = _Channel(lagged)
     least = channel.parts(np.zeros(ORDER)).rest
     if size is None:
-        size = float(np.sqrt(np.nanmean(measured**2)))
+        size = float(root_mean_square(measured))
     deviation = float(np.sqrt(least / channel.freedom))
     if deviation <= EXACT * size:
         return _white(deviation=deviation, independent=channel.freedom)
@@ -120,6 +120,11 @@ def noise_of_channel(
         independent=max(independent, _LEAST_INDEPENDENT),
         likely=np.array([[*stationary(x), channel.deviation(x)] for x in drawn]),
     )
+
+
+def root_mean_square(rows: FloatArray) -> FloatArray:
+    """Of each column, (N, ...) to (...); NaN is left out."""
+    return np.asarray(np.sqrt(np.nanmean(rows**2, axis=0)))
 
 
 class _Channel:

@@ -141,8 +141,7 @@ class Unknowns:
         return [
             k
             for k, name in enumerate(self._numbers.names)
-            if self._numbers.half_width[k] > 0
-            and (name.endswith(_GEOMETRY_ENDS) or name.startswith(_GEOMETRY_STARTS))
+            if name.endswith(_GEOMETRY_ENDS) or name.startswith(_GEOMETRY_STARTS)
         ]
 
     def _ends(self, k: int) -> tuple[_Geometry, _Geometry]:
