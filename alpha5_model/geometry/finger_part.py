@@ -74,10 +74,7 @@ def _between_teeth(d: SimpleNamespace, share: float) -> Solid:
             points[0] + depth * (outwards - 2 * along),
             points[0] + depth * (outwards + 2 * along),
         ]
-        outline = np.array(corners)
-        if np.cross(outline[1] - outline[0], outline[2] - outline[0]) < 0:
-            outline = outline[::-1]
-        notches.append(k.CrossSection([outline]).extrude(d.width))
+        notches.append(k.CrossSection([np.array(corners)]).extrude(d.width))
     return union(notches).translate([0, 0, -d.width / 2])
 
 
