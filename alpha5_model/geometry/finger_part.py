@@ -9,7 +9,15 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.geometry.dimensions import Dimensions
 from alpha5_model.geometry.parts import Part
-from alpha5_model.geometry.solid import Solid, box, cylinder, kernel, loft, union
+from alpha5_model.geometry.solid import (
+    FAR,
+    Solid,
+    box,
+    cylinder,
+    kernel,
+    loft,
+    union,
+)
 from alpha5_model.geometry.spline import cubic_spline
 
 #: Points on either side of a finger's blade.
@@ -34,7 +42,7 @@ def finger(dimensions: Dimensions) -> Part:
     pin = cylinder(d.pin_radius, low=-50, high=50, segments=24)
     beyond = union([_other_finger(dimensions), _beyond_tip(dimensions), pin])
     holes = union(
-        cylinder(radius, low=-50, high=50, axis="x", segments=32).translate([0, y, 0])
+        cylinder(radius, low=-50, high=FAR, axis="x", segments=32).translate([0, y, 0])
         for y, radius in d.holes
     )
 
@@ -96,19 +104,19 @@ def _other_finger(dimensions: Dimensions) -> Solid:
     d = dimensions.finger
     middle = dimensions.jaws.pivot_offset - d.gap
     lower = box(
-        low=(middle - d.hook, -50, -50),
-        high=(50, 150, d.gap),
+        low=(middle - d.hook, -FAR, -FAR),
+        high=(FAR, FAR, d.gap),
     )
     return lower + box(
-        low=(middle + d.hook, -50, -50),
-        high=(50, 150, 50),
+        low=(middle + d.hook, -FAR, -FAR),
+        high=(FAR, FAR, FAR),
     )
 
 
 def _beyond_tip(dimensions: Dimensions) -> Solid:
     return box(
-        low=(-50, dimensions.jaws.finger_length, -50),
-        high=(50, 200, 50),
+        low=(-FAR, dimensions.jaws.finger_length, -FAR),
+        high=(FAR, FAR, FAR),
     )
 
 
