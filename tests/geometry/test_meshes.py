@@ -647,3 +647,16 @@ def test_a_surface_that_rounding_would_fold_is_refused():
         check_closed(closed[1:])
     with pytest.raises(Alpha5Error, match="closed"):
         check_closed(np.vstack([closed, closed[:1]]))
+
+
+def test_a_triangle_without_area_is_refused():
+    """It has no normal. A point on an edge makes one."""
+    from alpha5_model.geometry.triangles import _flat_normals_and_angles
+
+    vertices = np.array([[0, 0, 0], [2, 0, 0], [1, 0, 0], [0, 1, 0]], float)
+    normals, angles = _flat_normals_and_angles(vertices, np.array([[0, 1, 3]]))
+    assert normals.tolist() == [[0.0, 0.0, 1.0]]
+    expected = [math.pi / 2, math.atan(0.5), math.atan(2.0)]
+    assert angles[0] == pytest.approx(expected)
+    with pytest.raises(Alpha5Error, match="without area"):
+        _flat_normals_and_angles(vertices, np.array([[0, 1, 3], [0, 1, 2]]))
