@@ -134,7 +134,7 @@ def ribbon(
     Args:
         d: Dimensions of the finger.
         start, stop: Shares of the centre line.
-        inset: By how much the outline is drawn in.
+        inset: By how much the outline is drawn in, but for its end, which is cut off.
         share: Of the drawn thickness.
     """
     x, y, half_thickness = np.array(d.centre_line).T
@@ -153,7 +153,6 @@ def ribbon(
     to_the_right = normal * (half - inset)[:, None]
 
     points[0] += inset * tangent[0]
-    points[-1] -= inset * tangent[-1]
     inner_side = points + to_the_right
     outer_side = points - to_the_right
     return np.vstack([inner_side, outer_side[::-1]])

@@ -11,6 +11,7 @@ import itertools
 import json
 import math
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -633,7 +634,10 @@ def test_a_volume_out_of_reach_is_refused():
         5000.0 / (28 * 100.0 * math.sin(2 * math.pi / 56)), rel=1e-9
     )
     assert found.volume() == pytest.approx(5000.0, rel=1e-9)
-    with pytest.raises(InputError, match="volume"):
+    # In litres: from 1 mm to 100 mm of height.
+    least = 28 * 100.0 * math.sin(2 * math.pi / 56) * 1e-6
+    words = f"volume: expected a volume of {least:.4f} to {100 * least:.4f} L, got 5000"
+    with pytest.raises(InputError, match=re.escape(words)):
         solve_volume(lambda h: cylinder(10.0, 0.0, h), 5e9, 1.0, 100.0)
 
 
