@@ -25,7 +25,7 @@ References:
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -199,11 +199,10 @@ def _in_shapes(couples: _Couples, centres: Any, ops: Operations) -> list[Any]:
 def _from_faces(beyond: list[Any], ops: Operations) -> Any:
     """Signed distances, from how far points are beyond perpendicular faces."""
     squares = _ROUNDED**2
-    most = beyond[0]
     for one in beyond:
         outside = ops.maximum(one, 0.0)
         squares = squares + outside * outside
-        most = ops.maximum(most, one)
+    most = reduce(ops.maximum, beyond)
     inside = -ops.maximum(-most, 0.0)
     return ops.sqrt(squares) - _ROUNDED + inside
 

@@ -147,7 +147,7 @@ class SelfCollision:
         """The nearest two bodies, or those that overlap most, at angles (B-1,)."""
         if self._compiled is not None:
             row = _plain(angles)
-            found = self._compiled.nearest(row[None])[0]
+            (found,) = self._compiled.nearest(row[None])
             if found[0] > SHORTEST:
                 return _separated(found)
         return self._coal.nearest(angles)

@@ -117,7 +117,8 @@ class _Reader:
         return value
 
     def number(self, element: ET.Element, name: str) -> float:
-        return self.numbers(element, name, 1)[0]
+        (value,) = self.numbers(element, name, 1)
+        return value
 
     def numbers(
         self, element: ET.Element, name: str, count: int, default: str = ""
@@ -193,7 +194,7 @@ class _Reader:
         children = {joint.child for joint in joints.values()}
         roots = [name for name in links if name not in children]
         if len(roots) == 1:
-            return roots[0]
+            return roots.pop()
         found = "no root link"
         if roots:
             found = f"{len(roots)} root links: {', '.join(roots[:4])}"

@@ -122,9 +122,9 @@ def frames_in_links(dimensions: Dimensions) -> dict[str, FloatArray]:
     return {
         "link_1": transform(across, (shell.axes_apart, 0.0, shell.shoulder))[:3],
         "link_2": pose((0.0, 0.0, 0.0), (0.0, 0.0, slant))[:3],
-        "link_3": np.diag([1.0, -1.0, -1.0, 1.0])[:3],
+        "link_3": transform(np.diag([1.0, -1.0, -1.0]))[:3],
         # The same part as finger_1, turned about its hinge.
-        "finger_2": np.diag([-1.0, -1.0, 1.0, 1.0])[:3],
+        "finger_2": transform(np.diag([-1.0, -1.0, 1.0]))[:3],
     }
 
 

@@ -9,7 +9,15 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.geometry.dimensions import Dimensions
 from alpha5_model.geometry.parts import Part
-from alpha5_model.geometry.solid import Solid, box, cylinder, kernel, loft, union
+from alpha5_model.geometry.solid import (
+    FAR,
+    Solid,
+    box,
+    cylinder,
+    kernel,
+    loft,
+    union,
+)
 from alpha5_model.geometry.spline import cubic_spline
 
 #: Points on either side of a finger's blade.
@@ -34,7 +42,7 @@ def finger(dimensions: Dimensions) -> Part:
     pin = cylinder(d.pin_radius, low=-50, high=50, segments=24)
     beyond = union([_other_finger(dimensions), _beyond_tip(dimensions), pin])
     holes = union(
-        cylinder(radius, low=-50, high=50, axis="x", segments=32).translate([0, y, 0])
+        cylinder(radius, low=-50, high=FAR, axis="x", segments=32).translate([0, y, 0])
         for y, radius in d.holes
     )
 
@@ -74,10 +82,7 @@ def _between_teeth(d: SimpleNamespace, share: float) -> Solid:
             points[0] + depth * (outwards - 2 * along),
             points[0] + depth * (outwards + 2 * along),
         ]
-        outline = np.array(corners)
-        if np.cross(outline[1] - outline[0], outline[2] - outline[0]) < 0:
-            outline = outline[::-1]
-        notches.append(k.CrossSection([outline]).extrude(d.width))
+        notches.append(k.CrossSection([np.array(corners)]).extrude(d.width))
     return union(notches).translate([0, 0, -d.width / 2])
 
 
@@ -99,19 +104,19 @@ def _other_finger(dimensions: Dimensions) -> Solid:
     d = dimensions.finger
     middle = dimensions.jaws.pivot_offset - d.gap
     lower = box(
-        low=(middle - d.hook, -50, -50),
-        high=(50, 150, d.gap),
+        low=(middle - d.hook, -FAR, -FAR),
+        high=(FAR, FAR, d.gap),
     )
     return lower + box(
-        low=(middle + d.hook, -50, -50),
-        high=(50, 150, 50),
+        low=(middle + d.hook, -FAR, -FAR),
+        high=(FAR, FAR, FAR),
     )
 
 
 def _beyond_tip(dimensions: Dimensions) -> Solid:
     return box(
-        low=(-50, dimensions.jaws.finger_length, -50),
-        high=(50, 200, 50),
+        low=(-FAR, dimensions.jaws.finger_length, -FAR),
+        high=(FAR, FAR, FAR),
     )
 
 
@@ -129,7 +134,7 @@ def ribbon(
     Args:
         d: Dimensions of the finger.
         start, stop: Shares of the centre line.
-        inset: By how much the outline is drawn in.
+        inset: By how much the outline is drawn in, but for its end, which is cut off.
         share: Of the drawn thickness.
     """
     x, y, half_thickness = np.array(d.centre_line).T
@@ -148,7 +153,6 @@ def ribbon(
     to_the_right = normal * (half - inset)[:, None]
 
     points[0] += inset * tangent[0]
-    points[-1] -= inset * tangent[-1]
     inner_side = points + to_the_right
     outer_side = points - to_the_right
     return np.vstack([inner_side, outer_side[::-1]])

@@ -196,7 +196,7 @@ def upper_arm(dimensions: Dimensions) -> Part:
         return solid.rotate([0, 0, 180]).translate([d.reach, d.drop, 0])
 
     half = union([_barrel(dimensions), _barrel_neck(dimensions)])
-    relief = cylinder(d.cheek_relief, low=d.barrel_high, high=40)
+    relief = cylinder(d.cheek_relief, low=d.barrel_high, high=FAR)
     outside = union([_motor_tube(dimensions), half, opposite(half)])
     outside -= union([relief, opposite(relief)])
 
@@ -229,7 +229,7 @@ def _barrel(dimensions: Dimensions) -> Solid:
     barrel = cylinder(
         dimensions.radius, low=d.barrel_low, high=d.barrel_high, edges=edges
     )
-    bolt = cylinder(1.4, low=-40, high=d.barrel_low + 1.6, segments=12)
+    bolt = cylinder(1.4, low=-FAR, high=d.barrel_low + 1.6, segments=12)
     bolts = circle_of(bolt, 6, 11.5)
     ring = cylinder(9.0, low=-FAR, high=d.barrel_low + 0.8)
     ring -= cylinder(7.8, low=-FAR, high=FAR)

@@ -17,7 +17,7 @@ Solid = Any
 #: Corners of a full circle of 20 mm radius; the chord stays within 0.04 mm of the arc.
 SEGMENTS = 56
 #: Where what cuts a part ends, outside of it [mm].
-FAR = 60.0
+FAR = 100.0
 #: Smaller edges are broken by one chamfer; larger ones are rounded in at least three
 #: steps [mm].
 _ROUND = 1.0

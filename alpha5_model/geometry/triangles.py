@@ -172,5 +172,6 @@ def _groups_without_crease(faces: Indices, flat: FloatArray) -> Indices:
     same_vertex = 3 * neighbour + (twin % 3 + 1) % 3
     links = (np.ones(len(smooth)), (smooth, same_vertex[smooth]))
     graph = coo_array(links, shape=(len(here), len(here)))
-    _, group = connected_components(graph, directed=False)
+    # The graph need not be symmetric: its weak components count.
+    _, group = connected_components(graph)
     return np.asarray(group)

@@ -9,7 +9,15 @@ from types import SimpleNamespace
 
 from alpha5_model.geometry.dimensions import Dimensions
 from alpha5_model.geometry.parts import Part, ring_groove
-from alpha5_model.geometry.solid import Groove, Solid, box, cylinder, kernel, union
+from alpha5_model.geometry.solid import (
+    FAR,
+    Groove,
+    Solid,
+    box,
+    cylinder,
+    kernel,
+    union,
+)
 
 
 def wrist(dimensions: Dimensions) -> Part:
@@ -31,7 +39,7 @@ def wrist(dimensions: Dimensions) -> Part:
     slotted += _yoke(d, end)
 
     def bored(depth: float) -> Solid:
-        return slotted - cylinder(d.bearing_radius, low=-d.tube_start - depth, high=0)
+        return slotted - cylinder(d.bearing_radius, low=-d.tube_start - depth, high=FAR)
 
     return Part(outside=tube, cut=bored)
 

@@ -14,7 +14,7 @@ from alpha5_model._support.text import plain, table, wrapped
 
 @pytest.mark.parametrize("gap", [1, 2, 5])
 @pytest.mark.parametrize("indent", [0, 3])
-def test_a_long_last_cell_goes_on_under_its_beginning(gap, indent):
+def test_a_long_last_cell_goes_on_under_its_beginning(gap: int, indent: int) -> None:
     rows = [("a", "bcd", "one two three four five six"), ("ef", "g", "seven")]
     first, *rest = table(rows, "<", indent, 24, gap)
     start = first.index("one")

@@ -6,18 +6,21 @@ import numpy as np
 import pytest
 
 from alpha5_model._support.spatial import pose
-from alpha5_model.collision.bodies import Body
+from alpha5_model.collision.bodies import Body, collision_bodies
 from alpha5_model.collision.cells import (
     FREE,
     HIT,
+    PLANS,
     UNDECIDED,
     Cells,
     _cylinders_about_axis,
     _cylinders_around,
     _shrunk,
 )
+from alpha5_model.collision.cells_file import committed_cells
 from alpha5_model.collision.spheres import signed_distances, surface_places
 from alpha5_model.geometry.primitives import Primitive
+from alpha5_model.numbers.parameters import parameters
 
 BOX = Primitive("box", (0.04, 0.02, 0.06), (0.01, -0.02, 0.03), (0.3, -0.2, 0.5))
 CYLINDER = Primitive("cylinder", (0.02, 0.05), (0.0, 0.01, -0.02), (0.4, 0.1, 0.0))
@@ -103,3 +106,9 @@ def test_the_ends_of_a_range_are_in_its_outermost_cells() -> None:
     }
     q = np.array([[9.0, one, two, 9.0] for one, two in rows])
     assert table.look_up(q).tolist() == list(rows.values())
+
+
+def test_the_committed_tables_have_the_cells_of_the_plans() -> None:
+    tables = committed_cells(collision_bodies(parameters()))
+    made = [(table.pairs, table.joint, table.codes.shape) for table in tables]
+    assert made == [tuple(plan) for plan in PLANS]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+import tomllib
+from typing import Any
 
 import coal
 import numpy as np
@@ -205,6 +207,58 @@ def test_the_proof_gives_the_list_again(gripper: str, one: str, other: str) -> N
     # The file has the same pairs.
     rows = touching_proof._rows(proof)
     assert len(rows) == (len(proof.witnesses) + 2 if proof.witnesses else 0)
+
+
+def test_the_text_of_the_list_is_read_as_its_proofs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of quick proofs, each with its links, shapes and angles to a microradian."""
+    arm = parameters()
+    of_gripper = {
+        gripper: [prove(pair_of(*pair)) for pair in QUICK if pair[0] == gripper]
+        for gripper in GRIPPERS
+    }
+    monkeypatch.setattr(
+        touching_proof, "prove_all", lambda arm, gripper: of_gripper[gripper]
+    )
+    text = touching_proof.touching_text(arm, GRIPPERS)
+    assert text.startswith("# Pairs of collision shapes that can ever touch")
+    written = tomllib.loads(text)
+    assert list(written) == ["locked", "jaws"]
+    for gripper, proofs in of_gripper.items():
+        assert written[gripper].pop("made_for") == made_for(gripper)
+        rows = {
+            (first, second): rows
+            for first, others in written[gripper].items()
+            for second, rows in others.items()
+        }
+        touching = {proof.bodies.names: proof for proof in proofs if proof.witnesses}
+        assert list(rows) == list(touching)
+        for links, proof in touching.items():
+            expected = [
+                [*pair, *np.round(q, 6)] for pair, q in sorted(proof.witnesses.items())
+            ]
+            assert rows[links] == expected
+
+
+def test_every_two_links_that_are_not_neighbours_are_proved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(touching_proof, "prove", lambda pair: pair.names)
+    links = [f"link_{number}" for number in range(5)]
+    apart = [
+        (one, other)
+        for one, other in itertools.combinations(links, 2)
+        if int(other[-1]) - int(one[-1]) > 1
+    ]
+    proved: dict[str, Any] = {
+        gripper: touching_proof.prove_all(parameters(), gripper) for gripper in GRIPPERS
+    }
+    assert proved["locked"] == apart
+    fingers = [
+        (link, finger) for link in links[:4] for finger in ("finger_1", "finger_2")
+    ]
+    assert sorted(proved["jaws"]) == sorted(apart + fingers)
 
 
 @pytest.mark.parametrize(

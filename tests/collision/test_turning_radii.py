@@ -77,7 +77,8 @@ def shapes_of(bodies: CollisionBodies, body: int) -> list[int]:
 
 def farthest(arm: str, body: int, joint: int) -> float:
     found = from_axes(arm)
-    return max(found[shape, joint][1] for shape in shapes_of(BODIES[arm], body))
+    reaches = [found[shape, joint][1] for shape in shapes_of(BODIES[arm], body)]
+    return float(max(reaches))
 
 
 def is_hardly_above(bound: float, sampled: float) -> bool:
@@ -112,7 +113,7 @@ def test_rates_of_shapes_are_their_farthest_points(arm: str) -> None:
             seen = np.minimum(first[:, None], second)
             assert (rates[:, :, m] >= seen * (1.0 - 1e-9)).all()
             assert (rates[:, :, m] <= seen * WIDER).all()
-            still += np.count_nonzero(seen == 0.0)
+            still += int(np.count_nonzero(seen == 0.0))
     assert still > 10
 
 

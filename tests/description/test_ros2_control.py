@@ -18,6 +18,7 @@ import yaml
 
 from alpha5_model._support.paths import XACRO_PATH
 from alpha5_model.cli import main
+from alpha5_model.description.ros2_control import hardware_argument
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro import expand_xacro
@@ -357,6 +358,25 @@ def test_a_hostile_layout_is_refused(tmp_path, content, message):
     with pytest.raises(FileFormatError) as caught:
         control(ros2_control_hardware=str(path))
     assert str(caught.value).startswith(f"{path}: {message}")
+
+
+def test_a_layout_at_its_bounds_is_taken(tmp_path):
+    """Eight levels, one after the other, and 256 KiB."""
+    path = tmp_path / "own.yaml"
+    for levels, count, size, message in (
+        (8, 3, 256 * 1024, None),
+        (9, 1, 100, "more than 8 levels"),
+        (8, 1, 256 * 1024 + 1, "more than 256 KiB"),
+    ):
+        # The mapping is a level, too.
+        lists = "[" * (levels - 1) + "]" * (levels - 1)
+        text = "".join(f"k{number}: {lists}\n" for number in range(count))
+        path.write_text(text.ljust(size), encoding="utf-8")
+        if message is None:
+            assert hardware_argument(str(path), "locked") == str(path.resolve())
+        else:
+            with pytest.raises(FileFormatError, match=message):
+                hardware_argument(str(path), "locked")
 
 
 def test_what_does_not_exist_is_named(tmp_path):

@@ -78,8 +78,8 @@ def rounded(line: str) -> str:
         return NUMBER.sub(lambda found: _number(float(found[0])), line)
     values = np.array(written, float)
     # Weights that tell any two places apart.
-    weighted = values @ np.cos(np.arange(len(values)))
-    sums = f"{_number(values.sum())} {_number(weighted)}"
+    weighted = float(values @ np.cos(np.arange(len(values))))
+    sums = f"{_number(float(values.sum()))} {_number(weighted)}"
     start = line[: line.index(written[0])]
     return f"{start}({len(values)} numbers with sums {sums})"
 

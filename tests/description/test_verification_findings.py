@@ -146,3 +146,10 @@ def test_a_mount_that_turns_is_found(tmp_path: Path) -> None:
     parent = record.mount.parent
     expected = f"base_link on {parent}, floating, expected {parent}, fixed"
     assert found.finding == expected
+
+
+def test_a_vehicle_may_have_a_base_link_of_its_own(tmp_path: Path) -> None:
+    """Its name is no prefix of the arm's names."""
+    text = urdf(Variant(parent="rov_base_link"))
+    for check in ("names", "joints", "inertias", "frames, Pinocchio"):
+        assert row(check, text, tmp_path).verdict == "passed"

@@ -11,6 +11,7 @@ import itertools
 import json
 import math
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -633,7 +634,10 @@ def test_a_volume_out_of_reach_is_refused():
         5000.0 / (28 * 100.0 * math.sin(2 * math.pi / 56)), rel=1e-9
     )
     assert found.volume() == pytest.approx(5000.0, rel=1e-9)
-    with pytest.raises(InputError, match="volume"):
+    # In litres: from 1 mm to 100 mm of height.
+    least = 28 * 100.0 * math.sin(2 * math.pi / 56) * 1e-6
+    words = f"volume: expected a volume of {least:.4f} to {100 * least:.4f} L, got 5000"
+    with pytest.raises(InputError, match=re.escape(words)):
         solve_volume(lambda h: cylinder(10.0, 0.0, h), 5e9, 1.0, 100.0)
 
 
@@ -647,3 +651,16 @@ def test_a_surface_that_rounding_would_fold_is_refused():
         check_closed(closed[1:])
     with pytest.raises(Alpha5Error, match="closed"):
         check_closed(np.vstack([closed, closed[:1]]))
+
+
+def test_a_triangle_without_area_is_refused():
+    """It has no normal. A point on an edge makes one."""
+    from alpha5_model.geometry.triangles import _flat_normals_and_angles
+
+    vertices = np.array([[0, 0, 0], [2, 0, 0], [1, 0, 0], [0, 1, 0]], float)
+    normals, angles = _flat_normals_and_angles(vertices, np.array([[0, 1, 3]]))
+    assert normals.tolist() == [[0.0, 0.0, 1.0]]
+    expected = [math.pi / 2, math.atan(0.5), math.atan(2.0)]
+    assert angles[0] == pytest.approx(expected)
+    with pytest.raises(Alpha5Error, match="without area"):
+        _flat_normals_and_angles(vertices, np.array([[0, 1, 3], [0, 1, 2]]))

@@ -57,7 +57,7 @@ class Subject(UrdfRobot):
         """Read a file; see `read_urdf` for what it raises."""
         robot = read_urdf(Path(path))
         base = [name for name in robot.links if name.endswith("base_link")]
-        prefix = base[0].removesuffix("base_link") if len(base) == 1 else ""
+        prefix = base.pop().removesuffix("base_link") if len(base) == 1 else ""
         return cls(
             name=robot.name,
             root=robot.root,
