@@ -112,15 +112,15 @@ def statement(text: str, line: int) -> range:
 
 
 def readers(text: str, line: int) -> set[int]:
-    """Lines that read what the statement around a line gives a name to.
+    """Lines that read what an import gives a name to in the statement around a line.
 
     A constant of a module or a default of a field is computed by an import, which is
-    no test's. What reads it is.
+    no test's, or that of the first test that needs it. What reads it is.
     """
     tree = ast.parse(text)
     around = statement(text, line)
     names = set()
-    for node in ast.walk(tree):
+    for node in _run_by_import(tree):
         if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.lineno in around:
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             parts = [part for target in targets for part in ast.walk(target)]
@@ -131,6 +131,14 @@ def readers(text: str, line: int) -> set[int]:
         if (isinstance(node, ast.Name) and node.id in names)
         or (isinstance(node, ast.Attribute) and node.attr in names)
     } - set(around)
+
+
+def _run_by_import(node: ast.AST) -> Iterator[ast.AST]:
+    """All nodes that are in no function."""
+    yield node
+    if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+        for child in ast.iter_child_nodes(node):
+            yield from _run_by_import(child)
 
 
 def _place(file: Path, text: str, source: _Text, changes: list[Change]) -> Place:

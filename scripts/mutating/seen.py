@@ -333,19 +333,15 @@ def test_files() -> list[str]:
 def _of_statement(text: str, line: int, own: dict[str, dict[int, set[str]]]) -> Tests:
     """The tests that pass the statement around a line of a file.
 
-    Of a statement that only an import runs, those that pass its readers.
+    Of a statement that an import runs, those that pass its readers, too.
 
     Args:
         text: Of the file.
         line: Of the file.
         own: Test file -> line of the file -> tests that pass it.
     """
-    lines = statement(text, line)
-    of_line = {test: _tests(by_line, lines) for test, by_line in own.items()}
-    if not any(of_line.values()):
-        read = readers(text, line)
-        of_line = {test: _tests(by_line, read) for test, by_line in own.items()}
-    return of_line
+    lines = {*statement(text, line), *readers(text, line)}
+    return {test: _tests(by_line, lines) for test, by_line in own.items()}
 
 
 def _tests(by_line: dict[int, set[str]], lines: Iterable[int]) -> set[str]:

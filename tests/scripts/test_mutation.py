@@ -164,6 +164,8 @@ def test_the_readers_of_what_an_import_computes(parts):
     assert parts[1].readers(source, 2) == {7}
     assert parts[1].readers(source, 11) == {14}
     assert parts[1].readers(source, 7) == set()
+    local = "def f():\n    size = 1\n    return size\n"
+    assert parts[1].readers(local, 2) == set()
 
 
 @pytest.mark.parametrize("budget", [0.0, 60.0])

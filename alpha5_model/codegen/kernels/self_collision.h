@@ -111,7 +111,7 @@ static void nearest_of_bodies(const Scene *scene, const Body *a, const Body *b, 
             if (gap > found->distance)
                 continue;
             double distance = 0.0;
-            Points points;
+            Points points = {{NAN, NAN, NAN}, {NAN, NAN, NAN}}; /* what shapes that touch have */
             const int boxes = !shape_a->round && !shape_b->round;
             if (gap > 0.0 || !boxes || with_points)
                 distance = shape_distance(shape_a, &shape_a->at, shape_b, &at_b, found->distance,
