@@ -208,7 +208,7 @@ def fit_tilt(
         stiffness=_stiffness(best),
         stiffness_error=_jackknife([_stiffness(other) for other in of_others]),
         yaw=yaw,
-        yaw_error=float(_jackknife([np.array([other.yaw]) for other in of_others])[0]),
+        yaw_error=_jackknife([np.array([other.yaw]) for other in of_others]).item(),
         delay=float(tried[best.delay]),
         average=length,
         r2=_explained(signals, [best] * len(signals)),
@@ -432,7 +432,7 @@ def _refined(moments: FloatArray, both: FloatArray, yaw: float) -> float:
     step = _FIRST_YAW_STEP
     while step > _YAW_STEP:
         near = [yaw - step, yaw, yaw + step]
-        gains = [_gain(moments, both, one)[0] for one in near]
+        gains = [_gain(moments, both, one).item() for one in near]
         yaw = near[int(np.argmax(gains))]
         step /= 2
     return yaw

@@ -19,6 +19,7 @@ from alpha5_model.errors import (
     InputError,
     JointLimitError,
 )
+from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.planning import Mesh, Obstacle, plan
 from alpha5_model.planning.goals import joint_position, other_wrists, target_of
 from alpha5_model.planning.obstacle_file import read_obstacles
@@ -221,7 +222,7 @@ def test_retracted_poses_need_the_least_room_of_an_even_grid() -> None:
     for one in np.linspace(lower[1], upper[1], 11):
         for other in np.linspace(lower[2], upper[2], 11):
             q = np.array([[yaw, one, other, wrist] for yaw in yaws])
-            if not own.in_collision(q).all():
+            if not np.all(own.in_collision(q)):
                 free.append((one, other))
                 radii.append(reach(q[0]))
     order = np.argsort(radii, kind="stable")[: len(poses)]
@@ -303,7 +304,9 @@ def test_sizes_are_above_zero(size: float) -> None:
     ):
         with pytest.raises(InputError, match="expected a number above 0"):
             make()
-    assert Obstacle.box("b", (1e-3, 1e-3, 1e-3)).shape.xyz == (0.0, 0.0, 0.0)
+    shape = Obstacle.box("b", (1e-3, 1e-3, 1e-3)).shape
+    assert isinstance(shape, Primitive)
+    assert shape.xyz == (0.0, 0.0, 0.0)
 
 
 def test_the_first_wrong_vertex_is_named() -> None:

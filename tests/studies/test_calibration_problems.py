@@ -74,7 +74,7 @@ def problem(found: _Named, name: str) -> calibrate.Problem:
 
 def chance(model: Model, tests: int = 1, free: int = 1) -> float:
     """What free numbers explain of noise, the best of some tests."""
-    return free * np.log(model.clean.size) + 2 * np.log(tests)
+    return float(free * np.log(model.clean.size) + 2 * np.log(tests))
 
 
 def test_the_model_itself_has_no_problems(scales: Model, force: Model) -> None:

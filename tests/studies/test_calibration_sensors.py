@@ -69,7 +69,7 @@ def test_scales_are_2_cm_off_one_line() -> None:
     """Measured from the longest side, however far apart they are."""
     for length in (0.3, 0.03):
         for height, good in ((0.0201, True), (0.0199, False)):
-            corners = [[0, 0, 0], [length, 0, 0], [length / 3, height, 0]]
+            corners = [[0.0, 0, 0], [length, 0, 0], [length / 3, height, 0]]
             if good:
                 calibrate.scales(corners)
                 continue
@@ -215,8 +215,9 @@ def test_what_a_fit_takes_if_it_is_not_told() -> None:
 
     # Torques that hold the arm, over other poses.
     joints = a5.parameters().joints[:4]
-    ends = [[joint.lower for joint in joints], [joint.upper for joint in joints]]
-    q = np.random.default_rng(9).uniform(*ends, (800, 4))
+    lower = np.array([joint.lower for joint in joints])
+    upper = np.array([joint.upper for joint in joints])
+    q = np.random.default_rng(9).uniform(lower, upper, (800, 4))
     motion = Motion(q=q, v=0 * q, a=0 * q, gravity=np.array([0.0, 0.0, -9.81]))
     unknowns = arm_unknowns(a5.parameters())
     slopes = load_slopes(unknowns, unknowns.middle, a5.AIR, motion)[:, :4]
