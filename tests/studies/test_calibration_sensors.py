@@ -197,23 +197,34 @@ def test_without_gravity_a_tilt_changes_nothing() -> None:
 # --- a fit ----------------------------------------------------------------------------
 
 
-def test_what_a_fit_takes_if_it_is_not_told() -> None:
-    """Zeros within a degree and a mount within half a degree."""
-    sensor = calibrate.efforts()
+@pytest.fixture(scope="module")
+def fit_of_efforts() -> calibrate.Calibration:
+    """A fit to three poses of the arm itself."""
     arm = a5.load(a5.AIR)
     still = np.zeros(4)
     read = [arm.inverse_dynamics(q, still, still) for q in Q]
-    found = calibrate.fit(calibrate.session(sensor, Q, read))
+    return calibrate.fit(calibrate.session(calibrate.efforts(), Q, read))
+
+
+def test_what_a_fit_takes_if_it_is_not_told(
+    fit_of_efforts: calibrate.Calibration,
+) -> None:
+    """Zeros within a degree and a mount within half a degree."""
+    found = fit_of_efforts
     assert found.problems == ()
     assert found.readings == 12
     prior = dict(zip(found.names, found.prior, strict=True))
     assert prior["zeros.axis_d"] == pytest.approx(np.radians(1.0))
-    others = equations(sensor).deviation[78:]
+    others = equations(calibrate.efforts()).deviation[78:]
     assert others[:2] == pytest.approx(np.radians([0.5, 0.5]))
     assert not any(".inertia." in name for name in found.names)
     assert len(found.other_names) == len(found.other_deviation) == 6
 
-    # Torques that hold the arm, over other poses.
+
+def test_torques_that_hold_the_arm_over_other_poses(
+    fit_of_efforts: calibrate.Calibration,
+) -> None:
+    found = fit_of_efforts
     joints = a5.parameters().joints[:4]
     lower = np.array([joint.lower for joint in joints])
     upper = np.array([joint.upper for joint in joints])

@@ -112,11 +112,8 @@ def made(**changes: Any) -> a5.TiltRecording:
     """A recording of 8 s at rest with changes."""
     time = np.linspace(0.0, 8.0, 9)
     motion = a5.trajectory.motion(time, np.ones((9, 4)))
-    own: dict[str, Any] = {
-        "motion": motion,
-        "time": time,
-        "up": np.tile([0.0, 0.0, 1.0], (9, 1)),
-    }
+    up = np.tile([0.0, 0.0, 1.0], (9, 1))
+    own: dict[str, Any] = {"motion": motion, "time": time, "up": up}
     return a5.TiltRecording(**(own | changes))
 
 
