@@ -18,6 +18,7 @@ from alpha5_model.errors import (
     FileFormatError,
     InputError,
     JointLimitError,
+    MotionLimitError,
 )
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.planning import Mesh, Obstacle, plan
@@ -77,6 +78,20 @@ def test_a_motion_is_slowed_down_no_more_than_a_tenth_too_much() -> None:
         assert 0.85 * supply < reached <= supply
         longest = motion.slowed * free.duration
         assert 0.9 * longest < motion.duration <= longest
+
+
+def test_a_motion_is_slowed_down_to_a_tenth_at_most() -> None:
+    """By a supply that it needs at 0.106 or at 0.096 of its speed."""
+    fastest = np.array([joint.velocity for joint in ARM.joints[:4]])
+    for times, refused in ((9.4, False), (10.4, True)):
+        slow = plan(HOME, POINT, speed=fastest / times, acceleration=1 / times**2)
+        supply = max(p.value for p in slow.peaks if p.quantity == "voltage")
+        if not refused:
+            motion = plan(HOME, POINT, supply_voltage=supply, current_limit=1.0)
+            assert times <= motion.slowed <= 10.0
+            continue
+        with pytest.raises(MotionLimitError, match="voltage"):
+            plan(HOME, POINT, supply_voltage=supply, current_limit=1.0)
 
 
 def test_a_motion_lasts_a_day_at_most() -> None:
@@ -164,8 +179,9 @@ def test_room_is_kept_to_obstacles_and_to_the_arm_itself() -> None:
     per_radian = Surroundings(ARM).with_room(unit).margin
     for own, gap in ((Surroundings(ARM), distance), (beside, near - 0.004)):
         for share, hit in ((0.99, False), (1.01, True)):
-            wider = own.with_room(share * gap / per_radian * unit)
-            assert (wider.contact(q) is not None) == hit
+            found = own.with_room(share * gap / per_radian * unit).contact(q)
+            assert (found is not None) == hit
+            assert found is None or found.share == 0.0
         assert own.contact(q) is None
 
 

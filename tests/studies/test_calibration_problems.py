@@ -281,7 +281,7 @@ def test_a_misfit_of_one_in_ten_thousand_is_reported(scales: Model) -> None:
     unlikely = chi2.isf(0.98e-4, scales.clean.size)
     (one,) = problems(equations, estimate(scales, unlikely))
     assert one.name == "unexplained"
-    assert (one.session, one.rank) == ("", 1)
+    assert (one.session, one.rank, one.gain) == ("", 1, 0.0)
     ratio = unlikely / scales.clean.size
     assert f"leave {ratio:.3g} times the squared misfit" in one.message
     assert str(one) == f"unexplained: {one.message}"
