@@ -109,6 +109,16 @@ def test_deviations_are_not_negative(
     make(**{name: 1e-12 if above else 0.0})
 
 
+def test_offsets_that_are_not_known_are_large() -> None:
+    """Beside whatever the arm can weigh and turn."""
+    largest = 9.81 * sum(link.mass for link in a5.parameters().links) * 0.4
+    for made in (calibrate.scales(), calibrate.force_torque()):
+        forces = made.offset[:3]
+        assert (forces > largest).all()
+    assert (calibrate.force_torque().offset[3:] > 0.5).all()
+    assert not calibrate.efforts().offset.any()
+
+
 def test_sensors_that_do_not_move_have_no_place() -> None:
     for made in (calibrate.weight(), calibrate.force_torque(), calibrate.efforts()):
         assert made.placement == 0.0

@@ -120,6 +120,25 @@ def test_fifty_samples_in_each_direction(sign: float, way: str) -> None:
         assert "50 above 0.0785 rad/s" in str(caught.value)
 
 
+def test_the_jaw_rod_is_left_out() -> None:
+    """Of a recording that has its position and current, too."""
+    time = TIME[:500]
+    turns = np.outer(time, 2 * np.pi * np.array([0.11, 0.09, 0.13, 0.17]))
+    size = np.minimum([0.6, 0.8, 0.6, 0.7], 0.45 / (turns[1] / time[1]))
+    q = np.array([3.0, 1.7, 1.7, 3.0]) + size * np.sin(turns)
+    given = 0.05 * np.sign(np.cos(turns))
+    given += 0.002 * np.random.default_rng(5).normal(size=given.shape)
+    rod = np.linspace(0.0, 0.01, time.size)
+    found = []
+    for extra in ([], [rod]):
+        recorded = a5.trajectory.motion(
+            time, np.column_stack([q, *extra]), current=np.column_stack([given, *extra])
+        )
+        found.append(a5.calibrate.motors(recorded, method="interpolate"))
+    assert found[0].joints == found[1].joints
+    assert found[1].joints[1].friction_forward == pytest.approx(0.05, abs=0.01)
+
+
 # --- the prior ------------------------------------------------------------------------
 
 

@@ -186,3 +186,13 @@ def test_a_tilt_against_the_moment_has_no_stiffness() -> None:
     found = a5.fit_tilt([other], delays=[0.3])
     assert np.isinf(found.stiffness).any()
     assert (found.r2 < 1.0).any()
+
+
+def test_the_jaw_rod_is_left_out() -> None:
+    one = recording(0, 0.2)
+    rod = np.linspace(0.0, 0.01, TIME.size)
+    position = np.column_stack([one.motion.position, rod])
+    other = replace(one, motion=a5.trajectory.motion(TIME, position))
+    assert other.motion.position.shape[1] == 5
+    found, again = (a5.fit_tilt([given], delays=[0.3]) for given in (one, other))
+    assert np.array_equal(found.stiffness, again.stiffness)

@@ -100,7 +100,7 @@ class _Innovation(NamedTuple):
     def explained(self, columns: FloatArray) -> tuple[FloatArray, float]:
         """Sizes of columns (m, k), and how much of the squared misfit they explain."""
         white = self.whiten @ columns
-        sizes, *_ = np.linalg.lstsq(white, self.rest, rcond=1e-10)
+        sizes, *_ = np.linalg.lstsq(white, self.rest, rcond=None)
         return np.asarray(sizes, float), float(np.sum((white @ sizes) ** 2))
 
 
