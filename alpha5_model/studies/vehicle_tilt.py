@@ -388,8 +388,7 @@ def _added(sums: Sequence[_Sums]) -> _Sums | None:
         return None
     moments = np.sum([one.moments for one in sums], axis=0)
     both = np.sum([one.both for one in sums], axis=0)
-    undelayed = moments[0]
-    if not np.trace(undelayed) > _LEAST_MOMENT:
+    if not np.einsum("dii->", moments) > _LEAST_MOMENT:
         return None
     return _Sums(moments=moments, both=both)
 
