@@ -206,12 +206,12 @@ def fit(values: Any, deviation: Any = 0.001, together: float = 0.0) -> _Fit:
 
 
 def test_friction_that_drives_a_joint_is_refused_beyond_four_deviations() -> None:
-    for together in (0.0, 1e-4, -1e-4):
-        spread = np.sqrt(0.01**2 + 0.02**2 + 2 * together)
+    for together in (0.0, 0.2, -0.2):
+        spread = np.sqrt(0.5**2 + 1.0**2 + 2 * together)
         for share, refused in ((-3.9, False), (-4.1, True)):
             sum_of_both = share * spread
             values = [0.04, sum_of_both + 0.01, -0.01, 0.0, 0.0, 0.0]
-            one = fit(values, [0.001, 0.01, 0.02, 1.0, 1.0, 1.0], together)
+            one = fit(values, [0.001, 0.5, 1.0, 1.0, 1.0, 1.0], together)
             if not refused:
                 _check_sign(one, "axis_c")
                 continue
@@ -296,34 +296,36 @@ def test_a_payload_is_the_mean_of_the_joints_by_their_certainty() -> None:
 
 def test_a_payload_that_is_too_uncertain_is_refused() -> None:
     """Three deviations must tell 100 g from none."""
-    for gram, refused in ((33.0, False), (34.0, True)):
+    for gram, refused in ((33.0, False), (34.0, True), (734.0, True)):
         each = 2 * gram / 1e3 * 0.05
         fits = [fit([0.05, 0.1, 0.1, 0, 0, 0.0], [0, 0, 0, 0, 0, each])] * 4
         if not refused:
             assert _weighed(fits, motors()).deviation == pytest.approx(gram / 1e3)
             continue
         with pytest.raises(InputError) as caught:
-            _weighed(fits, motors(0.234))
-        said = "friction takes 234 mA of the current and varies"
-        assert f"± 34 g: {said}" in str(caught.value)
+            _weighed(fits, motors(0.734))
+        said = "friction takes 734 mA of the current and varies"
+        assert f"± {gram:.0f} g: {said}" in str(caught.value)
         assert "currents that tell it to ± 33 g or less" in str(caught.value)
 
 
 def test_what_is_printed() -> None:
     first, second = motors()[:2]
-    second = second._replace(known=False, torque_per_ampere=23.509)
+    second = second._replace(
+        known=False, torque_per_ampere=23.509, viscous=0.8, friction_deviation=0.7
+    )
     made = MotorCalibration(
         joints=(first._replace(relative_deviation=0.0234), second),
-        payload=Payload(mass=0.3004, deviation=0.0072),
+        payload=Payload(mass=2.3004, deviation=1.5072),
         parameters=RECORD,
         gravity_deviation=0.05432,
     )
     assert str(made) == (
         "axis_e: friction 100.0 and 200.0 ± 1.0 mA, viscous 20.0 mA s/rad, "
         "K_t gear 20.00 N m/A ± 2 %\n"
-        "axis_d: friction 90.0 and 200.0 ± 1.0 mA, viscous 20.0 mA s/rad, "
+        "axis_d: friction 90.0 and 200.0 ± 700.0 mA, viscous 800.0 mA s/rad, "
         "K_t gear 23.51 N m/A by Table 4\n"
-        "payload 300 ± 7 g\n"
+        "payload 2300 ± 1507 g\n"
         "masses of links: not told, gravity is known to 5.4 %"
     )
     assert "payload" not in str(made._replace(payload=None))
