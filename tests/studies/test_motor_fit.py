@@ -13,9 +13,11 @@ import alpha5_model as a5
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.motors import Motors
+from alpha5_model.studies.calibration import motor_currents
 from alpha5_model.studies.calibration.motor_currents import (
     MotorCalibration,
     Payload,
+    _averaged,
     _check_sign,
     _Fit,
     _fit,
@@ -25,6 +27,7 @@ from alpha5_model.studies.calibration.motor_currents import (
     _weighed,
 )
 from alpha5_model.studies.calibration.motor_record import JointMotor, with_motors
+from alpha5_model.studies.uncertainty.noise import ORDER
 
 ARM = a5.load()
 RECORD = ARM.parameters
@@ -137,6 +140,38 @@ def test_the_jaw_rod_is_left_out() -> None:
         found.append(a5.calibrate.motors(recorded, method="interpolate"))
     assert found[0].joints == found[1].joints
     assert found[1].joints[1].friction_forward == pytest.approx(0.05, abs=0.01)
+
+
+def test_the_fit_is_the_mean_over_all_likely_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its covariance is the mean one and that of the means, by normal equations."""
+    rng = np.random.default_rng(8)
+    rows = rng.normal(size=(60, 8))
+    measured = rows @ rng.normal(size=8) + rng.normal(size=60)
+    measured[7] = np.nan
+    middle = rng.normal(size=8)
+    deviation = rng.uniform(0.1, 1.0, 8)
+    sizes = np.array([0.5, 1.0, 4.0])
+    likely = np.column_stack([np.zeros((3, ORDER)), sizes])
+    noise = SimpleNamespace(likely=likely, deviation=1.5)
+    monkeypatch.setattr(motor_currents, "noise_of_channel", lambda *given: noise)
+    found = _averaged(rows, measured, middle, deviation)
+
+    used = np.isfinite(measured)
+    means = []
+    covariances = []
+    for size in sizes:
+        information = rows[used].T @ rows[used] / size**2 + np.diag(deviation**-2)
+        target = rows[used].T @ measured[used] / size**2 + middle / deviation**2
+        covariances.append(np.linalg.inv(information))
+        means.append(covariances[-1] @ target)
+    mean = np.mean(means, axis=0)
+    spread = sum(np.outer(one - mean, one - mean) for one in means) / 3
+    assert found.values == pytest.approx(mean[:6])
+    expected = (np.mean(covariances, axis=0) + spread)[:6, :6]
+    assert found.covariance == pytest.approx(expected)
+    assert found.noise == 1.5
 
 
 # --- the prior ------------------------------------------------------------------------
