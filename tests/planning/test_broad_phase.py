@@ -8,6 +8,7 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.collision.bodies import body_poses, collision_bodies
+from alpha5_model.collision.turning_radii import corners_around
 from alpha5_model.planning import Mesh
 from alpha5_model.planning.broad_phase import BroadPhase
 
@@ -71,3 +72,11 @@ def test_only_links_that_are_near_enough_are_compared() -> None:
         least, name = phase.nearest(q)
         assert least == distances.min()
         assert name == f"link_{int(distances.argmin()) + 1}"
+
+
+def test_a_ball_is_no_larger_than_the_box_around_its_link() -> None:
+    phase = triangle((0.25, 0.2, 0.1))
+    for link, (centre, radius) in zip(BODIES.bodies[1:], phase._balls, strict=True):
+        corners = np.vstack([corners_around(shape) for shape in link.shapes])
+        assert radius <= np.linalg.norm(np.ptp(corners, axis=0)) / 2 + 1e-12
+        assert np.linalg.norm(corners - centre, axis=1).max() <= radius + 1e-12
