@@ -301,7 +301,7 @@ def _timed(
 
     for slowed in _TIMES.tolist():
         samples = samples_within(limits.slower(slowed))
-        duration = float(samples.time[-1])
+        duration = float(np.ptp(samples.time))
         if not duration <= _LONGEST:
             expected = f"ones with which the motion takes at most {_LONGEST:g} s"
             raise InputError("speed, acceleration", f"{duration:g} s", expected)

@@ -102,7 +102,7 @@ class Surroundings:
             None if all of it is proved free.
         """
         for compared, margin in self._compared:
-            share = float(compared.free_shares(start[None], end[None], margin)[0])
+            share = compared.free_shares(start[None], end[None], margin).item()
             if share < 1.0:
                 q = start + share * (end - start)
                 distance, names = compared.nearest_pair(q)
@@ -135,7 +135,7 @@ class Surroundings:
     def contact(self, q: FloatArray) -> Obstruction | None:
         """What the arm touches, or comes within the margin of, at q (4,)."""
         for compared, margin in self._compared:
-            if compared.touches(q[None], margin)[0]:
+            if compared.touches(q[None], margin).any():
                 distance, names = compared.nearest_pair(q)
                 return Obstruction(share=0.0, q=q, names=names, distance=distance)
         return None

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.errors import BlockedMotionError, InputError, needing
+from alpha5_model.errors import BlockedMotionError, needing
 from alpha5_model.kinematics.catalogue_arm import kinematics_of
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.planning.s_curve import (
@@ -70,16 +70,17 @@ class TcpLine:
     def sampled(self, limits: JointLimits) -> Samples:
         """The fastest motion along the line, from rest to rest.
 
-        Raises:
-            InputError: A joint must move whose bound is 0.
+        A joint whose speed is 0 must not move.
         """
         if np.abs(self.way - self.way[0]).max() < _AT_REST:
             return sampled(self.way[[0, 0]], limits)
 
         from toppra import algorithm, constraint
 
+        # toppra takes no bound of 0, not even for a joint that stays.
+        speed = np.where(limits.speed > 0.0, limits.speed, limits.speed.max())
         bounds = [
-            constraint.JointVelocityConstraint(_both_ways(BELOW * limits.speed)),
+            constraint.JointVelocityConstraint(_both_ways(BELOW * speed)),
             constraint.JointAccelerationConstraint(
                 _both_ways(BELOW * limits.acceleration)
             ),
@@ -92,9 +93,7 @@ class TcpLine:
                 parametrizer="ParametrizeConstAccel",
             )
             motion = fastest.compute_trajectory(0.0, 0.0)
-        if motion is None:
-            expected = "speeds above 0 for the joints that the line moves"
-            raise InputError("speed", limits.speed.tolist(), expected)
+        assert motion is not None
         duration = float(motion.duration)
         count = min(math.ceil(duration / TIME_STEP), MOST_SAMPLES) + 1
         time = np.linspace(0.0, duration, count)

@@ -208,7 +208,7 @@ def fit_tilt(
         stiffness=_stiffness(best),
         stiffness_error=_jackknife([_stiffness(other) for other in of_others]),
         yaw=yaw,
-        yaw_error=float(_jackknife([np.array([other.yaw]) for other in of_others])[0]),
+        yaw_error=_jackknife([np.array([other.yaw]) for other in of_others]).item(),
         delay=float(tried[best.delay]),
         average=length,
         r2=_explained(signals, [best] * len(signals)),
@@ -388,8 +388,7 @@ def _added(sums: Sequence[_Sums]) -> _Sums | None:
         return None
     moments = np.sum([one.moments for one in sums], axis=0)
     both = np.sum([one.both for one in sums], axis=0)
-    undelayed = moments[0]
-    if not np.trace(undelayed) > _LEAST_MOMENT:
+    if not np.einsum("dii->", moments) > _LEAST_MOMENT:
         return None
     return _Sums(moments=moments, both=both)
 
@@ -432,7 +431,7 @@ def _refined(moments: FloatArray, both: FloatArray, yaw: float) -> float:
     step = _FIRST_YAW_STEP
     while step > _YAW_STEP:
         near = [yaw - step, yaw, yaw + step]
-        gains = [_gain(moments, both, one)[0] for one in near]
+        gains = [_gain(moments, both, one).item() for one in near]
         yaw = near[int(np.argmax(gains))]
         step /= 2
     return yaw

@@ -331,7 +331,7 @@ class HydrodynamicArm:
         It is never negative.
         """
         nu, _ = self._tree.motion(self._tree_state(q, v), self._checked(current))
-        return float(self._tree.water.dissipated_power(nu)[0])
+        return float(self._tree.water.dissipated_power(nu).item())
 
     def inverse_dynamics_batch(
         self,

@@ -51,9 +51,9 @@ def water_terms(
 
     # The first six of a tree's torques are the mount's: one pass gives both.
     tree_torques = np.stack(of_trees, axis=1)
-    nominal = wet_arms[0]
+    one, *_ = wet_arms
     return WaterTerms(
-        current=nominal.current,
-        torque=tree_torques @ nominal._tree.g,
+        current=one.current,
+        torque=tree_torques @ one._tree.g,
         wrench=-tree_torques[..., :6],
     )

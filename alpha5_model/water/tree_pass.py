@@ -137,7 +137,7 @@ def _weights(step: _Step, q: FloatArray) -> FloatArray:
     """
     angle = q[step.at_q]
     first = np.sin(angle) if step.turns else angle
-    second = 1 - np.cos(angle) if step.turns else 0 * angle
+    second = 1 - np.cos(angle) if step.turns else np.zeros_like(angle)
     return np.stack([np.ones_like(angle), first, second])[:, None]
 
 

@@ -298,6 +298,7 @@ def test_a_known_arm(kind: str, prior: str, tmp_path: Path) -> None:
         sessions.append(calibrate.with_readings(planned, readings))
     found = calibrate.fit(sessions, prior=prior)
     assert found.problems == ()
+    assert found.density == a5.FRESH_WATER
     assert (found.torque_after < found.torque_before + 1e-12).all()
 
     # Torques that nobody measured, at the angles that the joints report.

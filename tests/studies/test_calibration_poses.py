@@ -68,10 +68,9 @@ def test_the_nearest_pose_comes_next() -> None:
 
 def test_the_table_ends_at_the_scales_and_reaches_beyond_the_arm() -> None:
     turn = rotation_from_rpy([0.4, -0.3, 0.2])
-    for corners in (
-        calibrate.scales().positions,
-        calibrate.scales().positions @ turn.T,
-    ):
+    level = calibrate.scales().positions
+    assert level is not None
+    for corners in (level, level @ turn.T):
         (table,) = _table(calibrate.scales(corners))
         box = table.shape
         assert isinstance(box, Primitive)

@@ -74,7 +74,7 @@ def problem(found: _Named, name: str) -> calibrate.Problem:
 
 def chance(model: Model, tests: int = 1, free: int = 1) -> float:
     """What free numbers explain of noise, the best of some tests."""
-    return free * np.log(model.clean.size) + 2 * np.log(tests)
+    return float(free * np.log(model.clean.size) + 2 * np.log(tests))
 
 
 def test_the_model_itself_has_no_problems(scales: Model, force: Model) -> None:
@@ -281,7 +281,7 @@ def test_a_misfit_of_one_in_ten_thousand_is_reported(scales: Model) -> None:
     unlikely = chi2.isf(0.98e-4, scales.clean.size)
     (one,) = problems(equations, estimate(scales, unlikely))
     assert one.name == "unexplained"
-    assert (one.session, one.rank) == ("", 1)
+    assert (one.session, one.rank, one.gain) == ("", 1, 0.0)
     ratio = unlikely / scales.clean.size
     assert f"leave {ratio:.3g} times the squared misfit" in one.message
     assert str(one) == f"unexplained: {one.message}"

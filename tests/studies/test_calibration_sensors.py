@@ -69,7 +69,7 @@ def test_scales_are_2_cm_off_one_line() -> None:
     """Measured from the longest side, however far apart they are."""
     for length in (0.3, 0.03):
         for height, good in ((0.0201, True), (0.0199, False)):
-            corners = [[0, 0, 0], [length, 0, 0], [length / 3, height, 0]]
+            corners = [[0.0, 0, 0], [length, 0, 0], [length / 3, height, 0]]
             if good:
                 calibrate.scales(corners)
                 continue
@@ -107,6 +107,16 @@ def test_deviations_are_not_negative(
         with pytest.raises(InputError, match=f"{name}: expected"):
             make(**{name: value})
     make(**{name: 1e-12 if above else 0.0})
+
+
+def test_offsets_that_are_not_known_are_large() -> None:
+    """Beside whatever the arm can weigh and turn."""
+    largest = 9.81 * sum(link.mass for link in a5.parameters().links) * 0.4
+    for made in (calibrate.scales(), calibrate.force_torque()):
+        forces = made.offset[:3]
+        assert (forces > largest).all()
+    assert (calibrate.force_torque().offset[3:] > 0.5).all()
+    assert not calibrate.efforts().offset.any()
 
 
 def test_sensors_that_do_not_move_have_no_place() -> None:
@@ -197,26 +207,38 @@ def test_without_gravity_a_tilt_changes_nothing() -> None:
 # --- a fit ----------------------------------------------------------------------------
 
 
-def test_what_a_fit_takes_if_it_is_not_told() -> None:
-    """Zeros within a degree and a mount within half a degree."""
-    sensor = calibrate.efforts()
+@pytest.fixture(scope="module")
+def fit_of_efforts() -> calibrate.Calibration:
+    """A fit to three poses of the arm itself."""
     arm = a5.load(a5.AIR)
     still = np.zeros(4)
     read = [arm.inverse_dynamics(q, still, still) for q in Q]
-    found = calibrate.fit(calibrate.session(sensor, Q, read))
+    return calibrate.fit(calibrate.session(calibrate.efforts(), Q, read))
+
+
+def test_what_a_fit_takes_if_it_is_not_told(
+    fit_of_efforts: calibrate.Calibration,
+) -> None:
+    """Zeros within a degree and a mount within half a degree."""
+    found = fit_of_efforts
     assert found.problems == ()
     assert found.readings == 12
     prior = dict(zip(found.names, found.prior, strict=True))
     assert prior["zeros.axis_d"] == pytest.approx(np.radians(1.0))
-    others = equations(sensor).deviation[78:]
+    others = equations(calibrate.efforts()).deviation[78:]
     assert others[:2] == pytest.approx(np.radians([0.5, 0.5]))
     assert not any(".inertia." in name for name in found.names)
     assert len(found.other_names) == len(found.other_deviation) == 6
 
-    # Torques that hold the arm, over other poses.
+
+def test_torques_that_hold_the_arm_over_other_poses(
+    fit_of_efforts: calibrate.Calibration,
+) -> None:
+    found = fit_of_efforts
     joints = a5.parameters().joints[:4]
-    ends = [[joint.lower for joint in joints], [joint.upper for joint in joints]]
-    q = np.random.default_rng(9).uniform(*ends, (800, 4))
+    lower = np.array([joint.lower for joint in joints])
+    upper = np.array([joint.upper for joint in joints])
+    q = np.random.default_rng(9).uniform(lower, upper, (800, 4))
     motion = Motion(q=q, v=0 * q, a=0 * q, gravity=np.array([0.0, 0.0, -9.81]))
     unknowns = arm_unknowns(a5.parameters())
     slopes = load_slopes(unknowns, unknowns.middle, a5.AIR, motion)[:, :4]

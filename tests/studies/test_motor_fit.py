@@ -13,9 +13,11 @@ import alpha5_model as a5
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.motors import Motors
+from alpha5_model.studies.calibration import motor_currents
 from alpha5_model.studies.calibration.motor_currents import (
     MotorCalibration,
     Payload,
+    _averaged,
     _check_sign,
     _Fit,
     _fit,
@@ -25,6 +27,7 @@ from alpha5_model.studies.calibration.motor_currents import (
     _weighed,
 )
 from alpha5_model.studies.calibration.motor_record import JointMotor, with_motors
+from alpha5_model.studies.uncertainty.noise import ORDER
 
 ARM = a5.load()
 RECORD = ARM.parameters
@@ -120,6 +123,57 @@ def test_fifty_samples_in_each_direction(sign: float, way: str) -> None:
         assert "50 above 0.0785 rad/s" in str(caught.value)
 
 
+def test_the_jaw_rod_is_left_out() -> None:
+    """Of a recording that has its position and current, too."""
+    time = TIME[:500]
+    turns = np.outer(time, 2 * np.pi * np.array([0.11, 0.09, 0.13, 0.17]))
+    size = np.minimum([0.6, 0.8, 0.6, 0.7], 0.45 / (turns[1] / time[1]))
+    q = np.array([3.0, 1.7, 1.7, 3.0]) + size * np.sin(turns)
+    given = 0.05 * np.sign(np.cos(turns))
+    given += 0.002 * np.random.default_rng(5).normal(size=given.shape)
+    rod = np.linspace(0.0, 0.01, time.size)
+    found = []
+    for extra in ([], [rod]):
+        recorded = a5.trajectory.motion(
+            time, np.column_stack([q, *extra]), current=np.column_stack([given, *extra])
+        )
+        found.append(a5.calibrate.motors(recorded, method="interpolate"))
+    assert found[0].joints == found[1].joints
+    assert found[1].joints[1].friction_forward == pytest.approx(0.05, abs=0.01)
+
+
+def test_the_fit_is_the_mean_over_all_likely_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its covariance is the mean one and that of the means, by normal equations."""
+    rng = np.random.default_rng(8)
+    rows = rng.normal(size=(60, 8))
+    measured = rows @ rng.normal(size=8) + rng.normal(size=60)
+    measured[7] = np.nan
+    middle = rng.normal(size=8)
+    deviation = rng.uniform(0.1, 1.0, 8)
+    sizes = np.array([0.5, 1.0, 4.0])
+    likely = np.column_stack([np.zeros((3, ORDER)), sizes])
+    noise = SimpleNamespace(likely=likely, deviation=1.5)
+    monkeypatch.setattr(motor_currents, "noise_of_channel", lambda *given: noise)
+    found = _averaged(rows, measured, middle, deviation)
+
+    used = np.isfinite(measured)
+    means = []
+    covariances = []
+    for size in sizes:
+        information = rows[used].T @ rows[used] / size**2 + np.diag(deviation**-2)
+        target = rows[used].T @ measured[used] / size**2 + middle / deviation**2
+        covariances.append(np.linalg.inv(information))
+        means.append(covariances[-1] @ target)
+    mean = np.mean(means, axis=0)
+    spread = sum(np.outer(one - mean, one - mean) for one in means) / 3
+    assert found.values == pytest.approx(mean[:6])
+    expected = (np.mean(covariances, axis=0) + spread)[:6, :6]
+    assert found.covariance == pytest.approx(expected)
+    assert found.noise == 1.5
+
+
 # --- the prior ------------------------------------------------------------------------
 
 
@@ -187,12 +241,12 @@ def fit(values: Any, deviation: Any = 0.001, together: float = 0.0) -> _Fit:
 
 
 def test_friction_that_drives_a_joint_is_refused_beyond_four_deviations() -> None:
-    for together in (0.0, 1e-4, -1e-4):
-        spread = np.sqrt(0.01**2 + 0.02**2 + 2 * together)
+    for together in (0.0, 0.2, -0.2):
+        spread = np.sqrt(0.5**2 + 1.0**2 + 2 * together)
         for share, refused in ((-3.9, False), (-4.1, True)):
             sum_of_both = share * spread
             values = [0.04, sum_of_both + 0.01, -0.01, 0.0, 0.0, 0.0]
-            one = fit(values, [0.001, 0.01, 0.02, 1.0, 1.0, 1.0], together)
+            one = fit(values, [0.001, 0.5, 1.0, 1.0, 1.0, 1.0], together)
             if not refused:
                 _check_sign(one, "axis_c")
                 continue
@@ -277,34 +331,36 @@ def test_a_payload_is_the_mean_of_the_joints_by_their_certainty() -> None:
 
 def test_a_payload_that_is_too_uncertain_is_refused() -> None:
     """Three deviations must tell 100 g from none."""
-    for gram, refused in ((33.0, False), (34.0, True)):
+    for gram, refused in ((33.0, False), (34.0, True), (734.0, True)):
         each = 2 * gram / 1e3 * 0.05
         fits = [fit([0.05, 0.1, 0.1, 0, 0, 0.0], [0, 0, 0, 0, 0, each])] * 4
         if not refused:
             assert _weighed(fits, motors()).deviation == pytest.approx(gram / 1e3)
             continue
         with pytest.raises(InputError) as caught:
-            _weighed(fits, motors(0.234))
-        said = "friction takes 234 mA of the current and varies"
-        assert f"± 34 g: {said}" in str(caught.value)
+            _weighed(fits, motors(0.734))
+        said = "friction takes 734 mA of the current and varies"
+        assert f"± {gram:.0f} g: {said}" in str(caught.value)
         assert "currents that tell it to ± 33 g or less" in str(caught.value)
 
 
 def test_what_is_printed() -> None:
     first, second = motors()[:2]
-    second = second._replace(known=False, torque_per_ampere=23.509)
+    second = second._replace(
+        known=False, torque_per_ampere=23.509, viscous=0.8, friction_deviation=0.7
+    )
     made = MotorCalibration(
         joints=(first._replace(relative_deviation=0.0234), second),
-        payload=Payload(mass=0.3004, deviation=0.0072),
+        payload=Payload(mass=2.3004, deviation=1.5072),
         parameters=RECORD,
         gravity_deviation=0.05432,
     )
     assert str(made) == (
         "axis_e: friction 100.0 and 200.0 ± 1.0 mA, viscous 20.0 mA s/rad, "
         "K_t gear 20.00 N m/A ± 2 %\n"
-        "axis_d: friction 90.0 and 200.0 ± 1.0 mA, viscous 20.0 mA s/rad, "
+        "axis_d: friction 90.0 and 200.0 ± 700.0 mA, viscous 800.0 mA s/rad, "
         "K_t gear 23.51 N m/A by Table 4\n"
-        "payload 300 ± 7 g\n"
+        "payload 2300 ± 1507 g\n"
         "masses of links: not told, gravity is known to 5.4 %"
     )
     assert "payload" not in str(made._replace(payload=None))

@@ -112,6 +112,17 @@ def test_any_other_answer_leaves_more(turned: list[a5.TiltRecording]) -> None:
         assert (1 - yaw.score(turned)).sum() > least.sum()
 
 
+def test_a_further_fit_hardly_changes_the_yaw(turned: list[a5.TiltRecording]) -> None:
+    """The yaw turns gravity as the arm sees it; the passes of one fit settle that."""
+    found = a5.fit_tilt(turned[:2], delays=[DELAY])
+    rotation = rotation_from_rpy([0.0, 0.0, found.yaw])
+    mount = Mount(parent="vehicle", position=np.zeros(3), rotation=rotation)
+    arm = a5.load(a5.FRESH_WATER, arm=replace(a5.parameters(), mount=mount))
+    again = a5.fit_tilt(turned[:2], arm, delays=[DELAY])
+    assert abs(again.yaw) < 1e-4
+    assert again.stiffness == pytest.approx(found.stiffness, rel=1e-4)
+
+
 def test_other_tables_explain_less(turned: list[a5.TiltRecording]) -> None:
     heavier = a5.load(a5.FRESH_WATER).with_payload(0.3)
     one = a5.fit_tilt(turned[:2], heavier)

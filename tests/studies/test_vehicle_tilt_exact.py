@@ -112,7 +112,8 @@ def made(**changes: Any) -> a5.TiltRecording:
     """A recording of 8 s at rest with changes."""
     time = np.linspace(0.0, 8.0, 9)
     motion = a5.trajectory.motion(time, np.ones((9, 4)))
-    own = {"motion": motion, "time": time, "up": np.tile([0.0, 0.0, 1.0], (9, 1))}
+    up = np.tile([0.0, 0.0, 1.0], (9, 1))
+    own: dict[str, Any] = {"motion": motion, "time": time, "up": up}
     return a5.TiltRecording(**(own | changes))
 
 
@@ -185,3 +186,13 @@ def test_a_tilt_against_the_moment_has_no_stiffness() -> None:
     found = a5.fit_tilt([other], delays=[0.3])
     assert np.isinf(found.stiffness).any()
     assert (found.r2 < 1.0).any()
+
+
+def test_the_jaw_rod_is_left_out() -> None:
+    one = recording(0, 0.2)
+    rod = np.linspace(0.0, 0.01, TIME.size)
+    position = np.column_stack([one.motion.position, rod])
+    other = replace(one, motion=a5.trajectory.motion(TIME, position))
+    assert other.motion.position.shape[1] == 5
+    found, again = (a5.fit_tilt([given], delays=[0.3]) for given in (one, other))
+    assert np.array_equal(found.stiffness, again.stiffness)

@@ -212,7 +212,7 @@ def _clean_slopes(
 
 def _on_vehicle(own: OfSession) -> Placement:
     """How the arm stands on the vehicle that tilts."""
-    return Placement(tilt=own.tilt, yaw=float(own.placement[0]))
+    return Placement(tilt=own.tilt, yaw=own.placement.item())
 
 
 def _placed_matrix(session: Session, own: OfSession) -> FloatArray:

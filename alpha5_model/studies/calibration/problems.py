@@ -100,7 +100,7 @@ class _Innovation(NamedTuple):
     def explained(self, columns: FloatArray) -> tuple[FloatArray, float]:
         """Sizes of columns (m, k), and how much of the squared misfit they explain."""
         white = self.whiten @ columns
-        sizes, *_ = np.linalg.lstsq(white, self.rest, rcond=1e-10)
+        sizes, *_ = np.linalg.lstsq(white, self.rest, rcond=None)
         return np.asarray(sizes, float), float(np.sum((white @ sizes) ** 2))
 
 
@@ -210,7 +210,7 @@ class _Part:
     def scale(self) -> Iterator[Problem]:
         """One factor for all readings: another unit, another sign."""
         sizes, gain = self._explained(self._predicted[..., None])
-        factor = 1.0 + float(sizes[0])
+        factor = 1.0 + sizes.item()
         if gain < _limit(1):
             return
         for unit, words in _UNITS.items():
@@ -226,7 +226,7 @@ class _Part:
         sizes, gain = self._explained(self._by_density[..., None])
         if gain < _limit(1):
             return
-        density = session.density + float(sizes[0])
+        density = session.density + sizes.item()
         fluids = {"air": AIR, "fresh water": FRESH_WATER, "sea water": SEA_WATER}
         near = min(fluids, key=lambda name: abs(fluids[name] - density))
         if abs(fluids[near] - density) > _SAME_FLUID:
@@ -350,7 +350,7 @@ def _of_arm(
         row = link * PER_BODY
         sizes, gain = innovation.explained(slopes[:, [row]])
         if gain > _limit(len(BODY_NAMES)):
-            mass = equations.middle[row] + float(sizes[0])
+            mass = equations.middle[row] + sizes.item()
             message = f"{mass:.4g} kg instead of {equations.middle[row]:.4g}"
             yield Problem(
                 name=f"mass of {name}",
@@ -362,6 +362,6 @@ def _of_arm(
         row = OF_BODIES + joint
         sizes, gain = innovation.explained(slopes[:, [row]])
         if gain > _limit(4):
-            off = np.degrees(float(sizes[0]))
+            off = np.degrees(sizes.item())
             message = f"{name} reports {-off:+.3g} deg too much"
             yield Problem(name="zero", message=message, session="", gain=gain - chance)
