@@ -87,8 +87,8 @@ def _canvas(camera: Camera, items: list[_Item], width: int, height: int) -> Canv
 
     # A pixel of the picture is in the window with all of its fine pixels.
     limits = (width, height)
-    low = np.floor(points[:, :2].min(axis=0) / _FINER - 1) * _FINER
-    high = np.ceil(points[:, :2].max(axis=0) / _FINER + 1) * _FINER
+    low = np.floor(points[:, :2].min(axis=0) / _FINER) * _FINER
+    high = np.ceil(points[:, :2].max(axis=0) / _FINER) * _FINER
     left, top = np.clip(low, 0, limits).astype(int).tolist()
     right, bottom = np.clip(high, 0, limits).astype(int).tolist()
     window = Window(left=left, top=top, right=right, bottom=bottom)

@@ -49,7 +49,7 @@ def check_lines(name: str, lines: Iterable[str]) -> None:
     check_committed(FOLDER / f"{name}.txt", "\n".join(lines) + "\n")
 
 
-def arm_with_made_up_masses(gripper: str = "locked") -> a5.Arm:
+def arm_with_made_up_masses(**options: Any) -> a5.Arm:
     """So that no snapshot changes with a printed mass."""
     printed = a5.parameters()
     links = [
@@ -57,7 +57,7 @@ def arm_with_made_up_masses(gripper: str = "locked") -> a5.Arm:
         for number, link in enumerate(printed.links)
     ]
     record = dataclasses.replace(printed, links=tuple(links))
-    return a5.load(arm=record, gripper=gripper)
+    return a5.load(arm=record, **options)
 
 
 @pytest.fixture(scope="module")
@@ -170,7 +170,7 @@ def test_the_plot_of_self_collision() -> None:
 def test_the_plot_of_a_motion() -> None:
     """With measured torques, a motor's limits and a current of the water."""
     arm = arm_with_made_up_masses()
-    time = np.linspace(0.0, 3.0, 61)
+    time = np.linspace(0.0, 3.0, 500)
     turned = np.multiply.outer(time, [2.0, 1.3, 0.9, 2.6])
     phase = turned + np.array([0.1, 0.9, 2.0, 0.4])
     middle = np.array([2.0, 1.2, 1.4, 1.0])
@@ -207,9 +207,12 @@ def test_the_plot_of_a_long_motion_with_jaws() -> None:
     )
     lines = figure(motion_figure(a5.trajectory.analyse(motion, arm)))
     joints = tuple(f"axes {number}:" for number in range(9, 15))
-    check_lines(
-        "long_motion", [line for line in lines if line.startswith(("page", *joints))]
-    )
+    kept = [line for line in lines if line.startswith(("page", *joints))]
+    short = a5.trajectory.motion(time[::300], position[::300, :4])
+    in_air = arm_with_made_up_masses(fluid_density=0.0)
+    page = motion_figure(a5.trajectory.analyse(short, in_air, method="interpolate"))
+    kept += [f"in air: {line}" for line in figure(page) if line.startswith("page")]
+    check_lines("long_motion", kept)
 
 
 def test_a_long_curve_is_drawn_by_its_extremes() -> None:
