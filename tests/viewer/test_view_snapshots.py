@@ -24,10 +24,11 @@ from PIL import Image
 import alpha5_model as a5
 from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.trajectory import Motion
+from alpha5_model.viewer import motion_plot
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.commands import scene_commands
 from alpha5_model.viewer.comparison_plot import plot_comparison
-from alpha5_model.viewer.figures import write_figure
+from alpha5_model.viewer.figures import new_figure, write_figure
 from alpha5_model.viewer.motion_plot import motion_figure, thin
 from alpha5_model.viewer.mount_plot import mount_load_figure
 from alpha5_model.viewer.page import page_data
@@ -208,11 +209,22 @@ def test_the_plot_of_a_long_motion_with_jaws() -> None:
     lines = figure(motion_figure(a5.trajectory.analyse(motion, arm)))
     joints = tuple(f"axes {number}:" for number in range(9, 15))
     kept = [line for line in lines if line.startswith(("page", *joints))]
-    short = a5.trajectory.motion(time[::300], position[::300, :4])
-    in_air = arm_with_made_up_masses(fluid_density=0.0)
-    page = motion_figure(a5.trajectory.analyse(short, in_air, method="interpolate"))
-    kept += [f"in air: {line}" for line in figure(page) if line.startswith("page")]
     check_lines("long_motion", kept)
+
+
+@pytest.mark.parametrize(("names", "columns"), [(5, 5), (6, 3), (7, 4), (8, 4)])
+def test_a_row_of_the_legend_has_at_most_five_names(
+    names: int, columns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its rows are as even as can be."""
+    monkeypatch.setattr(motion_plot, "_title", lambda analysis: "")
+    page = new_figure(6.0, 4.0)
+    axes = page.subplots()
+    for number in range(names):
+        axes.plot([], [], label=f"cause {number}")
+    motion_plot._title_page(page, axes, None)  # type: ignore[arg-type]
+    (legend,) = page.legends
+    assert legend._ncols == columns
 
 
 def test_a_long_curve_is_drawn_by_its_extremes() -> None:
