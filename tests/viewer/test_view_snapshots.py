@@ -196,20 +196,32 @@ def test_the_plot_of_a_motion() -> None:
 def test_the_plot_of_a_long_motion_with_jaws() -> None:
     """With measured currents and more samples than are drawn; panels of two joints.
 
-    They are the jaws, whose motor has no known current, and the joint before them.
+    They are the jaws, whose motor has no known current, and the joint before them,
+    which is almost at rest.
     """
     arm = arm_with_made_up_masses(gripper="jaws")
     time = np.linspace(0.0, 8.0, 6001)
     turned = 0.4 * np.sin(np.multiply.outer(time, [2.0, 1.3, 0.9, 2.6, 1.7]))
     middle = np.array([2.0, 1.2, 1.4, 1.0, 0.006])
-    position = middle + turned * np.array([1.0, 1.0, 1.0, 1.0, 0.01])
+    position = middle + turned * np.array([1.0, 1.0, 1.0, 0.001, 0.01])
     motion = dataclasses.replace(
         a5.trajectory.motion(time, position), current=0.1 * turned
     )
-    lines = figure(motion_figure(a5.trajectory.analyse(motion, arm)))
+    lines = [*figure(motion_figure(a5.trajectory.analyse(motion, arm)))]
     joints = tuple(f"axes {number}:" for number in range(9, 15))
     kept = [line for line in lines if line.startswith(("page", *joints))]
+    kept += [line for line in lines if " title " in line]
     check_lines("long_motion", kept)
+
+
+def test_the_largest_torque_is_that_of_a_rotary_joint() -> None:
+    """Its magnitude is told; the force of the jaws' rod is another quantity."""
+    values = np.array([[0.1, 0.2, 0.3, -0.5, 9.0], [0.0, np.nan, 0.4, 0.2, -9.0]])
+    for column, size in ((3, "0.5"), (0, "2")):
+        assert motion_plot._most(values, tuple("abcde"), "N·m") == (
+            f"at most {size} N·m ({'abcde'[column]})"
+        )
+        values[1, 0] = 2.0
 
 
 @pytest.mark.parametrize(("names", "columns"), [(5, 5), (6, 3), (7, 4), (8, 4)])
