@@ -59,6 +59,17 @@ def test_only_where_the_arm_is_is_drawn_and_nothing_is_missing(
     np.testing.assert_array_equal(found, picture(scene, size))
 
 
+def test_a_picture_of_nothing_is_its_ground() -> None:
+    """White at the top and light blue at the bottom, the same in each column."""
+    scene = replace(build_scene(a5.load()), show=())
+    pixels = picture(scene, (24, 16)).astype(int)
+    assert pixels.shape == (16, 24, 3)
+    assert (pixels == pixels[:, :1]).all()
+    assert (np.diff(pixels, axis=0) <= 0).all()
+    assert pixels[0, 0].min() > 250
+    assert pixels[-1, 0].tolist() == [205, 220, 230]
+
+
 def drawn() -> np.ndarray:
     """The pictures beside one another, (height, 3 width, 3)."""
     held = Payload(mass=0.3, com=(0.0, 0.01, 0.02), volume=1e-4)
