@@ -72,7 +72,7 @@ def _draw_labels(pen: _Pen, scene: Scene, canvas: Canvas, finer: int) -> None:
     """Labels beside their points, from the top down, none over another."""
     labels = [label for label in scene.labels if label.group in scene.show]
     points = np.array([label.anchor.transform(scene.poses)[:3, 3] for label in labels])
-    places = canvas.project(points.reshape(-1, 3))[:, :2] / finer
+    places = canvas.project(points.reshape(len(labels), 3))[:, :2] / finer
     boxes: list[_Box] = []
     for i in np.lexsort(places.T):
         x, y = places[i].tolist()

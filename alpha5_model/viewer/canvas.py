@@ -125,9 +125,9 @@ class Canvas:
         self.width = width
         self.height = height
         self.axes = camera.axes()
-        self.focal = height / 2 / np.tan(np.deg2rad(camera.field_of_view) / 2)
+        self.focal = _focal(camera, height)
         self.window = window or Window(left=0, top=0, right=width, bottom=height)
-        self._eye = camera.eye
+        self._camera = camera
         self._columns = self.window.right - self.window.left
         rows = backdrop(height)[self.window.top : self.window.bottom]
         self.color = np.repeat(rows, self._columns, axis=0)
@@ -136,14 +136,7 @@ class Canvas:
 
     def project(self, points: FloatArray) -> FloatArray:
         """Column, row and distance ahead [m] of points in the world, (N, 3)."""
-        local = (points - self._eye) @ self.axes.T
-        right = local[:, 0]
-        up = local[:, 1]
-        ahead = -local[:, 2]
-        scale = self.focal / ahead
-        column = self.width / 2 + right * scale
-        row = self.height / 2 - up * scale
-        return np.stack([column, row, ahead], axis=1)
+        return project(self._camera, self.width, self.height, points)
 
     def clear_depth(self) -> None:
         """Let what follows be drawn over everything so far."""
@@ -279,6 +272,23 @@ def _fragments_of(lines: _Lines, which: IntArray) -> _Fragments:
         steps=steps,
         color=lines.color,
     )
+
+
+def project(camera: Camera, width: int, height: int, points: FloatArray) -> FloatArray:
+    """Column, row and distance ahead [m] of points in a picture of a size, (N, 3)."""
+    local = (points - camera.eye) @ camera.axes().T
+    right = local[:, 0]
+    up = local[:, 1]
+    ahead = -local[:, 2]
+    scale = _focal(camera, height) / ahead
+    column = width / 2 + right * scale
+    row = height / 2 - up * scale
+    return np.stack([column, row, ahead], axis=1)
+
+
+def _focal(camera: Camera, height: int) -> float:
+    """Distance of the eye from a picture of a height, in pixels."""
+    return float(height / 2 / np.tan(np.deg2rad(camera.field_of_view) / 2))
 
 
 def backdrop(height: int) -> NDArray[np.float32]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.viewer.annotations import annotated
-from alpha5_model.viewer.canvas import Canvas, Window, backdrop, shade
+from alpha5_model.viewer.canvas import Canvas, Window, backdrop, project, shade
 from alpha5_model.viewer.framing import check_size
 from alpha5_model.viewer.scene import SEE_THROUGH, Camera, Scene, Shape, Size
 from alpha5_model.viewer.shapes import Mesh
@@ -77,18 +77,17 @@ def _items(scene: Scene) -> list[_Item]:
 
 def _canvas(camera: Camera, items: list[_Item], width: int, height: int) -> Canvas:
     """An empty canvas; only the part in which the items are can be drawn into."""
-    window = Window(left=0, top=0, right=0, bottom=0)
-    empty = Canvas(camera, width, height, window)
     if not items:
-        return empty
-    points = empty.project(np.concatenate([item.mesh.vertices for item in items]))
+        return Canvas(camera, width, height)
+    vertices = np.concatenate([item.mesh.vertices for item in items])
+    points = project(camera, width, height, vertices)
     if points[:, 2].min() <= 0.0:
         return Canvas(camera, width, height)
 
     # A pixel of the picture is in the window with all of its fine pixels.
     limits = (width, height)
-    low = np.floor(points[:, :2].min(axis=0) / _FINER - 1) * _FINER
-    high = np.ceil(points[:, :2].max(axis=0) / _FINER + 1) * _FINER
+    low = np.floor(points[:, :2].min(axis=0) / _FINER) * _FINER
+    high = np.ceil(points[:, :2].max(axis=0) / _FINER) * _FINER
     left, top = np.clip(low, 0, limits).astype(int).tolist()
     right, bottom = np.clip(high, 0, limits).astype(int).tolist()
     window = Window(left=left, top=top, right=right, bottom=bottom)

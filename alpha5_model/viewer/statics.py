@@ -76,7 +76,7 @@ def _share_of_link_4(parameters: Alpha5Parameters) -> FloatArray:
     for component in range(4):
         units[component, 4, 1, component, 3] = 1.0
     columns = [regrouped(unit, np.zeros(3), parameters) for unit in units]
-    return np.stack(columns, axis=-1)
+    return np.column_stack(columns)
 
 
 def streams_of(arm: Arm, level: str) -> Iterator[Stream]:

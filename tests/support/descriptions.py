@@ -112,14 +112,22 @@ def _axis(name: str, axis: Any) -> str:
     if axis.label.get_text():
         text += f" {axis.label.get_text()!r} {_font(axis.label)}"
     ticks = [t for t in axis.get_major_ticks() if min(ends) <= t.get_loc() <= max(ends)]
-    labels = [tick.label1 for tick in ticks if tick.label1.get_visible()]
-    if labels:
-        said = " ".join(label.get_text() for label in labels)
-        text += f" ticks {said} {_font(labels[0])}{_paper(labels[0])}"
+    labelled = [tick for tick in ticks if tick.label1.get_visible()]
+    if labelled:
+        first = labelled[0].label1
+        said = " ".join(map(_tick, labelled))
+        text += f" ticks {said} {_font(first)}{_paper(first)}"
     lines = [tick.gridline for tick in ticks if tick.gridline.get_visible()]
     if lines:
         text += f" grid {_color(lines[0].get_color())} {_width(lines[0])}"
     return text
+
+
+def _tick(tick: Any) -> str:
+    """What its label says; and where it is, if that is not a number."""
+    text = str(tick.label1.get_text())
+    is_number = text.replace("\u2212", "").replace(".", "").isdigit()
+    return text if is_number else f"{text}@{number(tick.get_loc())}"
 
 
 def _collection(name: str, drawn: Any) -> str:

@@ -258,6 +258,20 @@ def test_the_last_port_is_one() -> None:
         server._listening(65535).close()
 
 
+def test_the_server_waits_for_no_browser_and_holds_no_program_up() -> None:
+    """Its socket does not block, and its thread ends with the program."""
+    with server._listening(0) as listening:
+        assert not listening.getblocking()
+    running = server.Server(0, viewer=None)  # type: ignore[arg-type]
+    assert running._thread.daemon
+    running.close()
+    viewer = a5.view(a5.load())
+    viewer.on_change(print)
+    assert viewer._listening is not None
+    assert viewer._listening.daemon
+    viewer.close()
+
+
 def test_a_call_that_times_out_itself_says_so() -> None:
     """Only a server that does not answer is reported as one."""
     running = server.Server(0, viewer=None)  # type: ignore[arg-type]

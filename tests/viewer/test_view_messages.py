@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import queue
 from collections import deque
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from meshcat.servers.tree import find_node
 
 from alpha5_model.viewer.connections import _MOST_CONNECTIONS, HTTPServer
+from alpha5_model.viewer.live_controls import slider
 from alpha5_model.viewer.live_scene import LiveScene
+from alpha5_model.viewer.visualizer import ArmVisualizer
 
 
 class Page:
@@ -45,6 +50,35 @@ def test_an_object_is_sent_once_and_all_else_each_time() -> None:
     scene.carry_out("delete", path, b"gone")
     assert page.got[4:] == [b"gone"]
     assert find_node(scene.tree, path).object is None
+
+
+def test_a_busy_callback_gets_the_latest_of_what_pages_have_moved() -> None:
+    """The latest pose, and the latest value of each slider; then the thread ends."""
+    heard: list[Any] = []
+    moves: queue.SimpleQueue[Any] = queue.SimpleQueue()
+
+    def hear(value: Any) -> None:
+        """More is moved while the callback is busy; the third one closes the viewer."""
+        heard.append(value)
+        if len(heard) == 2:
+            for move in (np.full(4, 2.5), np.full(4, 3.0)):
+                moves.put(move)
+        elif len(heard) == 3:
+            moves.put(None)
+            moves.put(np.full(4, 9.0))
+
+    gain = slider("gain", 0.0, 9.0, 5.0, hear)
+    mute = slider("mute", 0.0, 1.0, None, None)
+    for move in (np.zeros(4), gain, mute, gain, np.full(4, 2.0)):
+        moves.put(move)
+    gain.value = 7.0
+    viewer: Any = SimpleNamespace(
+        _page_moves=moves,
+        _listeners=[lambda q: hear(q.tolist())],
+        _call_back=lambda function, value: function(value),
+    )
+    ArmVisualizer._listen(viewer)
+    assert heard == [[2.0] * 4, 7.0, [3.0] * 4]
 
 
 class Stream:

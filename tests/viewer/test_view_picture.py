@@ -7,10 +7,11 @@ import io
 import math
 import sys
 import threading
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -150,6 +151,42 @@ def test_a_film_forks_only_on_linux_and_where_no_other_thread_runs(
     monkeypatch.setattr(threading, "active_count", lambda: threads)
     with film_frames._pool(1) as pool:
         assert type(pool) is expected
+
+
+class Pool(ThreadPoolExecutor):
+    """Draws at once, and counts."""
+
+    def __init__(self, workers: int) -> None:
+        super().__init__(1)
+        self.workers = workers
+        self.count = 0
+
+    def submit(self, draw: Any, scene: Any, size: Any) -> Future[Any]:  # type: ignore[override]
+        self.count += 1
+        done: Future[Any] = Future()
+        done.set_result((scene, size))
+        return done
+
+
+@pytest.mark.parametrize(("processors", "first"), [(3, 3), (None, 1)])
+def test_a_film_begins_with_a_picture_for_each_processor(
+    processors: int | None, first: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Further scenes are taken one by one, as pictures are wanted."""
+    pools = []
+
+    def pool(workers: int) -> Pool:
+        pools.append(Pool(workers))
+        return pools[-1]
+
+    monkeypatch.setattr(film_frames, "_pool", pool)
+    monkeypatch.setattr(film_frames.os, "cpu_count", lambda: processors)
+    film = pictures(iter("abcdefg"), (16, 16))  # type: ignore[arg-type]
+    (made,) = pools
+    assert (made.workers, made.count) == (first, first)
+    assert next(film) == ("a", (16, 16))
+    assert made.count == first + 1
+    assert [scene for scene, _ in film] == [*"bcdefg"]
 
 
 @pytest.mark.parametrize("near_first", [True, False])

@@ -11,13 +11,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import Image
 
 import alpha5_model as a5
+from alpha5_model.viewer import picture as pictures
 from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.canvas import Canvas
 from alpha5_model.viewer.framing import framed
 from alpha5_model.viewer.picture import picture
-from alpha5_model.viewer.scene import GROUPS, Payload
+from alpha5_model.viewer.scene import GROUPS, Camera, Payload
 
 COMMITTED = Path(__file__).parent / "snapshots" / "pixels.png"
 SIZE = (180, 150)
@@ -28,6 +31,43 @@ COLUMNS = (
     ("bodies", "see-through", "frames", "com", "cob", "weight", "buoyancy"),
     ("workspace", "surface", "collision", "ghosts", "payload", "current"),
 )
+
+
+CAMERAS = {
+    "far": Camera(np.array([0.3, -4.0, 0.5]), np.zeros(3)),
+    "near, beyond all edges": Camera(np.array([0.1, -0.3, 0.1]), np.zeros(3), 20.0),
+    "right and down": Camera(np.array([0.0, -1.5, 0.0]), np.array([-0.3, 0.0, 0.3])),
+    "left and up": Camera(np.array([0.0, -1.5, 0.0]), np.array([0.4, 0.0, -0.3])),
+    "past the arm": Camera(np.array([0.0, -1.5, 0.0]), np.array([2.0, 0.5, 0.1])),
+}
+
+
+@pytest.mark.parametrize("view", CAMERAS)
+def test_only_where_the_arm_is_is_drawn_and_nothing_is_missing(
+    view: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    size = (64, 40)
+    scene = replace(build_scene(a5.load()), camera=CAMERAS[view], show=("bodies",))
+    found = picture(scene, size)
+    part = pictures._canvas(scene.camera, pictures._items(scene), 128, 80)
+    assert len(part.color) < 128 * 80 or view == "near, beyond all edges"
+
+    def whole(camera: Camera, items: object, width: int, height: int) -> Canvas:
+        return Canvas(camera, width, height)
+
+    monkeypatch.setattr(pictures, "_canvas", whole)
+    np.testing.assert_array_equal(found, picture(scene, size))
+
+
+def test_a_picture_of_nothing_is_its_ground() -> None:
+    """White at the top and light blue at the bottom, the same in each column."""
+    scene = replace(build_scene(a5.load()), show=())
+    pixels = picture(scene, (24, 16)).astype(int)
+    assert pixels.shape == (16, 24, 3)
+    assert (pixels == pixels[:, :1]).all()
+    assert (np.diff(pixels, axis=0) <= 0).all()
+    assert pixels[0, 0].min() > 250
+    assert pixels[-1, 0].tolist() == [205, 220, 230]
 
 
 def drawn() -> np.ndarray:

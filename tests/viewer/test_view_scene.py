@@ -216,7 +216,9 @@ def test_a_payload_is_drawn_with_its_net_force() -> None:
 
 def test_a_current_that_is_given_is_shown_to_scale() -> None:
     arm = a5.load()
-    assert "current" not in build_scene(arm).show
+    hidden = build_scene(arm)
+    assert "current" not in hidden.show
+    np.testing.assert_array_equal(hidden.water.current, [1.0, 0.0, 0.0])
     scene = build_scene(arm, current=(0.3, -0.4, 0.0))
     assert "current" in scene.show
     (shape,) = (s for s in scene.shapes if s.group == "current")

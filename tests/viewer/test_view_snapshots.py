@@ -24,10 +24,11 @@ from PIL import Image
 import alpha5_model as a5
 from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.trajectory import Motion
+from alpha5_model.viewer import motion_plot
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.commands import scene_commands
 from alpha5_model.viewer.comparison_plot import plot_comparison
-from alpha5_model.viewer.figures import write_figure
+from alpha5_model.viewer.figures import new_figure, write_figure
 from alpha5_model.viewer.motion_plot import motion_figure, thin
 from alpha5_model.viewer.mount_plot import mount_load_figure
 from alpha5_model.viewer.page import page_data
@@ -49,7 +50,7 @@ def check_lines(name: str, lines: Iterable[str]) -> None:
     check_committed(FOLDER / f"{name}.txt", "\n".join(lines) + "\n")
 
 
-def arm_with_made_up_masses(gripper: str = "locked") -> a5.Arm:
+def arm_with_made_up_masses(**options: Any) -> a5.Arm:
     """So that no snapshot changes with a printed mass."""
     printed = a5.parameters()
     links = [
@@ -57,7 +58,7 @@ def arm_with_made_up_masses(gripper: str = "locked") -> a5.Arm:
         for number, link in enumerate(printed.links)
     ]
     record = dataclasses.replace(printed, links=tuple(links))
-    return a5.load(arm=record, gripper=gripper)
+    return a5.load(arm=record, **options)
 
 
 @pytest.fixture(scope="module")
@@ -170,7 +171,7 @@ def test_the_plot_of_self_collision() -> None:
 def test_the_plot_of_a_motion() -> None:
     """With measured torques, a motor's limits and a current of the water."""
     arm = arm_with_made_up_masses()
-    time = np.linspace(0.0, 3.0, 61)
+    time = np.linspace(0.0, 3.0, 500)
     turned = np.multiply.outer(time, [2.0, 1.3, 0.9, 2.6])
     phase = turned + np.array([0.1, 0.9, 2.0, 0.4])
     middle = np.array([2.0, 1.2, 1.4, 1.0])
@@ -195,21 +196,47 @@ def test_the_plot_of_a_motion() -> None:
 def test_the_plot_of_a_long_motion_with_jaws() -> None:
     """With measured currents and more samples than are drawn; panels of two joints.
 
-    They are the jaws, whose motor has no known current, and the joint before them.
+    They are the jaws, whose motor has no known current, and the joint before them,
+    which is almost at rest.
     """
     arm = arm_with_made_up_masses(gripper="jaws")
     time = np.linspace(0.0, 8.0, 6001)
     turned = 0.4 * np.sin(np.multiply.outer(time, [2.0, 1.3, 0.9, 2.6, 1.7]))
     middle = np.array([2.0, 1.2, 1.4, 1.0, 0.006])
-    position = middle + turned * np.array([1.0, 1.0, 1.0, 1.0, 0.01])
+    position = middle + turned * np.array([1.0, 1.0, 1.0, 0.001, 0.01])
     motion = dataclasses.replace(
         a5.trajectory.motion(time, position), current=0.1 * turned
     )
-    lines = figure(motion_figure(a5.trajectory.analyse(motion, arm)))
+    lines = [*figure(motion_figure(a5.trajectory.analyse(motion, arm)))]
     joints = tuple(f"axes {number}:" for number in range(9, 15))
-    check_lines(
-        "long_motion", [line for line in lines if line.startswith(("page", *joints))]
-    )
+    kept = [line for line in lines if line.startswith(("page", *joints))]
+    kept += [line for line in lines if " title " in line]
+    check_lines("long_motion", kept)
+
+
+def test_the_largest_torque_is_that_of_a_rotary_joint() -> None:
+    """Its magnitude is told; the force of the jaws' rod is another quantity."""
+    values = np.array([[0.1, 0.2, 0.3, -0.5, 9.0], [0.0, np.nan, 0.4, 0.2, -9.0]])
+    for column, size in ((3, "0.5"), (0, "2")):
+        assert motion_plot._most(values, tuple("abcde"), "N·m") == (
+            f"at most {size} N·m ({'abcde'[column]})"
+        )
+        values[1, 0] = 2.0
+
+
+@pytest.mark.parametrize(("names", "columns"), [(5, 5), (6, 3), (7, 4), (8, 4)])
+def test_a_row_of_the_legend_has_at_most_five_names(
+    names: int, columns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its rows are as even as can be."""
+    monkeypatch.setattr(motion_plot, "_title", lambda analysis: "")
+    page = new_figure(6.0, 4.0)
+    axes = page.subplots()
+    for number in range(names):
+        axes.plot([], [], label=f"cause {number}")
+    motion_plot._title_page(page, axes, None)  # type: ignore[arg-type]
+    (legend,) = page.legends
+    assert legend._ncols == columns
 
 
 def test_a_long_curve_is_drawn_by_its_extremes() -> None:
