@@ -6,12 +6,15 @@ The evidence is made up, so that a difference is exactly the tolerance or a hair
 from __future__ import annotations
 
 import math
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
+import test_compare_tool
 from urdf_edits import OWN
 
 import alpha5_model as a5
@@ -46,6 +49,7 @@ from alpha5_model.proofs.comparison.correction import (
 )
 from alpha5_model.proofs.comparison.hypotheses import hypotheses_of
 from alpha5_model.proofs.comparison.inertials import Inertial
+from alpha5_model.proofs.comparison.measure import compare_robots
 from alpha5_model.proofs.comparison.own_arm import own_arm_of
 from alpha5_model.proofs.comparison.printed_digits import Rounding
 from alpha5_model.proofs.comparison.records import BodyDifference, Comparison, Finding
@@ -197,6 +201,60 @@ def test_what_the_printed_digits_allow() -> None:
     assert with_pi == pytest.approx((upper_arm * 0.02, turned))
     exact: Any = made_up(digits=Rounding(0.0, 0.0, 0.0))
     assert allowed(RECORD, exact, short_pi=True) == (1e-5, 1e-4)
+
+
+@pytest.mark.parametrize(
+    ("zero", "off", "sure"),
+    [
+        # 1 mm settles it; farther off, the COM must fit three times better.
+        (0.02, 0.0009, True),
+        (0.02, 0.0011, False),
+        (0.119, 0.002, True),
+        (0.095, 0.002, False),
+    ],
+)
+def test_the_com_of_link_0_tells_a_zero_of_axis_e_from_a_turned_base(
+    zero: float, off: float, sure: bool
+) -> None:
+    """Turned by the zero, the COM moves by its distance from the axis."""
+    root = ET.fromstring(OWN)
+    test_compare_tool.turn("axis_e", 0.0, 0.0, zero)(root)
+    com = np.add(RECORD.links[0].com, [0.0, 0.0, off])
+    xyz = test_compare_tool.written(com)
+    test_compare_tool.inertial("link_0", "origin", xyz=xyz)(root)
+    found = compare_robots(parse_urdf(ET.tostring(root)), samples=5).findings
+    (shifted,) = [one for one in found if one.id.startswith("zero")]
+    assert (shifted.id == "zero") == sure
+    radius = math.hypot(*RECORD.links[0].com[:2])
+    turned = math.hypot(2 * radius * math.sin(zero / 2), off)
+    assert sure == (off < 0.001 or turned > 3 * off)
+
+
+def test_without_a_mass_of_link_0_nothing_tells_them_apart() -> None:
+    root = ET.fromstring(OWN)
+    test_compare_tool.turn("axis_e", 0.0, 0.0, 0.7)(root)
+    test_compare_tool.inertial("link_0", "mass", value="0")(root)
+    found = compare_robots(parse_urdf(ET.tostring(root)), samples=5).findings
+    assert "zero.or_base" in ids(found)
+
+
+@pytest.mark.parametrize(("ratio", "shifted"), [(3.8, False), (4.2, True)])
+@pytest.mark.parametrize("roll", [0.6, -0.9])
+def test_axis_b_is_shifted_if_link_4_then_fits_four_times_better(
+    roll: float, ratio: float, shifted: bool
+) -> None:
+    """Its error: mass times squared distance of the COM, and the tensor's largest."""
+    link = RECORD.links[4]
+    back = pin.exp3(np.array([0.0, 0.0, -roll]))
+    square = float(np.sum((back @ link.com - link.com) ** 2))
+    tensor = back @ link.inertia @ back.T - link.inertia
+    error = link.mass * square + np.abs(tensor).max()
+    root = ET.fromstring(OWN)
+    test_compare_tool.turn("axis_b", 0.0, 0.0, roll)(root)
+    izz = link.inertia[2, 2] + error / ratio
+    test_compare_tool.inertial("link_4", "inertia", izz=repr(float(izz)))(root)
+    alignment = compare_robots(parse_urdf(ET.tostring(root)), samples=5).alignment
+    assert alignment.zero[3] == pytest.approx(-roll if shifted else 0.0, abs=1e-9)
 
 
 # --- the base
