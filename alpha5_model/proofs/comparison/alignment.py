@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.own_arm import AS_IT_IS, DIMENSIONS
@@ -51,11 +51,15 @@ class Alignment:
     exact: Alignment | None = None
 
     @property
+    def is_reversed(self) -> BoolArray:
+        """Whether a joint turns the other way, (4,)."""
+        return np.signbit(self.sign)
+
+    @property
     def oddities(self) -> int:
         """Number of reversed joints and shifted zeros."""
-        reversed_joints = (self.sign < 0).sum()
-        shifted_zeros = (np.abs(self.zero) > SAME_ZERO).sum()
-        return int(reversed_joints + shifted_zeros)
+        is_shifted = np.abs(self.zero) > SAME_ZERO
+        return int(self.is_reversed.sum() + is_shifted.sum())
 
     def changes(self) -> dict[str, float]:
         """The dimensions that differ, theirs minus ours [m, rad]."""
