@@ -413,6 +413,8 @@ def test_half_a_range_is_none(missing: str) -> None:
         (None, 1.0, False),
         # Read in degrees, from half of ours to one and a half.
         (math.degrees(1.51), 1.0, False),
+        (math.degrees(1.5), 1.0, False),
+        (math.degrees(0.5), 1.0, False),
         (math.degrees(1.49), 1.0, True),
         (math.degrees(0.51), 1.0, True),
         (math.degrees(0.49), 1.0, False),
