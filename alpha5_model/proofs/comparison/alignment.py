@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model._support.checks import FloatArray
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.own_arm import AS_IT_IS, DIMENSIONS
@@ -51,15 +51,11 @@ class Alignment:
     exact: Alignment | None = None
 
     @property
-    def is_reversed(self) -> BoolArray:
-        """Whether a joint turns the other way, (4,)."""
-        return np.signbit(self.sign)
-
-    @property
     def oddities(self) -> int:
         """Number of reversed joints and shifted zeros."""
+        is_reversed = np.signbit(self.sign)
         is_shifted = np.abs(self.zero) > SAME_ZERO
-        return int(self.is_reversed.sum() + is_shifted.sum())
+        return int(is_reversed.sum() + is_shifted.sum())
 
     def changes(self) -> dict[str, float]:
         """The dimensions that differ, theirs minus ours [m, rad]."""
