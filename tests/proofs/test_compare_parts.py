@@ -14,6 +14,7 @@ from urdf_edits import OWN
 
 import alpha5_model as a5
 from alpha5_model.description.reading import parse_urdf
+from alpha5_model.errors import InputError
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.proofs.comparison.chains import find_chains
 from alpha5_model.proofs.comparison.frozen_joints import rest_position
@@ -87,6 +88,18 @@ def test_names_decide_between_arms_of_the_same_shape(off: float, first: str) -> 
     assert len(chains) == 2
     assert chains[0].names[0] == first
     assert {chains[0].named_as_ours, chains[1].named_as_ours} == {0, 4}
+
+
+def test_a_wrong_mapping_names_the_joints_that_turn() -> None:
+    expected = "follow each other, out of: axis_e, axis_d, axis_c, axis_b"
+    with pytest.raises(InputError, match=f"{expected}, got"):
+        find_chains(ROBOT, RECORD, {"axis_e": "axis_d"})
+    locked = {
+        name: replace(joint, lower=0.0, upper=0.0)
+        for name, joint in ROBOT.joints.items()
+    }
+    with pytest.raises(InputError, match="out of: none, got"):
+        find_chains(replace(ROBOT, joints=locked), RECORD, {"axis_e": "axis_e"})
 
 
 # --- packages
