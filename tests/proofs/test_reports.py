@@ -29,6 +29,7 @@ from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.proofs.audit.row import AuditRow
 from alpha5_model.proofs.comparison.arm_of_model import arm_of_robot, arm_text
 from alpha5_model.proofs.comparison.findings import finding_ids
+from alpha5_model.proofs.comparison.junit import junit_report
 from alpha5_model.proofs.comparison.measure import compare_robots
 from alpha5_model.proofs.comparison.model_file import read_model
 from alpha5_model.proofs.comparison.records import Comparison, Finding
@@ -298,6 +299,13 @@ def example(name: str) -> UrdfRobot:
     for change in MODELS_OF_DEFECTS[name]:
         change(root)
     return parse_urdf(ET.tostring(root))
+
+
+@pytest.mark.parametrize("name", ["vehicle", "no_link_0", "frozen"])
+def test_junit_reports_of_examples(name: str) -> None:
+    comparison = compare_robots(example(name), samples=20, folder=FOLDER)
+    text = shortened(junit_report(comparison, name))
+    check_committed(FOLDER / f"{name}.xml", text)
 
 
 #: The words that all findings about dimensions share; and what remains if no other

@@ -73,7 +73,7 @@ def _numbering(parameters: Alpha5Parameters) -> list[AuditRow]:
 def _axis_labels(chain: DHChain, middle: FloatArray) -> AuditRow:
     """Number of the z axis that theta_1 turns about; the notes say z_1."""
     frames = chain.frames(middle)
-    one_radian_on = chain.frames(middle + np.array([1.0, 0.0, 0.0, 0.0]))
+    one_radian_on = chain.frames(middle + np.eye(4)[0])
     turn = one_radian_on[1, :3, :3] @ frames[1, :3, :3].T
     # A rotation leaves its axis where it is.
     z = frames[:2, :3, 2]

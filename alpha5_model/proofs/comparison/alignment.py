@@ -53,9 +53,9 @@ class Alignment:
     @property
     def oddities(self) -> int:
         """Number of reversed joints and shifted zeros."""
-        reversed_joints = (self.sign < 0).sum()
-        shifted_zeros = (np.abs(self.zero) > SAME_ZERO).sum()
-        return int(reversed_joints + shifted_zeros)
+        is_reversed = np.signbit(self.sign)
+        is_shifted = np.abs(self.zero) > SAME_ZERO
+        return int(is_reversed.sum() + is_shifted.sum())
 
     def changes(self) -> dict[str, float]:
         """The dimensions that differ, theirs minus ours [m, rad]."""

@@ -220,16 +220,13 @@ def _chain(
     """
     alpha = [row.alpha for row in catalogue.dh]
     lines = theirs.axis_lines(np.zeros(4))
-    sign = alignment.sign.copy()
-    z = lines.directions * sign[:, None]
+    z = lines.directions * alignment.sign[:, None]
 
     on_e, on_d = foot(lines, 0, 1), foot(lines, 1, 0)
     before_d = _next(z[0], z[1], on_d - on_e, alpha[0])
-    sign[1] *= before_d.sign
     z[1] *= before_d.sign
 
     parallel = math.copysign(1.0, math.cos(alpha[1]) * float(z[2] @ z[1]))
-    sign[2] *= parallel
     z[2] *= parallel
     upper_arm = lines.points[2] - on_d
     upper_arm = upper_arm - (upper_arm @ z[1]) * z[1]
@@ -238,10 +235,9 @@ def _chain(
 
     on_c, on_b = foot(lines, 2, 3), foot(lines, 3, 2)
     before_b = _next(z[2], z[3], on_b - on_c, alpha[2])
-    sign[3] *= before_b.sign
     z[3] *= before_b.sign
     return _Chain(
-        sign=sign,
+        sign=np.sign(np.sum(z * lines.directions, axis=1)),
         z=z,
         x=np.array([before_d.x, upper_arm / a_1, before_b.x]),
         origins=np.array([on_e, on_d, elbow, on_b]),
@@ -295,8 +291,8 @@ def _note_twists(chain: _Chain, left_out: list[str]) -> None:
 
 def _note_signs(sign: FloatArray, left_out: list[str]) -> None:
     """Say which joints turn the other way."""
-    for name, one in zip(AXES, sign, strict=True):
-        if one < 0:
+    for name, is_reversed in zip(AXES, np.signbit(sign), strict=True):
+        if is_reversed:
             text = f"{name} turns the other way: its position is minus the model's"
             left_out.append(text)
 

@@ -46,7 +46,7 @@ def _zeros(evidence: Evidence) -> Iterator[Finding]:
     """Joints that turn the other way or have another zero."""
     alignment = evidence.alignment
     for joint in range(4):
-        if alignment.sign[joint] < 0:
+        if np.signbit(alignment.sign[joint]):
             yield _reversed(evidence, joint)
         if abs(alignment.zero[joint]) > evidence.tolerance.angle:
             yield _shifted(evidence, joint)

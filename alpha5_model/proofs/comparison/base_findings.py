@@ -8,9 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from alpha5_model.proofs.comparison.alignment import ANGLE_TOLERANCE, LENGTH_TOLERANCE
+from alpha5_model.proofs.comparison.correction import angle_between
 from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import finding
-from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
+from alpha5_model.proofs.comparison.poses import origin_of, tilt_of
 from alpha5_model.proofs.comparison.records import Finding
 
 #: How many of the foreign links are named, the heaviest first.
@@ -26,10 +27,8 @@ def findings_of_mount(evidence: Evidence) -> Iterator[Finding]:
 def _mount(evidence: Evidence) -> Iterator[Finding]:
     """A root of the other model that is not at our base_link."""
     alignment = evidence.alignment
-    rotation = rotation_of(alignment.base)
     shift = origin_of(alignment.base)
-    cosine = float(np.clip((np.trace(rotation) - 1) / 2, -1, 1))
-    angle = math.acos(cosine)
+    angle = angle_between(np.eye(4), alignment.base)
 
     base_link = evidence.theirs.link_poses[alignment.base_link]
     at_base = alignment.same_base and np.allclose(
@@ -80,7 +79,7 @@ def findings_of_shoulder(evidence: Evidence) -> Iterator[Finding]:
     length, angle = evidence.tolerance
     x, y, z = origin_of(alignment.stands) * 1e3
     beside = math.hypot(x, y)
-    tilt = math.acos(np.clip(alignment.stands[2, 2], -1.0, 1.0))
+    tilt = tilt_of(alignment.stands)
     line = "; ".join(filter(None, evidence.joint_replacements[:2]))
     if beside > length * 1e3 or tilt > angle:
         yield finding(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved
 from alpha5_model.numbers.inertia import rotate_tensor
@@ -15,6 +17,12 @@ def rotation_of(pose: FloatArray) -> FloatArray:
 def origin_of(pose: FloatArray) -> FloatArray:
     """The origin (..., 3) of a pose (..., 4, 4) [m]."""
     return pose[..., :3, 3]
+
+
+def tilt_of(pose: FloatArray) -> float:
+    """Angle between z of a pose (4, 4) and z of its parent [rad]."""
+    x, y, z = rotation_of(pose)[:, 2]
+    return math.atan2(math.hypot(x, y), z)
 
 
 def carried_to(

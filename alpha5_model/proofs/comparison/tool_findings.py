@@ -72,7 +72,7 @@ def _axes_are_a_choice(tool: FloatArray, within: float) -> bool:
     """
     along = np.abs(tool[2, :3])
     axis = int(along.argmax())
-    tilt = math.acos(min(1.0, float(along[axis])))
+    tilt = math.atan2(np.linalg.norm(np.delete(along, axis)), along[axis])
 
     across = tool[:3, (axis + 1) % 3]
     roll = math.atan2(across[1], across[0])
