@@ -7,6 +7,7 @@ import inspect
 import json
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,12 +19,22 @@ from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
 from alpha5_model._support.text import plain
-from alpha5_model.cli import demo, generate, main, sweep, values, view, workspace
+from alpha5_model.cli import (
+    compare,
+    demo,
+    generate,
+    main,
+    sweep,
+    values,
+    view,
+    workspace,
+)
 from alpha5_model.cli.syntax import one_syntax
 from alpha5_model.cli.torque_record import Motors, State, torque_record
 from alpha5_model.cli.torque_text import torque_lines
 from alpha5_model.errors import InputError
 from alpha5_model.proofs.comparison import measure
+from alpha5_model.proofs.comparison.records import Finding
 from alpha5_model.studies.sweep.extent import Extent
 
 Capture = pytest.CaptureFixture[str]
@@ -523,3 +534,32 @@ def test_the_live_viewer_takes_a_free_port_and_opens_a_browser(
     monkeypatch.setenv("DISPLAY", ":0")
     assert main(["view", "--pose", "home", *["--serve"] * serve]) == 0
     assert served == [(0, not serve)]
+
+
+# --- findings -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("serious", [True, False])
+@pytest.mark.parametrize("instead", ["", "write this"])
+def test_only_remarks_that_say_the_same_are_counted(
+    serious: bool, instead: str
+) -> None:
+    """What is serious, or can be mended, is told for each place."""
+    one = Finding(
+        where="link_1",
+        text="has no mesh",
+        serious=serious,
+        instead=instead,
+        cost=0.0,
+        id="file",
+    )
+    others = [replace(one, where=f"link_{k}") for k in (2, 3)]
+    last = replace(one, text="has another mesh")
+    found = compare._alike([one, *others, last, one])
+    remark = not serious and not instead
+    if remark:
+        assert found == [(one, 2), (last, 0), (one, 0)]
+    else:
+        assert found == [(each, 0) for each in (one, *others, last, one)]
+    costly = replace(one, cost=0.12345)
+    assert compare._alike([one, costly]) == [(one, 0), (costly, 0)]
