@@ -563,3 +563,38 @@ def test_only_remarks_that_say_the_same_are_counted(
         assert found == [(each, 0) for each in (one, *others, last, one)]
     costly = replace(one, cost=0.12345)
     assert compare._alike([one, costly]) == [(one, 0), (costly, 0)]
+
+
+def test_a_picture_without_a_motion_is_framed_as_it_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    also_seen: list[Any] = []
+
+    def framed(shown: Any, size: Any, also: Any) -> Any:
+        also_seen.extend([size, also])
+        return shown
+
+    monkeypatch.setattr(view, "framed", framed)
+    monkeypatch.setattr(view, "picture_png", lambda shown, size: b"")
+    words = ["view", "--image", str(tmp_path / "arm.png"), "--size", "320X200"]
+    assert main(words) == 0
+    assert also_seen == [(320, 200), []]
+
+
+def test_the_page_of_the_demo_opens_the_jaws_within_their_limits() -> None:
+    scene = demo._scene(a5.named_pose("reach"))
+    assert scene.motion is not None
+    rod = np.array(scene.motion.q)[:, 4]
+    joint = a5.parameters().joints[4]
+    assert rod.min() == joint.lower
+    assert joint.lower < rod.max() <= joint.upper
+
+
+def test_the_assumptions_have_no_rounding_of_gravity() -> None:
+    """Nor a negative zero: tilting by a whole turn leaves numbers of 1e-16."""
+    state = State(q=[3.1, 1.2, 1.8, 0.0], v=[0.0] * 4, a=[0.0] * 4)
+    motors = Motors(constants=None, efficiency="gearbox")
+    record = torque_record(a5.load(), state, motors, current=None)
+    record["gravity"] = [-0.0, 4e-7, -6e-6]
+    *_, assumptions = torque_lines(record)
+    assert "gravity (0, 0, -6e-06) m/s^2" in assumptions
