@@ -628,3 +628,31 @@ def test_too_few_different_times_are_told_at_the_first() -> None:
     with pytest.raises(InputError) as caught:
         a5.trajectory.motion(time, POSITION[:5])
     assert str(caught.value) == words
+
+
+def test_long_names_in_rows_are_cut_in_messages(tmp_path: Path) -> None:
+    names = ["r" * 60 + f"_{joint}" for joint in JOINTS]
+    head = ["time", *(f"name[{k}]" for k in range(4))]
+    head += [f"position[{k}]" for k in range(4)]
+    rows = [[f"{0.1 * k}", *names, "1", "1", "1", "1"] for k in range(9)]
+    path = tmp_path / "m.csv"
+
+    def write() -> None:
+        lines = [",".join(row) for row in (head, *rows)]
+        path.write_text("\n".join(lines), "utf-8")
+
+    write()
+    assert a5.trajectory.read_motion(path).time.size == 9
+    rows[3][2] = rows[5][2] = "x" * 90
+    write()
+    expected, got = names[1][:40], "x" * 40
+    words = rf"line 5, column 3 \(name\[1\]\): expected '{expected}', got '{got}'$"
+    with pytest.raises(FileFormatError, match=words):
+        a5.trajectory.read_motion(path)
+
+
+def test_a_long_separator_is_cut_in_a_message(tmp_path: Path) -> None:
+    path = tmp_path / "m.csv"
+    path.write_text(f"sep={'x' * 60}\n1,2\n", "utf-8")
+    with pytest.raises(FileFormatError, match=r"line 1: separator 'x{40}', expected"):
+        a5.trajectory.read_motion(path)
