@@ -126,7 +126,7 @@ def test_compare_takes_one_to_a_hundred_thousand_samples(
 ) -> None:
     asked = []
 
-    def compare_robots(model: Any, names: Any, count: int, *others: Any, **more: Any):
+    def compare_robots(model: Any, names: Any, count: int, *_: Any, **__: Any) -> None:
         asked.append(count)
         raise InputError("samples", count, "no work in this test")
 

@@ -80,7 +80,7 @@ def test_times_go_up_to_1e12(late: float, much: bool) -> None:
 @pytest.mark.parametrize("quantity", ["position", "velocity", "effort"])
 @pytest.mark.parametrize(("more", "much"), [(0.5, True), (0.0, False), (-0.5, False)])
 def test_other_numbers_go_up_to_1e9(quantity: str, more: float, much: bool) -> None:
-    arrays = {"position": POSITION.copy(), quantity: POSITION.copy()}
+    arrays: dict[str, Any] = {"position": POSITION.copy(), quantity: POSITION.copy()}
     arrays[quantity][6, 2] = -1e9 - more
     with refused(much, r"axis_c\[6\]: expected a .*of at most 1e\+09 in size"):
         a5.trajectory.motion(TIME, **arrays)
@@ -192,6 +192,7 @@ def test_currents_of_a_file_are_amperes_up_to_a_stalled_motor(
     assert [(w.kind, w.count, w.first) for w in found.warnings] == (
         [("current_unit", count, "line 1")] if count else []
     )
+    assert found.current is not None
     np.testing.assert_allclose(found.current, current * (1e-3 if count else 1.0))
     with refused(count > 0, f"divide milliamperes by 1000, got {current[4, 2]}"):
         motion(current=current)
