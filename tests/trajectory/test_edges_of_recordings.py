@@ -657,3 +657,21 @@ def test_a_long_separator_is_cut_in_a_message(tmp_path: Path) -> None:
     path.write_text(f"sep={'x' * 60}\n1,2\n", "utf-8")
     with pytest.raises(FileFormatError, match=r"line 1: separator 'x{40}', expected"):
         a5.trajectory.read_motion(path)
+
+
+def test_the_first_row_names_the_joints(tmp_path: Path) -> None:
+    """Of a table with names in each row: the last row may be another one's."""
+    head = ["time", *(f"name[{k}]" for k in range(4))]
+    head += [f"position[{k}]" for k in range(4)]
+    rows = [[f"{0.1 * k}", *JOINTS, "1.1", "1.2", "1.3", "1.4"] for k in range(9)]
+    rows[-1][1:5] = JOINTS[::-1]
+    path = tmp_path / "m.csv"
+    path.write_text("\n".join(",".join(row) for row in (head, *rows)), "utf-8")
+    found = a5.trajectory.read_motion(path)
+    np.testing.assert_array_equal(found.position[:, 0], np.full(8, 1.1))
+    assert [(w.kind, w.first) for w in found.warnings] == [
+        ("bad_row", "line 10, column 2 (name[0])")
+    ]
+    path.write_text("\n".join(",".join(row) for row in (head, rows[0])), "utf-8")
+    with pytest.raises(InputError, match="at least 5 samples, got 1"):
+        a5.trajectory.read_motion(path)
