@@ -91,8 +91,10 @@ def test_rows_alike_are_one_sentence(
     ]
     assert alike([rows[0], replace(ROW, measured=2.0), *rows[1:]])[0] == rows
     assert sentence(rows) == f"{said}: {FIGURES}"
-    # Each of what they say, once; what they find is the same.
-    words = sentence(rows, verbose=True)
+    # Each of what they say, once; what they find is the same, the rest the first's.
+    others = [replace(row, used="another", effect=2.0) for row in rows[1:]]
+    words = sentence([rows[0], *others], verbose=True)
+    assert "We use the table's. It costs 0.0123 N m: " in words
     assert words.startswith(f'{said}, "{"; ".join(claims)}": ')
     assert words.count("It is heavier.") == 1
 

@@ -82,6 +82,8 @@ def test_times_go_up_to_1e12(late: float, much: bool) -> None:
 def test_other_numbers_go_up_to_1e9(quantity: str, more: float, much: bool) -> None:
     arrays: dict[str, Any] = {"position": POSITION.copy(), quantity: POSITION.copy()}
     arrays[quantity][6, 2] = -1e9 - more
+    if much:  # the first of several is told
+        arrays[quantity][7:9, 0] = 3e9
     with refused(much, r"axis_c\[6\]: expected a .*of at most 1e\+09 in size"):
         a5.trajectory.motion(TIME, **arrays)
 
@@ -186,6 +188,8 @@ def test_currents_of_a_file_are_amperes_up_to_a_stalled_motor(
 ) -> None:
     current = np.ones_like(POSITION)
     current[4:7, 2] = -share * STALLED / 1e3
+    if count:  # the first of several is told
+        current[5:7, 2] *= 1.5
     columns = {f"{joint}_current": current[:, k] for k, joint in enumerate(JOINTS)}
     path = csv(tmp_path / "m.csv", {"time": TIME, **positions(), **columns})
     found = a5.trajectory.read_motion(path)
@@ -313,9 +317,22 @@ def test_four_columns_that_are_no_positions_are_explained(
     with pytest.raises(FileFormatError) as caught:
         a5.trajectory.read_motion(csv(tmp_path / "m.csv", {"time": TIME, **columns}))
     told = str(caught.value)
+    for words_told in (
+        "axis_e_tau is a torque",
+        "axis_e_acc is an acceleration",
+        "axis_e_temp is a temperature",
+        "axis_e_volt is a voltage",
+    ):
+        assert words_told in told
     assert sum(f"axis_e_{word} is a" in told for word in words) == 4
     assert (f"{count - 4} more" in told) == (count > 4)
     assert (" more" in told) == (count > 4)
+
+
+def test_the_first_word_of_another_meaning_is_the_reason(tmp_path: Path) -> None:
+    columns = {"time": TIME, "axis_e_torque_error_max": TIME}
+    with pytest.raises(FileFormatError, match="axis_e_torque_error_max is a torque"):
+        a5.trajectory.read_motion(csv(tmp_path / "m.csv", columns))
 
 
 def test_the_reason_of_a_long_name_is_short(tmp_path: Path) -> None:
