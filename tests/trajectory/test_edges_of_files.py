@@ -468,3 +468,12 @@ def test_a_new_format_must_have_all_methods(base: type, methods: list[str]) -> N
         with pytest.raises(TypeError, match=missing):
             incomplete()
     type("Complete", (base,), dict.fromkeys(methods))()
+
+
+@pytest.mark.parametrize("quantity", ["torque", "vel", "acc", "xyz", "temp", "status"])
+def test_an_arm_without_positions_is_no_choice(quantity: str, tmp_path: Path) -> None:
+    """Whatever else a file has of another arm's four joints."""
+    columns = {f"left_{name}": angles for name, angles in positions().items()}
+    columns |= {f"right_{joint}_{quantity}": TIME for joint in JOINTS}
+    path = csv(tmp_path / "m.csv", {"time": TIME, **columns})
+    np.testing.assert_array_equal(a5.trajectory.read_motion(path).position, POSITION)
