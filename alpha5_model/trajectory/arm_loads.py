@@ -155,8 +155,9 @@ def _joined(parts: list[WaterTerms | None]) -> WaterTerms | None:
     found = [part for part in parts if part is not None]
     if not found:
         return None
+    first, *_ = found
     return WaterTerms(
-        current=found[0].current,
+        current=first.current,
         torque=frozen(np.concatenate([part.torque for part in found])),
         wrench=frozen(np.concatenate([part.wrench for part in found])),
     )

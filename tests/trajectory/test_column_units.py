@@ -10,6 +10,7 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.trajectory.column_units import scale, split_unit
 
 JOINTS = [f"axis_{letter}" for letter in "edcb"]
 TIME = 0.125 * np.arange(12)
@@ -129,3 +130,48 @@ def test_a_unit_of_another_quantity_is_refused(pattern: str, tmp_path: Path) -> 
     table = {"time": TIME, **named(pattern, ANGLES)}
     with pytest.raises(FileFormatError, match="no column for the position of axis_e"):
         a5.trajectory.read_motion(written(tmp_path / "m.csv", table))
+
+
+@pytest.mark.parametrize(
+    ("joint", "quantity", "units", "size"),
+    [
+        ("axis_e", "position", "deg degs degree degrees °", math.radians(1)),
+        ("axis_e", "position", "rad radian radians", 1.0),
+        ("axis_e", "velocity", "deg/s °/s", math.radians(1)),
+        ("axis_e", "velocity", "rad/s", 1.0),
+        ("axis_e", "effort", "nm n*m n·m", 1.0),
+        ("axis_a", "position", "mm", 1e-3),
+        ("axis_a", "position", "m", 1.0),
+        ("axis_a", "velocity", "mm/s", 1e-3),
+        ("axis_a", "velocity", "m/s", 1.0),
+        ("axis_a", "effort", "n", 1.0),
+        ("axis_b", "current", "a amp amps ampere amperes", 1.0),
+        ("axis_a", "current", "ma milliamp milliamps milliamperes", 1e-3),
+    ],
+)
+def test_each_unit_has_its_size(
+    joint: str, quantity: str, units: str, size: float
+) -> None:
+    for unit in units.split():
+        assert scale(joint, quantity, unit) == pytest.approx(size, rel=1e-15)
+    assert scale("axis_e", "effort", "n m") == 1.0
+    assert scale(joint, quantity, "furlong") is None
+    assert scale(joint, "torque", units.split()[0]) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("axis_e_pos [deg]", ("axis_e_pos", "deg")),
+        ("axis_e_pos (Rad)", ("axis_e_pos", "rad")),
+        ("[mA]", ("", "ma")),
+        ("_pos_[ deg ]", ("_pos", "deg")),
+        ("_DEG", ("", "deg")),
+        ("pos_m", ("pos_m", "")),
+        ("pos]", ("pos]", "")),
+        ("a [b] (c)", ("a [b]", "c")),
+        ("deg", ("deg", "")),
+    ],
+)
+def test_a_unit_is_split_from_a_name(name: str, parts: tuple[str, str]) -> None:
+    assert split_unit(name) == parts

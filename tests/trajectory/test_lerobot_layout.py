@@ -158,6 +158,8 @@ def one_short_list() -> dict[str, Any]:
 def no_number() -> dict[str, Any]:
     rows: list[list[float | None]] = [[*map(float, row)] for row in STATE]
     rows[7][2] = None
+    rows[9][1] = None
+    rows[12][3] = None
     state = pyarrow.array(rows, pyarrow.list_(pyarrow.float32(), 5))
     return columns() | {"observation.state": state}
 

@@ -113,6 +113,7 @@ def test_a_log_of_the_vehicles_simulator(tmp_path: Path) -> None:
     assert (
         notes["time_column"].text == "wall_time_sec read as the time, not sim_time_sec"
     )
+    assert (notes["time_column"].count, notes["time_column"].first) == (1, "line 1")
 
 
 def test_a_file_of_commands_is_refused_by_name_and_read_on_request(

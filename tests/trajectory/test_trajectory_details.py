@@ -563,6 +563,13 @@ def test_the_text_of_a_summary() -> None:
     assert "  note: torque limits are those of mine.toml\n" in said
 
 
+def test_the_text_has_no_rounding_of_gravity() -> None:
+    """Nor a negative zero."""
+    tilted = record()
+    tilted["model"]["gravity"] = [-0.0, 4e-10, -6e-9]
+    assert "gravity (0, 0, -6e-09) m/s²\n" in a5.trajectory.text(tilted)
+
+
 def test_the_text_says_limits_units_and_what_is_missing() -> None:
     said = a5.trajectory.text(
         record(
