@@ -314,7 +314,7 @@ def _velocity_warnings(
     for k, joint in enumerate(parameters.joints[: len(motion.joints)]):
         slope = of_positions.velocity[:, k]
         power = float(np.mean(slope**2))
-        if power < (_JUDGED_SHARE * joint.velocity) ** 2:
+        if power <= (_JUDGED_SHARE * joint.velocity) ** 2:
             continue
         gain = float(np.mean(slope * given.velocity[:, k])) / power
         if not _LEAST_GAIN < gain < _MOST_GAIN:

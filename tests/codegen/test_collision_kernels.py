@@ -67,14 +67,6 @@ def turns(rng: np.random.Generator, count: int) -> list[Any]:
 
 
 @pytest.mark.parametrize("kinds", itertools.product((0, 1), repeat=2))
-def test_points_of_shapes_that_touch_are_not_a_number() -> None:
-    bodies, _ = cubes(0.05)
-    rounds = [shape(body, [0.1, 0.1, 0.1], is_round=1) for body in (0, 1)]
-    found = nearest(scene_of(bodies, rounds, [(0, 1)]), np.zeros((1, 1)))
-    assert found[0, :3].tolist() == [0.0, 0.0, 1.0]
-    assert np.isnan(found[0, 3:]).all()
-
-
 def test_no_plane_separates_shapes_by_more_than_their_distance(
     kinds: tuple[int, int],
 ) -> None:
@@ -165,6 +157,14 @@ def test_rows_beyond_a_block_are_those_of_single_calls() -> None:
     some = angles[:520]
     rows = np.concatenate([nearest(scene, row[None]) for row in some])
     assert_same_nearest(nearest(scene, some), rows)
+
+
+def test_points_of_shapes_that_touch_are_not_a_number() -> None:
+    bodies, _ = cubes(0.05)
+    rounds = [shape(body, [0.1, 0.1, 0.1], is_round=1) for body in (0, 1)]
+    found = nearest(scene_of(bodies, rounds, [(0, 1)]), np.zeros((1, 1)))
+    assert found[0, :3].tolist() == [0.0, 0.0, 1.0]
+    assert np.isnan(found[0, 3:]).all()
 
 
 # --- tables -----------------------------------------------------------------------
