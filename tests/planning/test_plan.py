@@ -251,6 +251,17 @@ def test_a_limit_that_no_speed_keeps_is_named() -> None:
         plan(HOME, [0.2, 0.2, 0.1], arm=record)
 
 
+def test_a_joint_without_speed_may_rest() -> None:
+    """Nothing can be said of the slope of its positions: there is none."""
+    fixed = dataclasses.replace(a5.parameters().joints[0], velocity=0.0)
+    joints = (fixed, *a5.parameters().joints[1:])
+    record = dataclasses.replace(a5.parameters(), joints=joints)
+    goal = HOME + np.array([0.0, 0.2, 0.1, 0.3])
+    motion = plan(HOME, goal.tolist(), arm=record)
+    assert np.ptp(motion.position[:, 0]) == 0.0
+    np.testing.assert_allclose(motion.position[-1], goal, rtol=0, atol=1e-9)
+
+
 def test_peaks_say_what_is_left() -> None:
     motion = plan(HOME, [0.2, 0.2, 0.1], supply_voltage=24.0, current_limit=2.0)
     table = {(p.joint, p.quantity): p for p in motion.peaks}
