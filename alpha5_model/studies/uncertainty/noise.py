@@ -335,12 +335,10 @@ def _likelihood_parts(
     of_columns = squares[:-1, :-1]
     tiny = np.finfo(float).tiny
     floor = _FLOOR * max(float(np.trace(of_columns)), tiny)
-    # Rounding may leave less than nothing of columns that are zero in most rows.
-    values, vectors = np.linalg.eigh(of_columns)
-    values = np.maximum(values, floor)
-    explained = vectors.T @ squares[:-1, -1] / np.sqrt(values)
+    factor = np.linalg.cholesky(of_columns + floor * np.eye(len(of_columns)))
+    explained = np.linalg.solve(factor, squares[:-1, -1])
     rest = float(squares[-1, -1] - explained @ explained)
-    of_columns_log = float(np.log(values).sum())
+    of_columns_log = 2 * float(np.log(np.diag(factor)).sum())
     return _Likelihood(
         rest=max(rest, tiny), log_determinant=log_variances + of_columns_log
     )
