@@ -70,6 +70,17 @@ def test_a_current_without_noise_is_fitted_exactly() -> None:
     assert found.covariance[1, 2] == pytest.approx(-(0.002**2), rel=0.01)
 
 
+@pytest.mark.parametrize("kept", [57, 62])
+def test_one_way_may_have_currents_only_early_on(kept: int) -> None:
+    """The columns of its drift are zero in most rows, to rounding errors."""
+    noisy = current() + 1e-4 * np.random.default_rng(0).normal(size=TIME.size)
+    backward = np.flatnonzero(VELOCITY < 0)
+    noisy[backward[kept:]] = np.nan
+    found = fitted(noisy)
+    assert found.values[:2] == pytest.approx([1 / PER_AMPERE, 0.1], rel=1e-3)
+    assert found.noise == pytest.approx(1e-4, rel=0.05)
+
+
 def test_drifts_and_the_friction_at_low_speed_have_their_own_columns() -> None:
     turn = np.pi * TIME / TIME[-1]
     way = np.sign(VELOCITY)

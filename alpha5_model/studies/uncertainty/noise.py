@@ -283,6 +283,16 @@ def _with_likely(
     return np.column_stack([basis, beyond @ weights])
 
 
+def _root(squares: FloatArray, floor: float) -> FloatArray:
+    """F of F F^T = columns' squares and a floor, (r, r)."""
+    try:
+        return np.linalg.cholesky(squares + floor * np.eye(len(squares)))
+    except np.linalg.LinAlgError:
+        # What rounding leaves of columns that are zero in most rows may be below zero.
+        values, vectors = np.linalg.eigh(squares)
+        return np.asarray(vectors * np.sqrt(np.maximum(values, floor)))
+
+
 def _rest_deviation(basis: FloatArray, values: FloatArray) -> float:
     """Standard deviation of what an orthonormal basis leaves of values (N,)."""
     rest = values - basis @ (basis.T @ values)
@@ -335,10 +345,10 @@ def _likelihood_parts(
     of_columns = squares[:-1, :-1]
     tiny = np.finfo(float).tiny
     floor = _FLOOR * max(float(np.trace(of_columns)), tiny)
-    factor = np.linalg.cholesky(of_columns + floor * np.eye(len(of_columns)))
+    factor = _root(of_columns, floor)
     explained = np.linalg.solve(factor, squares[:-1, -1])
     rest = float(squares[-1, -1] - explained @ explained)
-    of_columns_log = 2 * float(np.log(np.diag(factor)).sum())
+    of_columns_log = 2 * float(np.linalg.slogdet(factor).logabsdet)
     return _Likelihood(
         rest=max(rest, tiny), log_determinant=log_variances + of_columns_log
     )
