@@ -286,7 +286,7 @@ def _with_likely(
 def _root(squares: FloatArray, floor: float) -> FloatArray:
     """F of F F^T = columns' squares and a floor, (r, r)."""
     try:
-        return np.linalg.cholesky(squares + floor * np.eye(len(squares)))
+        return np.asarray(np.linalg.cholesky(squares + floor * np.eye(len(squares))))
     except np.linalg.LinAlgError:
         # What rounding leaves of columns that are zero in most rows may be below zero.
         values, vectors = np.linalg.eigh(squares)
