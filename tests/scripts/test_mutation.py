@@ -171,19 +171,19 @@ def test_the_readers_of_what_an_import_computes(parts):
 @pytest.mark.parametrize("budget", [0.0, 60.0])
 def test_what_an_import_computes_is_judged_whatever_the_budget(parts, tmp_path, budget):
     """A default or a class belongs to no test: no record of lines names its tests."""
-    pytest.importorskip("coverage", reason="coverage is not installed")
-    from mutating.seen import OF_IMPORTS, Seen, test_files, tests_of
+    judge = pytest.importorskip("mutating.seen", reason="coverage is not installed")
+    of_imports = judge.OF_IMPORTS
+    assert set(of_imports) <= set(judge.test_files())
+    assert set(of_imports) <= set(judge.tests_of("dynamics"))
 
-    assert set(OF_IMPORTS) <= set(test_files())
     file = Path("dynamics/arm.py")
-    assert set(OF_IMPORTS) <= set(tests_of("dynamics"))
-    seen = Seen(tmp_path, {file: "x = 1\n"}, budget)
-    seen.seconds = {test: {f"{test}::test_all": 4.0} for test in OF_IMPORTS}
+    seen = judge.Seen(tmp_path, {file: "x = 1\n"}, budget)
+    seen.seconds = {test: {f"{test}::test_all": 4.0} for test in of_imports}
     mutant = parts[0].Mutant(file, 1, "one more", "x = 2\n")
     at_home = seen.job_at_home(mutant)
-    assert [chosen.file for chosen in at_home.selections] == list(OF_IMPORTS)
+    assert [chosen.file for chosen in at_home.selections] == list(of_imports)
     assert seen.job_elsewhere(mutant).selections == ()
 
     in_c = parts[0].Mutant(Path("codegen/kernels/rows.h"), 1, "one more", "")
     files = {chosen.file for chosen in seen.job_at_home(in_c).selections}
-    assert not files & set(OF_IMPORTS)
+    assert not files & set(of_imports)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any
@@ -23,6 +24,12 @@ from alpha5_model.viewer.messages import read_command, read_move
 from alpha5_model.viewer.protocol import Requests
 
 MEBIBYTE = 1024 * 1024
+
+
+def run(coroutine: Coroutine[Any, Any, None]) -> None:
+    """In a thread of its own: a browser of another test may keep this thread's loop."""
+    with ThreadPoolExecutor(1) as threads:
+        threads.submit(asyncio.run, coroutine).result()
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +109,7 @@ def test_a_page_has_a_minute(kind: bytes, monkeypatch: pytest.MonkeyPatch) -> No
         monkeypatch.setattr(loop, "call_later", lambda *call: later.append(call))
         requests.carry_out([kind, *rest], answers.append)
 
-    asyncio.run(ask())
+    run(ask())
     ((seconds, give_up),) = later
     assert seconds == 60.0
     assert answers == []
@@ -147,7 +154,7 @@ def test_there_are_at_most_64_connections(
             end = connections._ends[stream]
             assert end.when() - start == pytest.approx(120.0, abs=0.5)
 
-    asyncio.run(connect())
+    run(connect())
     assert kept == [stream] * served
     assert stream.closed != served
 
@@ -173,7 +180,7 @@ def test_a_page_may_have_64_mebibytes_unread(more: int, left: bool) -> None:
         assert page._unread == 64 * MEBIBYTE + (more if left else 4)
         await asyncio.sleep(0.01)
 
-    asyncio.run(send())
+    run(send())
     assert stream.closed == left
     assert sent == ([] if left else [b"pose", 4])
 
