@@ -16,6 +16,7 @@ import pyarrow
 import pytest
 from bag_writer import State, write_bag
 from pyarrow import parquet
+from rosbags.rosbag2.storage_mcap import zstd
 
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
@@ -273,6 +274,18 @@ def test_sqlite_may_take_twenty_steps_a_byte(
     assert not budget.exceeded
     assert asked["beyond"]()
     assert budget.exceeded
+
+
+@pytest.mark.parametrize("is_limited", [False, True])
+def test_a_compressed_file_is_read_whole_without_a_size(is_limited: bool) -> None:
+    content = bytes(range(250)) * 4
+    packed = io.BytesIO(zstd.compress(content))
+    token = bag_limits._current.set(Budget(len(content)) if is_limited else None)
+    try:
+        with bag_limits._file_opener(zstd)(packed, "rb") as file:
+            assert file.read() == content
+    finally:
+        bag_limits._current.reset(token)
 
 
 @pytest.mark.parametrize(("levels", "read"), [(20, True), (21, False)])
