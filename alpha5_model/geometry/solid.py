@@ -120,22 +120,6 @@ def box(low: Sequence[float], high: Sequence[float]) -> Solid:
     return kernel().Manifold.cube(np.subtract(high, low)).translate(low)
 
 
-def prism(outline: ArrayLike, low: float, high: float, edge: float) -> Solid:
-    """A convex outline between two heights.
-
-    Args:
-        outline: Its (x, y) points.
-        low, high: The heights.
-        edge: By how much its long edges are broken.
-    """
-    k = kernel()
-    section = k.CrossSection([np.asarray(outline, float)])
-    outer = section.extrude(high - low - 2 * edge).translate([0, 0, low + edge])
-    inner_section = section.offset(-edge, k.JoinType.Miter, 2.0)
-    inner = inner_section.extrude(high - low).translate([0, 0, low])
-    return k.Manifold.batch_hull([outer, inner])
-
-
 def loft(outlines: Sequence[FloatArray], heights: Sequence[float]) -> Solid:
     """The solid through outlines at heights.
 
