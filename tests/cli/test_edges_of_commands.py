@@ -22,6 +22,7 @@ from alpha5_model.cli import (
     values,
     view,
 )
+from alpha5_model.cli.commands import COMMANDS, application
 from alpha5_model.cli.syntax import one_syntax
 from alpha5_model.cli.torque_record import Motors, State, torque_record
 from alpha5_model.cli.torque_text import torque_lines
@@ -337,3 +338,13 @@ def test_the_demo_fails_if_a_description_is_wrong(
     lines = capsys.readouterr().out.splitlines()
     assert "   alpha5.urdf: checks against the tables: 7 passed, 1 FAILED" in lines
     assert any(line.startswith("     inertias: link_2: mass 0.83") for line in lines)
+
+
+def test_the_help_lists_every_command_and_a_call_loads_one(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["--help"]) == 0
+    listed = re.findall(r"^│ ([a-z]+) ", capsys.readouterr().out, re.MULTILINE)
+    assert sorted(COMMANDS) == sorted(set(listed) & set(COMMANDS))
+    called = application("fk").registered_commands
+    assert [command.name for command in called] == ["fk"]

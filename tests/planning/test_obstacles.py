@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import own_arm_dynamics as own
@@ -15,10 +16,12 @@ from reference import LOWER, UPPER
 from scipy.spatial import ConvexHull
 
 import alpha5_model as a5
+from alpha5_model._support.spatial import moved, pose
 from alpha5_model.collision import self_collision
 from alpha5_model.errors import Alpha5Error, InputError
 from alpha5_model.planning import Mesh, Obstacle
 from alpha5_model.planning.broad_phase import SHORTEST
+from alpha5_model.planning.obstacles import seen_from
 from alpha5_model.planning.surroundings import Surroundings
 
 #: Deepest disagreement with coal, whose own tolerance it is [m].
@@ -237,6 +240,22 @@ def test_meshes_are_placed_like_their_points() -> None:
     assert isinstance(mesh, Mesh)
     assert mesh.vertices == pytest.approx(np.array([[1, 2, 3], [1, 3, 3], [0, 2, 3]]))
     assert not mesh.vertices.flags.writeable
+
+
+def test_a_shape_is_seen_from_any_frame() -> None:
+    """What is seen from a frame, moved by the frame's pose, is where it was."""
+    rng = np.random.default_rng(3)
+    mesh = Mesh(vertices=rng.normal(size=(5, 3)), triangles=np.array([[0, 1, 2]]))
+    box = Obstacle.box("b", (1, 2, 3), (0.1, 0.2, 0.3), (0.4, 0.5, 0.6)).shape
+
+    def at(shape: Any) -> np.ndarray:
+        return pose(shape.xyz, shape.rpy)
+
+    for frame in (pose(*rng.normal(size=(2, 3))) for _ in range(5)):
+        seen = seen_from(frame, mesh)
+        assert moved(frame, seen.vertices) == pytest.approx(mesh.vertices, abs=1e-12)
+        placed = frame @ at(seen_from(frame, box))
+        assert placed == pytest.approx(at(box), abs=1e-12)
 
 
 BAD = [

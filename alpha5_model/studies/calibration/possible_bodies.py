@@ -23,7 +23,6 @@ from alpha5_model.studies.uncertainty.linear_maps import SYMMETRIC, UPPER
 #: Rows and columns of a lower triangle.
 _LOWER = np.tril_indices(3)
 #: Of the numbers of a body.
-_COM = slice(1, 4)
 _INERTIA = slice(4, 10)
 _VOLUME = 10
 #: Exponents beyond this are cut: no body is e^30 times as heavy.
