@@ -5,6 +5,7 @@ The recording is Pinocchio's, of a sampled arm, with correlated noise and gaps.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -285,6 +286,8 @@ def test_the_prediction_is_that_of_the_fitted_numbers(case: Case) -> None:
     one = found.fitted.torque(*(rows[0] for rows in some))
     np.testing.assert_allclose(one.torque, predicted.torque[:1])
     np.testing.assert_allclose(one.deviation, predicted.deviation[:1])
+    shown = set(re.findall(r"[(,] ?(\w+)=", repr(found.fitted)))
+    assert shown == {"names", "values", "covariance"}
 
 
 def test_unknowns_are_all_that_a_recording_may_show(case: Case) -> None:
