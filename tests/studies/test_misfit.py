@@ -101,7 +101,7 @@ def test_a_scale_is_a_wrong_sign_four_deviations_below_zero(
 def test_a_chance_is_that_of_a_known_distribution(count: int) -> None:
     """Of chi-squared with many independent samples; of Student's t with few."""
     many = _chance(9.0, count, 1e12)
-    assert many == pytest.approx(stats.chi2.sf(9.0, count), rel=1e-6)
+    assert many == pytest.approx(stats.chi2.sf(9.0, count), rel=1e-4)
     if count == 1:
         few = _chance(9.0, 1, 5.0)
         assert few == pytest.approx(2 * stats.t.sf(3.0, 5.0), rel=1e-9)
