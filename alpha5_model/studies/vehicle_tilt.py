@@ -84,7 +84,7 @@ class TiltRecording:
         if time.ndim != 1 or up.shape != (time.size, 3):
             raise ShapeError("up", up.shape, f"({time.size}, 3), one row for each time")
         if time.size < 2 or (np.diff(time) <= 0).any():
-            raise InputError("time", time.tolist(), "ascending times")
+            raise InputError("time", time.tolist()[:5], "ascending times")
         length = np.linalg.norm(up, axis=1)
         worst = int(np.abs(length - 1).argmax())
         if abs(length[worst] - 1) > _LENGTH:

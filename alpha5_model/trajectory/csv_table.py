@@ -90,7 +90,7 @@ class CsvTable(FileTable):
     def _has_dates(self, time: int) -> bool:
         """Whether the first time that can be read is a date."""
         for line in self._rows:
-            texts = line.split(self._separator)
+            texts = line.split(self._separator, time + 1)
             text = texts[time].strip(' "') if time < len(texts) else ""
             if is_number(text):
                 return False

@@ -31,7 +31,7 @@ def iso_seconds(text: str) -> float:
     """
     match = _ISO_TIME.fullmatch(text.strip())
     if match is None:
-        message = f"expected a date and a time, got {text!r}"
+        message = f"expected a date and a time, got {text[:40]!r}"
         raise ValueError(message)
 
     *date_and_time, fraction, _, sign, hours, minutes = match.groups()

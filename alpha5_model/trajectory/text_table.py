@@ -236,7 +236,7 @@ def _names_and_rows(
 
 def _starts_with_a_number(line: str) -> bool:
     """Whether a line has a number before its first separator, whichever that is."""
-    first, *_ = re.split("[,; \t]", line.strip('" '))
+    first, *_ = re.split("[,; \t]", line.strip('" '), maxsplit=1)
     return is_number(first.strip('" '))
 
 
