@@ -11,7 +11,6 @@ from typer import Option
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.limits import JOINTS
-from alpha5_model.cli.plots import write_plot
 from alpha5_model.cli.torque_record import Motors, State, torque_record
 from alpha5_model.cli.torque_text import torque_lines
 from alpha5_model.description.srdf import NAMED_POSES
@@ -96,4 +95,4 @@ def _draw_mount_load(
     if speed == 0.0:
         raise InputError("plot", plot, "a --current that flows, with it")
     page = mount_load_figure(arm, state.q, speed)
-    write_plot(page, plot)
+    figures.write_figure(page, plot)

@@ -13,7 +13,6 @@ from alpha5_model import trajectory as library
 from alpha5_model._support.checks import choice
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model.cli import options, printing, values
-from alpha5_model.cli.plots import write_plot
 from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS
@@ -155,7 +154,7 @@ def _write(
     if output is not None:
         library.write(analysis, output, progress)
     if plot is not None:
-        write_plot(motion_figure(analysis), plot)
+        figures.write_figure(motion_figure(analysis), plot)
 
 
 def _rod_actuator(

@@ -12,7 +12,6 @@ from typer import Option
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
-from alpha5_model.cli.plots import write_plot
 from alpha5_model.cli.units import LITRE, MILLIMETRE, SQUARE_CENTIMETRE
 from alpha5_model.cli.words import WORDS
 from alpha5_model.dynamics.collision import without_self_collision
@@ -59,7 +58,7 @@ def workspace(
                 page = self_collision_figure(samples=samples)
             else:
                 page = workspace_figure(catalogue())
-            write_plot(page, plot)
+            figures.write_figure(page, plot)
 
     record = _record()
     if share is not None:
@@ -95,7 +94,7 @@ def _of_own_arm(file: Path, plot: Path | None, samples: int, as_json: bool) -> N
     if plot is not None:
         with printing.spinner("drawing"):
             page = own_workspace_figure(kinematics_of(own))
-            write_plot(page, plot)
+            figures.write_figure(page, plot)
     printing.show(as_json, record, _own_text(record), plot)
 
 

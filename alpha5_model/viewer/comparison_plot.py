@@ -59,7 +59,7 @@ def plot_comparison(comparison: Comparison, path: PathLike) -> Path:
     verdict = "agrees with" if comparison.agrees else "differs from"
     title = f"The arm in {comparison.name} {verdict} the tables: errors"
     figure.suptitle(title, fontsize=11)
-    return write_figure(figure, path, dpi=150)
+    return write_figure(figure, path)
 
 
 def _panels(comparison: Comparison) -> list[_Panel]:

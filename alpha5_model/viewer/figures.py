@@ -78,7 +78,7 @@ def _needing_matplotlib() -> AbstractContextManager[None]:
     return needing("a picture", "pip install 'alpha5-model[plot]'", "matplotlib")
 
 
-def write_figure(figure: Any, path: PathLike, dpi: int) -> Path:
+def write_figure(figure: Any, path: PathLike, dpi: int = 150) -> Path:
     """Write a figure in the format of the suffix, one of `FORMATS`.
 
     Standard output (``-``), devices and pipes get PNG.

@@ -278,9 +278,9 @@ def test_the_plot_of_a_comparison(
 ) -> None:
     drawn = []
 
-    def write(page: Any, path: Path, dpi: int) -> Path:
+    def write(page: Any, path: Path) -> Path:
         drawn.append(page)
-        return write_figure(page, path, dpi)
+        return write_figure(page, path)
 
     monkeypatch.setattr("alpha5_model.viewer.comparison_plot.write_figure", write)
     path = tmp_path / "changed.urdf"
