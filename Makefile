@@ -9,13 +9,18 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # What the compiled kernels are made of: after a change they are compiled again.
 KERNELS := hatch_build.py $(wildcard alpha5_model/codegen/kernels/*.[ch] alpha5_model/codegen/kernels/generated/*.h)
 
-.PHONY: demo test docs lint format benchmark conformance lowest fuzz mutation clean
+.PHONY: demo test test-all docs lint format benchmark conformance lowest fuzz mutation clean
 
 demo: $(VENV)/.demo ## generates, checks, solves and computes once; ends with a picture page
 	$(BIN)/alpha5 demo
 
-test: $(VENV)/.test ## every test
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+
+test: $(VENV)/.test ## the fast tests; they need nothing else on the machine
+	$(PYTEST) -m "not slow and not browser and not tools"
+
+test-all: $(VENV)/.test ## every test that can run with what is installed
+	$(PYTEST)
 
 docs: $(VENV)/.docs ## the documentation, build/docs/index.html; a warning or a dead link is an error
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,9 @@ settings.load_profile("any machine")
 
 #: Set in CI, which has everything installed: a test is skipped for listed reasons only.
 ONLY_ALLOWED_SKIPS = "ALPHA5_ONLY_ALLOWED_SKIPS" in os.environ
+#: Set in CI: what a fast test may take [s].
+MOST = os.environ.get("ALPHA5_FAST_TEST_SECONDS")
+LAYERS = {"slow", "browser", "tools"}
 
 
 @pytest.fixture(scope="session")
@@ -33,6 +37,23 @@ def chromium() -> Iterator[Any]:
 
     with browser() as running:
         yield running
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """A test that uses Chromium is one of the layer `browser`."""
+    for item in items:
+        if "chromium" in getattr(item, "fixturenames", ()):
+            item.add_marker("browser")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    """In CI, a fast test fails if it takes more than `MOST` of processor time."""
+    start = time.process_time()
+    yield
+    used = time.process_time() - start
+    if MOST and used > float(MOST) and not LAYERS & {m.name for m in item.iter_markers()}:
+        pytest.fail(f"took {used:.1f} s of processor time: mark it as slow", pytrace=False)
 
 
 @pytest.hookimpl(wrapper=True)

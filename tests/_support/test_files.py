@@ -375,6 +375,7 @@ def test_two_file_systems(tmp_path: Path) -> None:
         shutil.rmtree(folder)
 
 
+@pytest.mark.slow
 @linux
 def test_standard_output_by_any_name(motion_file: Path) -> None:
     """A table or picture is alone on standard output; the rest is on standard error."""
@@ -400,6 +401,7 @@ def test_standard_output_by_any_name(motion_file: Path) -> None:
     assert not {"meshes", "-"} & set(names(folder))
 
 
+@pytest.mark.slow
 @linux
 def test_a_reader_that_leaves_is_no_error(motion_file: Path) -> None:
     commands = (

@@ -42,6 +42,7 @@ def test_new_writes_to_standard_output(capfd: pytest.CaptureFixture[str]) -> Non
     assert capfd.readouterr().out == new_arm_file()
 
 
+@pytest.mark.slow
 def test_check_says_what_each_change_costs(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["arm", "check", str(EXAMPLE), "--json"]) == 0
     record = json.loads(capsys.readouterr().out)

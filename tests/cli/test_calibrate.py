@@ -55,6 +55,7 @@ def test_a_plan_is_filled_in_and_fitted(
     assert "fit all sessions together" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_problem_is_said_first(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -25,6 +25,7 @@ def environment():
     return {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [("ik", "0.25", "0.1", "0.1"), ("workspace",), ("generate",), TORQUE],

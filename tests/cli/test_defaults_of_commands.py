@@ -50,6 +50,7 @@ def other(tmp_path: Path) -> Path:
 # --- generate -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["mjcf", "sdf", "c", "usd", "water", "lighthill"])
 def test_a_format_without_options_is_the_library_without(
     form: str, capsys: Capture

@@ -77,6 +77,7 @@ def test_the_files_it_wrote_load_where_they_lie(name: str) -> None:
             np.testing.assert_allclose(found, frame, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_wrong_description_fails_the_demo(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

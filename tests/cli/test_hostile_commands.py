@@ -237,6 +237,7 @@ def test_control_characters_are_written_out():
     )
 
 
+@pytest.mark.slow
 def test_the_runner_sees_what_is_forbidden(tmp_path):
     """A xacro file that is expanded on request runs a program, and the runner sees it.
 
@@ -257,6 +258,7 @@ def test_the_runner_sees_what_is_forbidden(tmp_path):
     assert mark.exists()
 
 
+@pytest.mark.slow
 def test_the_program_itself_answers_in_one_line(tmp_path):
     """Without the runner: a process as a user starts it."""
     mark = tmp_path / "made"

@@ -83,6 +83,7 @@ def test_errors_are_one_line(
     assert message in captured.err
 
 
+@pytest.mark.slow
 def test_workspace_prints_and_draws(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -95,6 +96,7 @@ def test_workspace_prints_and_draws(
     assert b"<image" not in (tmp_path / "w.svg").read_bytes()
 
 
+@pytest.mark.slow
 def test_workspace_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["workspace", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
@@ -102,6 +104,7 @@ def test_workspace_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(answer["boundary"]["both"]) == len(a5.workspace.boundary("both"))
 
 
+@pytest.mark.slow
 def test_the_share_without_self_collision_is_sampled_and_printed_first(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

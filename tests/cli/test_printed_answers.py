@@ -212,6 +212,7 @@ def fits(text: str, columns: int) -> None:
     assert not re.search(r"…|\bN m\b|kg m|\^[23]|(?<!\w)nan\b|None", text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ANSWERS)
 def test_what_is_printed(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -277,6 +278,7 @@ def test_a_verbose_check_says_every_row(
             assert letters(words) in letters(text), row.claim
 
 
+@pytest.mark.slow
 def test_the_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, said = demo_run()
     monkeypatch.chdir(tmp_path)

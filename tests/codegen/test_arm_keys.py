@@ -149,6 +149,7 @@ def defaults(arm_of_text: Any) -> dict[str, dict[str, Any]]:
     return {text: answers(arm_of_text(text)) for text in ("", WHOLE)}
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 @pytest.mark.parametrize("key", KEYS)
 def test_each_key_alone_changes_what_it_concerns(

@@ -94,6 +94,7 @@ def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("build", BUILDS)
 def test_it_compiles_and_passes(build: str, tmp_path: Path) -> None:
     compiler, options, flags = BUILDS[build]
@@ -202,6 +203,7 @@ def test_without_casadi_it_says_what_to_install(
 OFF = {"double": 1e-7, "float": 1e-2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("real", OFF)
 def test_the_program_sees_that_each_function_is_a_little_off(
     real: str, tmp_path: Path

@@ -33,6 +33,7 @@ needs_compiled = pytest.mark.skipif(
 KINDS = [False, pytest.param(True, marks=needs_compiled)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiled", KINDS)
 @pytest.mark.parametrize("fold", [True, False])
 @pytest.mark.parametrize("name", ARMS)
@@ -96,6 +97,7 @@ def test_a_payload_is_an_input_too() -> None:
     np.testing.assert_allclose(slope, (found - zero) / PAYLOAD["mass"], atol=1e-12)
 
 
+@pytest.mark.slow
 @needs_compiled
 @pytest.mark.parametrize("fold", [True, False])
 def test_compiled_functions_have_the_interpreted_ones_derivatives(fold: bool) -> None:

@@ -33,6 +33,7 @@ def largest(found: object, expected: object) -> float:
     return float(np.abs(np.asarray(found) - want).max() / max(1.0, np.abs(want).max()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sea", "payload, tilted"])
 def test_every_method_gives_what_pinocchio_gives(name: str) -> None:
     arm = ARMS[name]()
@@ -56,6 +57,7 @@ def test_compiled_over_a_batch() -> None:
     assert largest(tau, arm.inverse_dynamics_batch(q, v, a)) < 1e-12
 
 
+@pytest.mark.slow
 def test_jaxs_own_derivatives_are_pinocchios() -> None:
     arm = a5.load()
     ours = load()
@@ -68,6 +70,7 @@ def test_jaxs_own_derivatives_are_pinocchios() -> None:
     assert largest(row, arm.hydrostatic_torque_derivative(q)[1]) < 1e-9
 
 
+@pytest.mark.slow
 def test_a_payload_and_its_gradient() -> None:
     arm = a5.load()
     ours = load()
@@ -127,6 +130,7 @@ def test_single_precision_is_jaxs_default() -> None:
     assert stretched.exists[0]
 
 
+@pytest.mark.slow
 def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
     gap = np.random.default_rng(1).choice(
         [0.0, 5e-11, -5e-11, 2e-10, -2e-10, 2e-9, -2e-9], 40
@@ -161,6 +165,7 @@ def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("compiled", [False, True])
 def test_what_is_not_reached_has_no_gradient(single: bool, compiled: bool) -> None:

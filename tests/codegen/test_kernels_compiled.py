@@ -513,6 +513,7 @@ def test_the_module_was_compiled_of_these_sources():
     assert build.digest() == compiled.SOURCES, "compile again: python hatch_build.py"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("found", ["float x = 1; double y = 2.0 * x;", ""])
 def test_no_float_becomes_a_double_unseen(found, tmp_path):
     """Users compile with the warning; a line that has one shows that it is on."""

@@ -15,6 +15,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_rows_to_columns_and_back(compiler: str, tmp_path: Path) -> None:
     (tmp_path / "nothing.h").touch()

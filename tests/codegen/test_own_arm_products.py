@@ -101,6 +101,7 @@ def test_an_arm_with_its_own_limits_keeps_them_in_casadi(compiled: bool) -> None
         assert (np.array(within_limits)[:, 0] == expected.within_limits[i]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_jax_with_derivatives(name: str) -> None:
     jax = pytest.importorskip("jax")
@@ -134,6 +135,7 @@ def test_jax_with_derivatives(name: str) -> None:
         np.testing.assert_allclose(jacobian @ turned, 0.0, atol=1e-6 * scale)
 
 
+@pytest.mark.slow
 def test_jax_in_single_precision() -> None:
     jax = pytest.importorskip("jax")
     from alpha5_model.jax import inverse_kinematics

@@ -73,6 +73,7 @@ for x, y in zip(got, wanted, strict=True):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(LIBM is None, reason="no libm")
 @pytest.mark.parametrize("kernels", ["compiled", "numpy"])
 @pytest.mark.parametrize("mode", MODES.get(platform.machine(), ()))

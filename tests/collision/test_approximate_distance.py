@@ -87,6 +87,7 @@ def near_the_mount(count: int) -> np.ndarray:
     return rng.uniform([0.02, 0.5, 0.5, 0.0], [0.8, 1.4, 3.0, 6.0], (count, 4))
 
 
+@pytest.mark.slow
 def test_how_far_it_is_off_of_another_arm() -> None:
     arm = random_arm(np.random.default_rng(1), off_axis=False)
     q = within(arm, 400, seed=1)
@@ -100,6 +101,7 @@ def test_how_far_it_is_off_of_another_arm() -> None:
     assert np.abs(found - distances(parameters(), q)).max() > 0.01
 
 
+@pytest.mark.slow
 def test_jax_agrees_with_casadi() -> None:
     """Values of the catalogue's arm in single precision, of another one in double."""
     q = sample(60, seed=42)
@@ -114,6 +116,7 @@ def test_jax_agrees_with_casadi() -> None:
     assert in_double(own, q) == pytest.approx(distances(arm, q), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_gradients_by_finite_differences_and_of_each_other() -> None:
     q = sample(40, seed=43)
     q = np.concatenate([q, near_the_mount(20)])

@@ -237,6 +237,7 @@ def test_no_pair_moves_faster_than_its_rates(locked: CoalReference) -> None:
     assert largest > 0.7, "the rates are not much too large either"
 
 
+@pytest.mark.slow
 def test_lines_that_are_proved_free_are(
     scene: SelfCollision, without_tables: SelfCollision
 ) -> None:

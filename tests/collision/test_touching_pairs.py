@@ -198,6 +198,7 @@ def test_links_that_are_not_in_the_list_never_meet(gripper: str) -> None:
     assert set(BEYOND_LIMITS[gripper]) == set(NEVER_WITHIN_LIMITS[gripper])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("gripper", "one", "other"), QUICK)
 def test_the_proof_gives_the_list_again(gripper: str, one: str, other: str) -> None:
     proof = prove(pair_of(gripper, one, other))
@@ -241,6 +242,7 @@ def test_the_text_of_the_list_is_read_as_its_proofs(
             assert rows[links] == expected
 
 
+@pytest.mark.slow
 def test_every_two_links_that_are_not_neighbours_are_proved(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -332,6 +334,7 @@ def test_a_wrong_constant_is_noticed(constant: str) -> None:
     assert missed - set(wrong.undecided), "pairs that touch were given up"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("gripper", "links"),
     [("locked", ("link_0", "link_4")), ("jaws", ("link_1", "finger_2"))],

@@ -263,6 +263,7 @@ HOSTILE = {
 PROMISED = 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS)
 @pytest.mark.parametrize("case", HOSTILE)
 def test_it_ends_soon_and_reads_nothing_else(case, reader, tmp_path, secret, capfd):

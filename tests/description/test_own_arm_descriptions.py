@@ -58,6 +58,7 @@ def same_elements(one: str, other: str) -> bool:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 8, 9])
 def test_plain_xacro_makes_the_urdf_of_the_record(seed: int, tmp_path: Path) -> None:
     record = RECORDS[seed]
@@ -92,6 +93,7 @@ def test_the_catalogues_parameters_name_no_robot_and_no_mount() -> None:
     assert "\nmount:" not in text
 
 
+@pytest.mark.slow
 @every_record
 def test_ros2_control_has_the_limits_of_the_record(record: Alpha5Parameters) -> None:
     variant = Variant(arm=record, gripper="jaws", ros2_control=True)
@@ -134,6 +136,7 @@ def expected_torque(
     return own.inverse_dynamics(record, q, v, a, density, gravity)[0]
 
 
+@pytest.mark.slow
 @every_record
 def test_the_urdf_is_the_record_on_its_mount(record: Alpha5Parameters) -> None:
     model = pin.buildModelFromXML(urdf(Variant(arm=record)))
@@ -167,6 +170,7 @@ def free_mujoco(text: str) -> tuple[Any, Any]:
     return model, mujoco.MjData(model)
 
 
+@pytest.mark.slow
 @every_record
 def test_the_mujoco_model_is_the_record_in_water(record: Alpha5Parameters) -> None:
     mujoco = pytest.importorskip("mujoco", minversion="3.5")
@@ -192,6 +196,7 @@ def test_the_mujoco_model_is_the_record_in_water(record: Alpha5Parameters) -> No
         assert force == [-joint.effort, joint.effort]
 
 
+@pytest.mark.slow
 @every_record
 def test_closed_jaws_in_mujoco_are_the_record(record: Alpha5Parameters) -> None:
     mujoco = pytest.importorskip("mujoco", minversion="3.5")
@@ -355,6 +360,7 @@ def states_of(text: str) -> dict[str, dict[str, float]]:
     }
 
 
+@pytest.mark.slow
 @every_record
 def test_named_poses_lie_within_the_limits(record: Alpha5Parameters) -> None:
     mujoco = pytest.importorskip("mujoco", minversion="3.5")
@@ -438,6 +444,7 @@ def test_pairs_that_never_meet_are_checked_for_other_lengths(
     assert excluded(mjcf(options)) & set(NEVER_PAIRS) == pairs
 
 
+@pytest.mark.slow
 @every_record
 def test_estimated_water_is_the_catalogues_in_the_links(
     record: Alpha5Parameters,
@@ -552,6 +559,7 @@ KEYS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 @pytest.mark.parametrize("key", KEYS)
 def test_each_key_alone_changes_what_it_concerns(
@@ -568,6 +576,7 @@ def test_each_key_alone_changes_what_it_concerns(
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

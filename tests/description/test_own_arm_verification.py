@@ -33,6 +33,7 @@ def failed(text: str, folder: Path, arm: Alpha5Parameters | None) -> set[str]:
     return {row.check for row in rows if row.verdict == "failed"}
 
 
+@pytest.mark.slow
 @every_record
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_the_urdf_of_a_record_passes(

@@ -205,6 +205,7 @@ def test_names_that_usd_cannot_have():
     assert identifier("5 arms") == "_5_arms"
 
 
+@pytest.mark.slow
 def test_same_bytes_twice():
     assert usd_files() == usd_files()
 

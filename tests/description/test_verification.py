@@ -50,6 +50,7 @@ def verify(text: str, folder: Path, **options: object) -> tuple[FileCheck, ...]:
 # --- what is right --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_committed_files_pass() -> None:
     rows = verify_generated()
     assert {row.verdict for row in rows} <= {"passed", "not run"}
@@ -332,6 +333,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mistake", WRONG)
 def test_a_mistake_is_caught(mistake: str, tmp_path: Path) -> None:
     text, checks, words = WRONG[mistake]
@@ -430,6 +432,7 @@ def test_what_cannot_be_read_is_one_line_and_status_2(
     assert captured.out == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new"),
     [
@@ -573,6 +576,7 @@ def split_by_heading(text: str) -> dict[str, str]:
     return {name: text[i:j] for name, i, j in zip(headings, places, ends, strict=True)}
 
 
+@pytest.mark.slow
 def test_all_shows_every_row(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

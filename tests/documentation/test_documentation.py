@@ -129,6 +129,7 @@ def run_page(page: Path) -> int:
     return ran
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY))
 )
@@ -193,6 +194,7 @@ def files_of_a_reader() -> None:
     Path("other.urdf").write_text(ours, "utf-8")
 
 
+@pytest.mark.slow
 def test_the_examples_of_the_help_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -129,6 +129,7 @@ def test_my_arm_in_mujoco(capsys: pytest.CaptureFixture[str]) -> None:
     assert numbers(catalogue)[-1] == pytest.approx(59, abs=0.5)
 
 
+@pytest.mark.slow
 def test_predictive_control(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -156,6 +157,7 @@ def test_predictive_control(
     assert numbers(capsys.readouterr().out.splitlines()[-1])[0] < -5
 
 
+@pytest.mark.slow
 def test_payload_from_motion(capsys: pytest.CaptureFixture[str]) -> None:
     *steps, answer = said("payload_from_motion", capsys).splitlines()
     off = [numbers(line)[1] for line in steps]
@@ -179,6 +181,7 @@ def test_torque_margins(capsys: pytest.CaptureFixture[str]) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["torque_map", "mount_map"])
 def test_maps_of_studies(
     name: str,
@@ -208,6 +211,7 @@ def test_pick_and_stow(capsys: pytest.CaptureFixture[str]) -> None:
     assert min(world.distances(q).min() for q in straight) < 0.0
 
 
+@pytest.mark.slow
 def test_plan_with_ompl(capsys: pytest.CaptureFixture[str]) -> None:
     """OMPL's way holds for coal at every degree; our own planner finds none."""
     rows = said("plan_with_ompl", capsys).splitlines()

@@ -60,6 +60,7 @@ def test_all_notebooks_are_found():
     assert sum(path.stat().st_size for path in NOTEBOOKS) < LARGEST
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_is_stored_with_its_outputs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

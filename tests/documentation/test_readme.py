@@ -33,6 +33,7 @@ def faults(text: str) -> list[str]:
     return wrong
 
 
+@pytest.mark.slow
 def test_every_row_stands_in_a_table() -> None:
     texts = {
         page.name: generated_text.written(page.read_text("utf-8")) for page in PAGES
@@ -159,6 +160,7 @@ def test_the_errata_are_sorted_by_their_cost() -> None:
         assert torques == sorted(torques, reverse=True), name
 
 
+@pytest.mark.slow
 def test_a_page_that_holds_its_tables_is_up_to_date(tmp_path: Path) -> None:
     texts = {page.name: page.read_text("utf-8") for page in PAGES}
     holding = {name: text for name, text in texts.items() if "<!-- end -->" in text}

@@ -77,6 +77,7 @@ def remaining(sensor: Any, density: float, prior: str) -> Any:
     return 1e3 * np.sqrt(variance.mean(axis=0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cell", ROWS)
 def test_what_a_sensor_tells(cell: str) -> None:
     (row,) = re.findall(rf"\| {re.escape(cell)} \| (.*) \|", GUIDE)

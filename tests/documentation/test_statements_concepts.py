@@ -435,6 +435,7 @@ def branches() -> Sequence[Figure]:
 # --- the statements ------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("item", parameters_of(__name__))
 def test_the_page_says_what_is_computed(item: Statement) -> None:
     item.check()

@@ -895,6 +895,7 @@ def coverage() -> Sequence[Figure]:
 # --- the statements ------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("item", parameters_of(__name__))
 def test_the_page_says_what_is_computed(item: Statement) -> None:
     item.check()

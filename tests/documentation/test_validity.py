@@ -82,6 +82,7 @@ def check(function: str) -> Callable[[Any], Any]:
     return register
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", rows(), ids=lambda row: row.function)
 def test_the_row_holds_over_its_range(row: Row) -> None:
     worst = CHECKS[row.function](*row.inputs)

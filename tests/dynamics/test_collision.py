@@ -118,6 +118,7 @@ def surface_points(shape, count: int, rng) -> np.ndarray:
     return local @ rotation(*shape.rpy).T + shape.xyz
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BODIES)
 def test_primitives_enclose_the_drawn_body(meshes, name):
     rng = np.random.default_rng(RNG_SEED)
@@ -339,6 +340,7 @@ def test_the_real_arm_never_touched_itself(collisions):
     assert 0 < closest < 2e-3
 
 
+@pytest.mark.slow
 def test_answers_bracket_the_distance_between_the_drawn_bodies(collisions, meshes):
     """Primitives enclose the drawn bodies, so they touch first and by 6 mm at most."""
     kernel = pytest.importorskip("manifold3d")

@@ -169,6 +169,7 @@ def by_kernel(
     return np.concatenate([out.reshape(len(out), -1) for out in outputs], axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ONE)
 def test_kernels_are_pinocchio_s_for_any_bodies_fluid_and_gravity(
     name: str, kernels: Any

@@ -134,6 +134,7 @@ def test_a_shape_that_is_too_small_is_seen() -> None:
     assert farthest_outside(distances((smaller,), sampled_body("link_4"))) > 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("link", LINKS)
 def test_no_shape_is_farther_than_three_millimetres_from_its_body(link: str) -> None:
     shapes = exported_primitives()[link]
@@ -266,6 +267,7 @@ def script() -> ModuleType:
     return module
 
 
+@pytest.mark.slow
 def test_the_script_finds_the_one_box_around_a_block(script: ModuleType) -> None:
     """Of a body that two boxes and a cylinder enclose."""
     block = script.kernel().Manifold.cube((12.0, 10.0, 8.0), True)

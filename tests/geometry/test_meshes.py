@@ -398,6 +398,7 @@ def test_base_lies_on_the_negative_x_side(meshes):
 # The files.
 
 
+@pytest.mark.slow
 def test_committed_files_are_a_fresh_generation_and_the_same_every_time():
     """Here, and in a process with other hashes."""
     pytest.importorskip("manifold3d")

@@ -340,6 +340,7 @@ def assert_free(path: np.ndarray, coal: CollisionModel) -> None:
             assert coal.clearance(q).distance > -1e-6
 
 
+@pytest.mark.slow
 def test_a_path_takes_the_least_travel_of_free_branches(coal: CollisionModel) -> None:
     """By brute force over all choices of branches."""
     followed = blocked = 0
@@ -390,6 +391,7 @@ def test_a_path_into_the_base_stops_before_it(coal: CollisionModel) -> None:
     assert through == pytest.approx(q, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_step_through_a_collision_is_refused(coal: CollisionModel) -> None:
     """Both ends are free, the line between them is not."""
     found = None

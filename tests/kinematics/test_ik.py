@@ -26,6 +26,7 @@ def residual(s: object, position: np.ndarray) -> np.ndarray:
     return np.linalg.norm(tip(q[exists]) - target[exists], axis=-1)
 
 
+@pytest.mark.slow
 def test_every_configuration_is_found_again() -> None:
     q = sample(200_000, seed=1)
     position = tip(q)

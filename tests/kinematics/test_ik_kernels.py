@@ -59,6 +59,7 @@ def test_the_quick_forward_kinematics_is_the_one_of_table_1() -> None:
     np.testing.assert_allclose(elbow_and_tip(q)[1], tip(q), rtol=0.0, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_200_000_targets(
     kernels: ModuleType,
     targets: tuple[np.ndarray, np.ndarray],

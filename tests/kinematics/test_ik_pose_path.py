@@ -356,6 +356,7 @@ def along_axis(
 SLSQP_CLIPS = pytest.mark.filterwarnings("ignore:Values in x were outside bounds")
 
 
+@pytest.mark.slow
 @SLSQP_CLIPS
 @pytest.mark.parametrize(
     ("turn", "heights"),
@@ -383,6 +384,7 @@ def test_theta_0_on_the_axis_has_the_least_travel(
         assert least - 1e-3 < travel_of(path) <= least + 1e-9
 
 
+@pytest.mark.slow
 @SLSQP_CLIPS
 def test_random_paths_across_the_axis_have_the_least_travel() -> None:
     rng = np.random.default_rng(84)
@@ -534,6 +536,7 @@ def scanned_error(
     return math.acos(min(1.0, cosine.max()))
 
 
+@pytest.mark.slow
 def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None:
     yaw = np.linspace(LOWER[0], UPPER[0], 121)
     fine_yaw = np.linspace(LOWER[0], UPPER[0], 4001)

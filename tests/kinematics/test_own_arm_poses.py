@@ -27,6 +27,7 @@ def angle(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.asarray(2 * np.arcsin(np.minimum(chord / math.sqrt(8.0), 1.0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arm", ARMS)
 def test_a_pose_that_can_be_attained_is_attained(arm: Alpha5Parameters) -> None:
     q = within(arm, 200, seed=1)
@@ -54,6 +55,7 @@ def fine_grid(arm: Alpha5Parameters, target: np.ndarray, steps: int) -> np.ndarr
     return np.asarray(np.where(s.within_limits, error, np.inf).min(axis=0))
 
 
+@pytest.mark.slow
 def test_no_fine_grid_finds_a_better_orientation() -> None:
     arm = OFF_AXIS
     rng = np.random.default_rng(5)
@@ -136,6 +138,7 @@ def test_reach_of_own_lengths_is_that_of_the_inverse_kinematics() -> None:
     assert 0.05 < reached.mean() < 0.95
 
 
+@pytest.mark.slow
 def test_the_nearest_point_of_own_lengths_is_nearest() -> None:
     rng = np.random.default_rng(4)
     position = rng.uniform(-0.6, 0.6, (40, 3))

@@ -177,6 +177,7 @@ def drag_torque_of_strip(strip, link, q, v, current):
     return np.stack(torques, axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.0, 0.02, 0.05, 0.1, 0.5, 1.5])
 def test_the_points_on_the_strips_are_enough(speed):
     """Torques of drag are within 0.07 % of their median, and 0.1 % for each joint.

@@ -536,6 +536,7 @@ a5.robot_wrapper("jaws")
 """
 
 
+@pytest.mark.slow
 def test_the_package_itself_is_quiet() -> None:
     options = ("-W", "error", "-W", "ignore::DeprecationWarning")
     done = subprocess.run(

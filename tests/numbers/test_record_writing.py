@@ -66,6 +66,7 @@ def check_same(found: Alpha5Parameters, expected: Alpha5Parameters) -> None:
             assert one.rotation == pytest.approx(other.rotation, abs=4e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("record", own.RECORDS, ids=range(10))
 def test_ten_arms_come_back(record: Alpha5Parameters, read: Any) -> None:
     found = read(arm_file_text(record))

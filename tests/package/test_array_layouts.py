@@ -152,6 +152,7 @@ def kernel_module(
     return chosen
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("kernel_module")
 def test_dynamics_give_the_same_bits(tmp_path: Path) -> None:
     assert differing(arm_calls(), tmp_path) == []
@@ -162,10 +163,12 @@ def test_kinematics_give_the_same_bits(tmp_path: Path) -> None:
     assert differing(kinematics_calls(), tmp_path) == []
 
 
+@pytest.mark.slow
 def test_theory_gives_the_same_bits(tmp_path: Path) -> None:
     assert differing(theory_calls(), tmp_path) == []
 
 
+@pytest.mark.slow
 def test_jax_gives_the_same_bits(tmp_path: Path) -> None:
     with jax.enable_x64(True):
         assert differing(jax_calls(), tmp_path) == []

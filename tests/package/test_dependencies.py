@@ -137,6 +137,7 @@ def distributions(folder: str) -> dict[str, str]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_what_is_imported_is_declared(folder: str) -> None:
     known = declared()
@@ -167,6 +168,7 @@ def test_the_launch_file_imports_ros_only() -> None:
     )
 
 
+@pytest.mark.slow
 def test_what_is_declared_is_imported() -> None:
     known = declared()
     package = set(distributions("alpha5_model"))

@@ -90,6 +90,7 @@ def callers() -> dict[str, list[int]]:
     return found
 
 
+@pytest.mark.slow
 def test_only_entry_points_ask_for_the_catalogue() -> None:
     found = callers()
     elsewhere = {name: found[name] for name in found.keys() - ENTRY_POINTS.keys()}

@@ -206,6 +206,7 @@ def cycle(sources: dict[str, str]) -> list[str]:
     return []
 
 
+@pytest.mark.slow
 def test_no_module_imports_what_imports_it() -> None:
     sources = {
         m.removesuffix(".__init__"): p.read_text("utf-8") for m, p in modules().items()
@@ -225,6 +226,7 @@ def test_the_guard_sees_a_cycle() -> None:
     assert cycle({**sources, "alpha5_model.a.y": "from alpha5_model.a import z"}) == []
 
 
+@pytest.mark.slow
 def test_imports_run_in_one_direction() -> None:
     assert len(modules()) > 15
     wrong = [
@@ -280,6 +282,7 @@ def test_the_guard_lets_pass() -> None:
     )
 
 
+@pytest.mark.slow
 def test_no_function_hides_a_module() -> None:
     """`import alpha5_model.viewer.scene as s` gives a module after any other import."""
     names = [name.removesuffix(".__init__") for name in modules()]

@@ -118,6 +118,7 @@ def delay(*arguments: str, kernels: str) -> float:
     return float("inf") if answer == "computed" else float(answer) - sent
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT for a child")
 @pytest.mark.parametrize("case", CASES)
 def test_a_batch_ends_upon_ctrl_c(case: str) -> None:

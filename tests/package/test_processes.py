@@ -72,6 +72,7 @@ def test_threads_change_no_digit(kind):
         assert gap < 1e-12 * max(1.0, np.abs(two[i]).max())
 
 
+@pytest.mark.slow
 def test_batches_and_errors_in_a_pool_s_workers(context):
     kinds = ["locked", "kernels", "floating", "jaws"]
     with context.Pool(1) as pool:

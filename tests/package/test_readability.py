@@ -67,6 +67,7 @@ def built_by_position(source: str, names: set[str]) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", SOURCES)
 def test_functions_are_short(file: str) -> None:
     assert long_functions(SOURCES[file]) == []

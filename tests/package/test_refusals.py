@@ -109,6 +109,7 @@ def follows_the_rule(parameter: str, value: Any, said: str) -> bool:
     return shape is not None and shape[2] == str(np.shape(value)) != shape[1]
 
 
+@pytest.mark.slow
 def test_nothing_but_our_own_errors_is_raised() -> None:
     assert len(answers()) > 2000
     assert [line for line, *_, said in answers() if said.startswith("raises")] == []

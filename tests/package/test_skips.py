@@ -55,6 +55,7 @@ def outcome(folder: Path, source: str, only_allowed: bool) -> tuple[int, str]:
     return done.returncode, done.stdout
 
 
+@pytest.mark.slow
 def test_an_unlisted_skip_fails_in_ci(tmp_path: Path) -> None:
     status, said = outcome(tmp_path, SOURCE, only_allowed=True)
     assert status == 1

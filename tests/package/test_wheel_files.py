@@ -13,6 +13,7 @@ from alpha5_model.description import committed
 ROOT = Path(REPOSITORY_PATH)
 
 
+@pytest.mark.slow
 def test_a_wheel_has_the_meshes_once_and_mujoco_finds_them(tmp_path, monkeypatch):
     mujoco = pytest.importorskip("mujoco", reason="mujoco is not installed")
     build = runpy.run_path(str(ROOT / "hatch_build.py"))

@@ -146,6 +146,7 @@ def test_a_free_line_is_free_and_another_ends_at_its_obstacle(
     assert 2 < free < 10  # the last one leads to a contact
 
 
+@pytest.mark.slow
 def test_certified_lines_at_a_tenth_of_a_degree() -> None:
     """Lines of all obstacles that pass a contact closely: there steps could miss it."""
     world = CoalWorld(obstacles=ALL)

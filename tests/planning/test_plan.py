@@ -317,6 +317,7 @@ def test_unreachable_targets_say_so() -> None:
         plan([1.0, 1.0, -0.2, 1.0], [0.2, 0.1, 0.1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 4])
 def test_arms_of_ones_own(seed: int, tmp_path: Path) -> None:
     record = own.random_record(seed)

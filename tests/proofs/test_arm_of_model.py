@@ -172,6 +172,7 @@ def test_a_twisted_axis_is_said_with_its_angle(
 # --- the base
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("higher", "kept"),
     [(0.09, True), (-0.04, True), (0.11, False), (-0.05, False), (-0.2, False)],

@@ -1407,6 +1407,7 @@ TURNED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", TURNED)
 def test_a_verdict_turns_with_the_document(
     rows: dict[str, AuditRow], change: str

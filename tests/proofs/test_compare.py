@@ -189,6 +189,7 @@ def test_each_defect_is_found_and_named(defect):
     )  # the URDF itself still computes right
 
 
+@pytest.mark.slow
 def test_defects_are_found_in_pairs():
     # Two defects of one tensor, or of mass and COM of one body, hide each other.
     clash = [{zeroed_products, no_inertial}, {guessed_cylinder, dummy_link}]
@@ -471,6 +472,7 @@ TOKENS = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_fuzzed_files_end_in_a_comparison_or_our_own_error(data):

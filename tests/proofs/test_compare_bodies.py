@@ -332,6 +332,7 @@ def test_a_mass_that_nothing_explains_is_given_as_a_factor():
     assert text == f"mass {2.5 * MASS_2:.4g} kg in place of {MASS_2:.4g} kg (2.5 times)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("edit", "words", "just", "over"),
     [

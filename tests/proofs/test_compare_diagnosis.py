@@ -487,6 +487,7 @@ def test_a_tensor_about_another_point_is_named(body):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("body", range(5))
 def test_no_diagnosis_for_random_tensors(body):
     rng = np.random.default_rng(body)

@@ -351,6 +351,7 @@ def check(*names: str) -> None:
         assert angles.max() < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DEFECTS)
 def test_the_tool_is_measured_and_the_advice_mends_it(name):
     check(name)
@@ -366,6 +367,7 @@ SAMPLE += [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pair", SAMPLE, ids=" and ".join)
 def test_pairs_of_defects(pair):
     check(*pair)

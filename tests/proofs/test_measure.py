@@ -46,6 +46,7 @@ def arm(*, named: bool, ours: bool) -> UrdfRobot:
     return parse_urdf(text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ours", [True, False])
 @pytest.mark.parametrize("named", [True, False])
 def test_an_arm_of_other_lengths_is_described_if_its_joints_are_named(
@@ -67,6 +68,7 @@ def test_an_arm_of_other_lengths_is_described_if_its_joints_are_named(
         assert (three is not None) == ours
 
 
+@pytest.mark.slow
 def test_a_file_is_read_as_it_is_at_500_positions() -> None:
     """Unless the caller asks for other positions, or for xacro."""
     comparison = compare(a5.URDF_PATH)

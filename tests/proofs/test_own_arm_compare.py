@@ -50,6 +50,7 @@ def mount_of(record: Alpha5Parameters) -> np.ndarray:
     return pose
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", range(len(own.RECORDS)))
 def test_an_arm_comes_back_from_its_urdf(k: int, tmp_path: Path) -> None:
     """Kinematics and dynamics in air are Newton's of the record that made the URDF."""
@@ -106,6 +107,7 @@ def test_an_axis_beside_the_plane_is_left_out_of_the_file() -> None:
     assert_lengths_of_the_catalogue(described.record)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "plain"),
     [("blue arm", "blue_arm"), ("5th/arm", "arm_5th_arm"), ("臂", "arm")],

@@ -280,6 +280,7 @@ MODELS_OF_DEFECTS: dict[str, list[Change]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MODELS_OF_DEFECTS)
 def test_reports_of_examples(name: str) -> None:
     robot = example(name)

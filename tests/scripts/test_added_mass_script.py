@@ -106,6 +106,7 @@ def test_a_sphere_by_sources(script: ModuleType) -> None:
     assert np.diag(matrix)[:3] == pytest.approx([0.5] * 3, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "size"), [("link_2", 4.5), ("wrist", 5.0)])
 def test_added_mass_by_sources(script: ModuleType, name: str, size: float) -> None:
     """Within 8 %, but for the turn about the body's own axis, which moves little water.

@@ -10,6 +10,7 @@ import pytest
 import alpha5_model as a5
 
 
+@pytest.mark.slow
 def test_a_few_trials(capsys: pytest.CaptureFixture[str]) -> None:
     from studies import calibration_trials
 
@@ -24,6 +25,7 @@ def test_a_few_trials(capsys: pytest.CaptureFixture[str]) -> None:
     assert c < 0.6
 
 
+@pytest.mark.slow
 def test_a_wrong_covariance_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     """With standard deviations a sixth of the right ones, coverage breaks down."""
     from studies import calibration_trials as trials

@@ -20,6 +20,7 @@ def printed(row: str) -> list[float]:
     return [float(text) for text in re.findall(r"\d+\.\d+(?= \|)", line)]
 
 
+@pytest.mark.slow
 def test_the_guide_has_the_errors_of_the_script(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -86,6 +86,7 @@ def test_mujoco_and_yourdfpy_agree_and_the_table_goes_into_the_readme(tmp_path, 
     assert printed in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "tool", conformance.TOOLS, ids=lambda tool: f"{tool.name} {tool.file}"
 )
@@ -203,6 +204,7 @@ def write_damaged(
     (folder / path).write_text(damage(text), "utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "file", "path", "damage", "wrong"),
     DAMAGES,

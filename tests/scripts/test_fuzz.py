@@ -31,6 +31,7 @@ def fuzz():
 EACH = {"api": 2, "forms": 3, "texts": 8, "commands": 2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", EACH)
 def test_a_slice_of_the_fuzz(fuzz, part, tmp_path):
     failures: list[str] = []

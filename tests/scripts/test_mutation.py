@@ -89,6 +89,7 @@ def test_mutants_of_c(parts, source, expected):
         assert any(text in mutant for mutant in found)
 
 
+@pytest.mark.slow
 def test_all_rooms_and_all_c_that_is_written_by_hand_have_mutants(parts):
     mutants, python_code, c_code = parts
     texts = mutants.sources()
@@ -107,6 +108,7 @@ def test_all_rooms_and_all_c_that_is_written_by_hand_have_mutants(parts):
     assert len(with_places) >= 0.9 * len(rooms)
 
 
+@pytest.mark.slow
 def test_a_sample_has_rooms_by_their_lines_and_is_new_with_a_new_seed(parts):
     mutants, python_code, _ = parts
     texts = {

@@ -71,6 +71,7 @@ def test_another_argument_prints_the_help(script: ModuleType, capsys) -> None:
     assert "--update" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @needs_kernels
 def test_the_committed_tables_are_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """A slab of those that depend on theta_0, all of the others."""

@@ -393,6 +393,7 @@ def test_lag_and_stiffness_are_fitted_elsewhere(
     assert "0 trajectories of a moving arm" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_no_recording_is_drawn_over_and_a_closed_pipe_is_no_error(
     tmp_path: Path,
 ) -> None:

@@ -75,6 +75,7 @@ def test_no_sample_with_the_same_choice_exceeds_the_bounds(lengths: bool) -> Non
         assert (tau <= upper + slack).all()
 
 
+@pytest.mark.slow
 def test_lengths_widen_the_bounds_by_their_sensitivity() -> None:
     """`sensitivity` moves each length to both ends of its interval, by another way."""
     q, rest = a5.named_pose("reach"), np.zeros(4)

@@ -128,6 +128,7 @@ def bounds_of(
     return np.array([(lower + upper) / 2, (upper - lower) / 2])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lengths", [False, True])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_bounds_of_numbers_that_are_all_known_together(

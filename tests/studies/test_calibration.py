@@ -282,6 +282,7 @@ def torque_deviation(found: calibrate.Calibration, q: Any, density: float) -> An
     return np.sqrt(variance)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "prior"),
     [("scales", "digits"), ("force-torque", "loose"), ("efforts", "digits")],
@@ -428,6 +429,7 @@ def readings_of_an_arm() -> tuple[calibrate.Session, Any]:
     return planned, weighed(planned, true_arm("digits", rng), rng)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_named_first(
     name: str, readings_of_an_arm: tuple[calibrate.Session, Any]
@@ -610,6 +612,7 @@ def test_bounds_are_those_of_the_ellipsoid() -> None:
     assert ((upper - lower)[:, 1] / 2 > 10.0 * ours[:, 1]).all()
 
 
+@pytest.mark.slow
 def test_samples_and_spread_use_the_covariance() -> None:
     found = calibrated("digits")
     arm = found.arm

@@ -239,6 +239,7 @@ def test_information_is_the_log_of_how_much_torques_shrink() -> None:
         assert told == pytest.approx(np.log(before / after).sum(), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_information_of_a_planned_motion() -> None:
     """As if it were read 20 times a second, over positions within the limits."""
     sensor = calibrate.efforts()
@@ -259,6 +260,7 @@ def test_information_of_a_planned_motion() -> None:
     assert planned.information == pytest.approx(expected, rel=0.005)
 
 
+@pytest.mark.slow
 def test_what_a_plan_takes_if_it_is_not_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """400 motions of 20 s, as the guide says."""
     monkeypatch.setattr(_Wanted, "told", lambda self, read, repeated: 0.0)
@@ -269,6 +271,7 @@ def test_what_a_plan_takes_if_it_is_not_told(monkeypatch: pytest.MonkeyPatch) ->
     assert np.array_equal(same.position, planned.position)
 
 
+@pytest.mark.slow
 def test_long_and_short_periods() -> None:
     hour = calibrate.plan_excitation(
         calibrate.efforts(), duration=3600, evaluations=150

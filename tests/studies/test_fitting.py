@@ -124,6 +124,7 @@ def test_the_noise_is_about_that_of_the_recording(case: Case) -> None:
     assert 0.1 < case.weights.independent / (4 * COUNT) < 0.6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suspected", [False, True])
 def test_the_noise_is_that_beside_the_unknowns(case: Case, suspected: bool) -> None:
     """Beside all causes, too, and numbers twenty times beyond their digits, if so."""

@@ -119,6 +119,7 @@ FAULTS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_each_fault_is_named_first_with_its_size(fault: str, exact: np.ndarray) -> None:
     recorded, size = faulty(fault, exact)
@@ -134,6 +135,7 @@ def test_each_fault_is_named_first_with_its_size(fault: str, exact: np.ndarray) 
     assert gains == sorted(gains, reverse=True)
 
 
+@pytest.mark.slow
 def test_fresh_water_comes_before_a_scale_that_explains_as_much() -> None:
     """For sea water: a scale of 1.6 % gives almost the same efforts."""
     found = fit(torques(0, density=1000.0) + noise(5))
@@ -175,6 +177,7 @@ def test_the_gain_of_a_usual_size_is_the_misfit_that_it_takes_away() -> None:
     assert free < expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", ["millinewton", "sign", "mass of link_2"])
 def test_faults_are_noticed_in_correlated_noise(fault: str, exact: np.ndarray) -> None:
     recorded, _ = faulty(fault, exact)
@@ -184,6 +187,7 @@ def test_faults_are_noticed_in_correlated_noise(fault: str, exact: np.ndarray) -
     assert "your data contradict the tables" in str(found)
 
 
+@pytest.mark.slow
 def test_a_heavier_link_is_pinned_and_its_interval_is_not_cut() -> None:
     found = fit(torques(0, heavier=1.2) + noise(1))
     assert "link_2.mass" in found.pinned
@@ -196,6 +200,7 @@ def test_a_heavier_link_is_pinned_and_its_interval_is_not_cut() -> None:
     assert (np.abs(below - above) > 1e-3 * (below + above)).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("correlation", [0.0, 0.95])
 def test_coverage_of_predicted_torques(correlation: float) -> None:
     """95 % intervals of static torques hold the truth; there is no false alarm."""

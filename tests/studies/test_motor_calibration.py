@@ -57,6 +57,7 @@ def test_friction_and_torque_per_ampere_of_rough_motors(seed: int) -> None:
     assert "masses of links: not told" in str(found)
 
 
+@pytest.mark.slow
 def test_a_payload_is_weighed_with_little_friction_only(by_driver: Any) -> None:
     heavy = trials.sway(trials.MASS)
     arm = a5.load(arm=by_driver.parameters)

@@ -108,6 +108,7 @@ def test_drifts_last_20_s_or_more(seconds: float) -> None:
             np.testing.assert_allclose(columns[most + k], way * wave, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_samples_below_015_of_the_rated_speed_are_left_out() -> None:
     clean = fitted(current()).values
     share = np.abs(VELOCITY) / AXIS_D.velocity

@@ -187,6 +187,7 @@ def sums(folder: Path, file: Path, record: Alpha5Parameters) -> list[float]:
     return [float(rows[name].sum()) for name in rows if "." in name]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 def test_each_key_alone_changes_the_rows(tmp_path: Path) -> None:
     file = tmp_path / "study.toml"

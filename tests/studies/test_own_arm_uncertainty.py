@@ -77,6 +77,7 @@ CASES = [
 WIDTHS = {"mass": 2e-3, "com": 1e-3, "inertia": 2e-7, "volume": 3e-6, "cob": 1e-3}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize(("where", "name"), CASES)
 def test_bounds_are_the_corners_of_one_measured_value(
@@ -232,6 +233,7 @@ OTHERS: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", OTHERS)
 def test_sensitivity_moves_a_measured_value_by_its_half_width(key: str) -> None:
     record = own.random_record(1 if "spacer" in key or "sensor" in key else 0)
@@ -268,6 +270,7 @@ def test_measured_poses_have_the_numbers_of_their_record(place: str) -> None:
     np.testing.assert_allclose(rotation, pose.rotation, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["tool.rpy", "mount.rpy", "attached.sensor.rpy"])
 def test_sensitivity_turns_a_measured_orientation(key: str) -> None:
     record = dataclasses.replace(

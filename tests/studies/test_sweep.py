@@ -584,6 +584,7 @@ NESTED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NESTED)
 def test_a_study_that_takes_long_to_read(name: str, tmp_path: Path) -> None:
     study = written(tmp_path, NESTED[name])

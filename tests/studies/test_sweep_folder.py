@@ -102,6 +102,7 @@ def test_a_deleted_file_is_named_and_made_again(
     assert line == f"{out / name}: is missing"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_a_file_with_a_flipped_byte_is_named_and_made_again(
     name: str, whole: tuple[Path, Path], tmp_path: Path

@@ -141,6 +141,7 @@ def test_more_parts_than_a_folder_can_hold_are_refused(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_a_cluster_without_workers_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -153,6 +154,7 @@ def test_a_cluster_without_workers_is_refused(
     assert f"dask worker {address}" in printed
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_ctrl_c_with_workers_prints_one_line(tmp_path: Path) -> None:
     """It goes to all processes of the terminal, the workers included."""

@@ -384,6 +384,7 @@ def corrected(
     return out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("of_arm", "alternatives"),
     [
@@ -451,6 +452,7 @@ def loads_at_rest(
     return of_link(i, values, q, still, still, 1000.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of_arm", [(), ("link3_cob",)])
 def test_bounds_of_an_arm_with_its_base_turned(of_arm: tuple[str, ...]) -> None:
     """Without ``base_frame``, only link 0 is turned."""
@@ -677,6 +679,7 @@ def test_an_arm_of_the_printed_numbers_is_the_one_that_is_loaded() -> None:
     np.testing.assert_allclose(same, loaded, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_sensitivity_of_the_reach() -> None:
     """The reach is a_1 + hypot(a_2, d_3), with a_1 = hypot(40, 145.3)."""
     found = u.sensitivity(u.reach)
@@ -698,6 +701,7 @@ def test_sensitivity_of_the_reach() -> None:
     assert drawn.standard_error == pytest.approx(drawn.standard_deviation / 20)
 
 
+@pytest.mark.slow
 def test_sensitivity_of_torques_and_currents() -> None:
     q = np.array([3.1, 1.2, 1.8, 0.0])
     torque = u.sensitivity(lambda p: u.arm(p).hydrostatic_torque(q))
@@ -761,6 +765,7 @@ def check_that_links_are_as_printed(links: Sequence[RigidBody]) -> None:
             assert number.lower - 1e-12 <= value <= number.upper + 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["effort", "wrench"])
 def test_identification_finds_the_truth(
     kind: str, monkeypatch: pytest.MonkeyPatch
@@ -803,6 +808,7 @@ def test_identification_finds_the_truth(
     assert found.combinations.shape == (found.gains.size, 38)
 
 
+@pytest.mark.slow
 def test_identification_of_an_arm_with_a_correction() -> None:
     """The correction counts once, even if it is among the alternatives."""
     moved, (q, v, a) = swing(300)
@@ -854,6 +860,7 @@ def test_identification_does_not_see_what_no_data_show() -> None:
     np.testing.assert_allclose(held, y[:1] + more, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_table_of_the_documentation() -> None:
     """The table's torques and bounds agree with the tests' own Newton-Euler."""
     cells = cells_of_the_table()
@@ -878,6 +885,7 @@ def cells_of_the_table() -> list[list[str]]:
     return [[cell.strip() for cell in row] for row in rows]
 
 
+@pytest.mark.slow
 def test_the_digit_with_the_largest_effect() -> None:
     """It is link 2's mass: half a unit of its last digit, at its lever."""
     largest = cells_of_the_table()[1][-1].split(",")[0]

@@ -81,6 +81,7 @@ def test_stiffness_yaw_and_delay_are_found(turned: list[a5.TiltRecording]) -> No
     assert found.score(fresh).min() > 0.999
 
 
+@pytest.mark.slow
 def test_the_mount_of_the_record_counts(turned: list[a5.TiltRecording]) -> None:
     """Upside down and turned; nothing is left for the yaw."""
     mount = Mount(

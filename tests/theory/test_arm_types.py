@@ -271,6 +271,7 @@ def test_joint_limits_decide_whether_the_tool_gets_upright(
     assert task.insertion_dimension == dimension
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "chain", [DHChain.alpha5(), DHChain.from_table(SCARA), DHChain.from_table(PUMA_560)]
 )
@@ -433,6 +434,7 @@ def enumerate_directions(chain: DHChain, point: np.ndarray) -> list[np.ndarray]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "point", [(0.2, 0.1, 0.1), (-0.15, 0.12, 0.25), (0.3, 0, -0.05), (0.05, -0.2, 0.0)]
 )
@@ -520,6 +522,7 @@ def test_the_same_seed_finds_the_same_orientations() -> None:
     assert not np.array_equal(found[0], found[3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hand", [0.0, 0.1])
 def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> None:
     """A point is dexterous if the sphere of possible wrist places lies in the shell.
@@ -541,6 +544,7 @@ def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> 
     assert estimate.interior
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("robot", "frame"), [("ur5", "tool0"), ("panda", "panda_hand")]
 )

@@ -310,6 +310,7 @@ def test_many_axes_on_one_figure(tmp_path: Path) -> None:
     assert width == 2 * height
 
 
+@pytest.mark.slow
 def test_the_walk_through_the_notes(
     tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -48,6 +48,7 @@ def axis_error(chain: DHChain, q, points, directions) -> float:
     return max(np.abs(z - unit).max(), np.abs(np.cross(p - points, unit)).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("with_tool", [False, True])
 def test_round_trip(kind: str, with_tool: bool) -> None:
@@ -190,6 +191,7 @@ def worst_error(tilts, rng: np.random.Generator, **options) -> float:
     return float(np.abs(np.subtract(found, expected)).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", [0.0, *10.0 ** np.arange(-12, -5.5, 0.5)])
 def test_axes_that_are_nearly_parallel_move_the_tool_as_they_were_drawn(
     first: float,

@@ -206,6 +206,7 @@ def each_orientation_is_reached(
     return bool(hit.any(axis=0).all())
 
 
+@pytest.mark.slow
 def test_lengths_that_vary_by_enumeration() -> None:
     """With prismatic joints, each orientation may have another set of lengths."""
     rng = np.random.default_rng(4)

@@ -142,6 +142,7 @@ def test_every_enumerated_point_is_inside(name: str) -> None:
     assert arm.workspace().contains(tips).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LIMITED)
 def test_the_boundary_divides_reachable_from_unreachable(name: str) -> None:
     """A solver reaches the points just inside each edge and none just outside."""
@@ -173,6 +174,7 @@ def test_the_boundary_divides_reachable_from_unreachable(name: str) -> None:
     assert (distances(arm, beyond, rng) > 0.02 * step).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LIMITED)
 def test_points_inside_are_reached_and_points_outside_are_not(name: str) -> None:
     arm = LIMITED[name]

@@ -164,6 +164,7 @@ def test_fluids_and_grippers(
     assert got["ignored_columns"] == ["axis_a"]
 
 
+@pytest.mark.slow
 def test_files_are_written_and_named(
     motion_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

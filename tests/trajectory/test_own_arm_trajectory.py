@@ -133,6 +133,7 @@ def figures(record: Alpha5Parameters) -> str:
     return json.dumps([trajectory.summary(analysis), sums])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 def test_each_key_alone_changes_the_figures(tmp_path: Path) -> None:
     file = tmp_path / "arm.toml"
@@ -159,6 +160,7 @@ def recording(folder: Path, record: Alpha5Parameters) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_the_command_says_which_arm_and_has_its_limits(
     tmp_path: Path, capsys: Any
 ) -> None:

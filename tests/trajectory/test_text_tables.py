@@ -260,6 +260,7 @@ def test_a_git_lfs_pointer_is_known_in_the_folder_of_a_bag(
         a5.trajectory.read_motion(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "line", ["#" * 100, "?;?", '"', "2026-01-01 00:00:00,1,1,1,1", "sep=;"]
 )

@@ -220,6 +220,7 @@ def test_parquet_and_bags_have_the_same_rule(tmp_path: Path) -> None:
         np.testing.assert_array_equal(motion.velocity, ANGLES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "pattern", ["c{}", "p{}_axis_e", "left_axis_e_{}", "axis_e" * 3 + "_{}"]
 )
@@ -245,6 +246,7 @@ def test_many_columns_take_linear_time(pattern: str, tmp_path: Path) -> None:
         assert_linear_time(prepared, 15_000)
 
 
+@pytest.mark.slow
 def test_one_long_name_takes_linear_time(tmp_path: Path) -> None:
     for name in (
         "axis_e" * 16_000,

@@ -93,6 +93,7 @@ def test_an_arm_at_rest_expands_far_less_than_is_allowed(tmp_path: Path) -> None
     assert 5 < sizes[0] / sizes[1] < 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "compression"), COMPRESSED)
 def test_what_expands_without_measure_is_refused(
     kind: str, compression: str, tmp_path: Path
@@ -386,6 +387,7 @@ TABLES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TABLES)
 def test_tables_that_nobody_wrote(name: str, tmp_path: Path) -> None:
     content, words = TABLES[name]

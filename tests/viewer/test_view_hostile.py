@@ -181,6 +181,7 @@ MESSAGES: dict[str, tuple[str | bytes, str]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MESSAGES)
 def test_a_page_is_refused_and_told_where_the_arm_is(
     viewer: ArmVisualizer, name: str
@@ -367,6 +368,7 @@ REQUESTS: dict[str, tuple[Callable[[ArmVisualizer], bytes], tuple[int, ...]]] = 
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REQUESTS)
 def test_a_request_that_is_not_the_pages_is_refused(
     viewer: ArmVisualizer, name: str
@@ -433,6 +435,7 @@ def test_a_message_without_its_end_holds_nobody_up(viewer: ArmVisualizer) -> Non
         works(viewer)
 
 
+@pytest.mark.slow
 def test_many_connections_and_slow_ones(viewer: ArmVisualizer) -> None:
     """Requests that never end, and connections without one, lose their place."""
     held = [socket.create_connection(address(viewer), timeout=SOON) for _ in range(150)]
@@ -611,6 +614,7 @@ COMMANDS: dict[str, tuple[bytes, ...]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_another_program_is_refused(viewer: ArmVisualizer, name: str) -> None:
     scene = ask(viewer, b"get_scene")

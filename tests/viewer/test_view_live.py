@@ -297,6 +297,7 @@ def test_pinocchios_names(visualizer: ArmVisualizer) -> None:
 
 
 # imageio-ffmpeg leaves its pipes to the garbage collector.
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("suffix", [".gif", ".mp4"])
 def test_a_video_lasts_as_long_as_the_motion(
@@ -391,6 +392,7 @@ def test_waiting_ends_with_a_signal_and_puts_the_handlers_back(number: int) -> N
     assert after == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("outcome", ["read", "page closed", "cancelled"])
 def test_a_message_that_a_page_will_not_read_is_no_error(outcome: str) -> None:
     """asyncio logs an exception that nobody handles, and raises it when cancelled."""
@@ -415,6 +417,7 @@ def test_a_message_that_a_page_will_not_read_is_no_error(outcome: str) -> None:
     assert logged == []
 
 
+@pytest.mark.slow
 def test_serve_runs_until_it_is_told_to_end() -> None:
     process = subprocess.Popen(
         [sys.executable, "-u", "-m", "alpha5_model", "view", "--serve"],

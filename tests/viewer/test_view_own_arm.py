@@ -353,6 +353,7 @@ def test_the_mount_turns_the_arrows() -> None:
     assert not [line for line in afloat.notes if line.startswith("Mounted")]
 
 
+@pytest.mark.slow
 def test_the_command_takes_the_file_of_an_arm(tmp_path: Path) -> None:
     """The page is that of Python; the picture shows longer jaws."""
     file = EXAMPLES / "my_arm.toml"
@@ -420,6 +421,7 @@ def concerns_the_page(key: str) -> bool:
     return key not in of_note and not key.endswith(".inertia")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 @pytest.mark.parametrize("key", KEYS)
 def test_each_key_alone_changes_what_it_concerns(

@@ -192,6 +192,7 @@ def test_the_plot_of_a_motion() -> None:
     assert shared == [True] * (len(page.axes) - 1) + [False]  # the last is the path
 
 
+@pytest.mark.slow
 @AS_LAID_OUT
 def test_the_plot_of_a_long_motion_with_jaws() -> None:
     """With measured currents and more samples than are drawn; panels of two joints.

@@ -198,6 +198,7 @@ def test_drag_takes_energy_in_any_motion():
                 assert (drag * nu).sum(axis=1).max() < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("record", RECORDS[:4], ids=range(4))
 def test_the_table_of_an_arm_of_your_own_has_what_is_attached(record):
     found = table(arm=record)
