@@ -1,6 +1,7 @@
 """Compiles ``alpha5_model/codegen/kernels/_compiled`` for a wheel, or in place.
 
-    python hatch_build.py        # in place, for a checkout that is not installed
+    python hatch_build.py            # in place, for a checkout that is not installed
+    python hatch_build.py --digest   # of the sources, which the module contains
 
 This needs NumPy, setuptools and a C compiler. Without a compiler, a wheel is built
 without the kernels and computes in NumPy; with ``ALPHA5_REQUIRE_KERNELS=1`` that is an
@@ -42,8 +43,8 @@ MESHES = {"checkout": 'meshdir="assets"', "wheel": 'meshdir="../meshes"'}
 
 
 def digest() -> str:
-    """SHA-256 of the C sources, which the compiled module names as its own."""
-    files = sorted((ROOT / FOLDER).rglob("*.[ch]"))
+    """SHA-256 of the C sources and this file; the compiled module contains it."""
+    files = [Path(__file__), *sorted((ROOT / FOLDER).rglob("*.[ch]"))]
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
@@ -69,6 +70,15 @@ def compiled(output: Path) -> Path:
         command.ensure_finalized()
         command.run()
     return Path(command.get_outputs()[0])
+
+
+def compiled_in_place() -> Path:
+    """Compile beside the sources, unless the module there is made of them; the file."""
+    name = "_compiled.pyd" if sys.platform == "win32" else "_compiled.abi3.so"
+    module = ROOT / FOLDER / name
+    if module.is_file() and digest().encode() in module.read_bytes():
+        return module
+    return compiled(ROOT / FOLDER)
 
 
 def mjcf_files(output: Path) -> dict[str, str]:
@@ -98,7 +108,7 @@ class KernelHook(BuildHookInterface):
         if self.folder:
             build_data["force_include"] |= mjcf_files(self.folder)
         try:
-            module = compiled(self.folder or ROOT / FOLDER)
+            module = compiled(self.folder) if self.folder else compiled_in_place()
         except (Exception, SystemExit) as error:
             self._without_kernels(error)
             return
@@ -130,4 +140,4 @@ class KernelHook(BuildHookInterface):
 
 
 if __name__ == "__main__":
-    print(compiled(ROOT / FOLDER))
+    print(digest() if "--digest" in sys.argv else compiled_in_place())

@@ -15,8 +15,6 @@ export ALPHA5_REQUIRE_KERNELS=1
 "$work/venv/bin/python" -m pip wheel --quiet --no-deps --wheel-dir "$work/dist" "$work"/dist/*.tar.gz
 ls "$work"/dist/alpha5_model-*-cp311-abi3-*.whl # one for every Python from 3.11
 "$work/venv/bin/python" -m pip install --quiet "$work"/dist/*.whl
-# What README says of the size.
-"$work/venv/bin/python" "$repository/scripts/checks/install_size.py" "$work/venv/bin/python" --page "$repository/README.md"
 mkdir "$work/elsewhere" && cd "$work/elsewhere"
 
 "$work/venv/bin/python" - <<'PYTHON'
