@@ -25,10 +25,12 @@ test-all: $(VENV)/.test ## every test that can run with what is installed
 docs: $(VENV)/.docs ## the documentation, build/docs/index.html; a warning or a dead link is an error
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs
 
-lint: $(VENV)/.test ## ruff (lint and format), mypy in strict mode, lines of code by room
+lint: $(VENV)/.test ## ruff (lint and format), mypy in strict mode, layers of imports, dependencies
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/deptry alpha5_model
 
 format: $(VENV)/.test
 	$(BIN)/ruff format .
