@@ -46,8 +46,8 @@ conformance: $(VENV)/.conformance ## every tool on the generated files, one tabl
 lowest: $(VENV)/.test ## the tests with the lowest versions that pyproject.toml declares
 	bash scripts/checks/lowest_versions.sh $(BIN)/uv
 
-fuzz: $(VENV)/.test ## 200 000 inputs to the package, its readers and its command line; counts by kind
-	$(BIN)/python scripts/fuzzing/fuzz.py
+fuzz: $(VENV)/.test ## thousands of inputs to the package, its readers and its command line, other ones each time
+	ALPHA5_FUZZ_EXAMPLES=5000 $(PYTEST) tests/fuzz
 
 clean:
 	rm -rf $(VENV) build dist demo
