@@ -55,9 +55,6 @@ NOT_CALLED = {
     "TiltFit": "a record",
     "TiltRecording": "a record",
     "fit_tilt": "takes recordings, whose arrays it has checked",
-    "Unknowns.base_parameters": "inside of identify, with arrays of its own",
-    "Unknowns.by_geometry": "inside of identify, with arrays of its own",
-    "Unknowns.parameter_set": "inside of identify, with arrays of its own",
 }
 
 

@@ -114,16 +114,18 @@ class PublicNames:
                 continue
             self.lines.add(f"{name}.{field.name}")
             self._note(field.type, vars(sys.modules[value.__module__]))
-        for base in filter(is_ours, value.__mro__):
-            for member, held in vars(base).items():
-                function = getattr(held, "__func__", held)
-                if member.startswith("_"):
-                    continue
-                if inspect.isfunction(function):
-                    self.show(f"{name}.{member}", function)
-                else:
-                    self.lines.add(f"{name}.{member}")
-                    self._note_result(getattr(held, "fget", None))
+        for member in dir(value):
+            # None takes a method away that a base class has.
+            held = inspect.getattr_static(value, member)
+            owner = next(base for base in value.__mro__ if member in vars(base))
+            if member.startswith("_") or not is_ours(owner) or held is None:
+                continue
+            function = getattr(held, "__func__", held)
+            if inspect.isfunction(function):
+                self.show(f"{name}.{member}", function)
+            else:
+                self.lines.add(f"{name}.{member}")
+                self._note_result(getattr(held, "fget", None))
 
     def _note_result(self, function: Any) -> None:
         hints = getattr(function, "__annotations__", {})
