@@ -1,10 +1,6 @@
-"""The script that proves self-collision again: what it compares and writes."""
+"""The committed tables of self-collision are what the script proves again."""
 
 from __future__ import annotations
-
-import shutil
-from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -17,58 +13,8 @@ from alpha5_model.collision.cells import FREE, HIT, UNDECIDED, certified_cells
 from alpha5_model.collision.cells_file import cells_text, committed_cells
 
 needs_kernels = pytest.mark.skipif(
-    not hasattr(kernels(), "scene"), reason="the compiled kernels are not installed"
+    not hasattr(kernels(), "scene"), reason="the kernels are not compiled here"
 )
-
-
-@pytest.fixture
-def script(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
-    """The script on copies of the committed files, with a proof that repeats them."""
-    from checks import prove_self_collision as module
-
-    texts = {}
-    for name in ("TOUCHING_PAIRS_PATH", "CELLS_PATH"):
-        path = getattr(module, name)
-        copy = tmp_path / path.name
-        shutil.copy(path, copy)
-        texts[name] = copy.read_text("utf-8")
-        monkeypatch.setattr(module, name, copy)
-    monkeypatch.setattr(
-        module, "touching_text", lambda arm, grippers: texts["TOUCHING_PAIRS_PATH"]
-    )
-    monkeypatch.setattr(module, "_cells_text", lambda: texts["CELLS_PATH"])
-    return module
-
-
-def test_what_is_proved_again_agrees(script: ModuleType, capsys) -> None:
-    assert script.main([]) == 0
-    said = capsys.readouterr().out.splitlines()
-    assert said == [
-        "touching_pairs.toml is as proven",
-        "self_collision_cells.json is as proven",
-    ]
-
-
-def test_a_pair_too_many_or_another_cell_is_stale(script: ModuleType, capsys) -> None:
-    path = script.TOUCHING_PAIRS_PATH
-    text = path.read_text("utf-8")
-    # Where a pair touches may differ, but not which pair.
-    path.write_text(text.replace("0.400297", "0.400296"))
-    assert script.main([]) == 0
-    path.write_text(text.replace("  [5, 0, ", "  [4, 0, ", 1))
-    script.CELLS_PATH.write_text("{}")
-    assert script.main([]) == 1
-    said = capsys.readouterr().out
-    assert "touching_pairs.toml is stale: run it with --update" in said
-    assert "self_collision_cells.json is stale" in said
-    assert script.main(["--update"]) == 0
-    assert path.read_text("utf-8") == text
-    assert script.main([]) == 0
-
-
-def test_another_argument_prints_the_help(script: ModuleType, capsys) -> None:
-    assert script.main(["--write"]) == 2
-    assert "--update" in capsys.readouterr().out
 
 
 @pytest.mark.slow
