@@ -60,8 +60,14 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     start = time.process_time()
     yield
     used = time.process_time() - start
-    if MOST and used > float(MOST) and not LAYERS & {m.name for m in item.iter_markers()}:
-        pytest.fail(f"took {used:.1f} s of processor time: mark it as slow", pytrace=False)
+    if (
+        MOST
+        and used > float(MOST)
+        and not LAYERS & {m.name for m in item.iter_markers()}
+    ):
+        pytest.fail(
+            f"took {used:.1f} s of processor time: mark it as slow", pytrace=False
+        )
 
 
 @pytest.hookimpl(wrapper=True)
