@@ -326,6 +326,7 @@ def test_bars_say_how_long_things_are_where_the_camera_looks(arm: a5.Arm) -> Non
     assert max(lengths) == pytest.approx(0.1 * scale + 2, abs=1.5), "and its two ends"
 
 
+@pytest.mark.slow
 def test_a_motion_stays_in_its_video(
     tmp_path: Path, arm: a5.Arm, capsys: pytest.CaptureFixture[str]
 ) -> None:
