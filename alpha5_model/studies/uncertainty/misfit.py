@@ -279,13 +279,15 @@ def _scores(equations: Equations, causes: tuple[Suspect, ...]) -> list[_Score]:
 
 
 def _chance(squared: float, count: int, independent: float) -> float:
-    """Chance of a squared misfit this large by noise alone.
+    """Chance of a squared misfit this large by noise alone; 1 if nothing explains it.
 
     The size of slow noise is known from the independent samples only, so that F's
     distribution replaces that of chi-squared.
     """
     from scipy.stats import f
 
+    if not count:
+        return 1.0
     return float(f.sf(squared / count, count, independent))
 
 
