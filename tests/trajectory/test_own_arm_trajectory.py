@@ -7,7 +7,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import arm_keys
 import numpy as np
 import own_arm_dynamics as own
 import pytest
@@ -20,15 +19,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
 TIME = np.linspace(0.0, 8.0, 161)
-#: Keys of an arm file that no figure of a motion depends on.
-WITHOUT_EFFECT = {
-    "mount.parent": "a name",
-    "mount.xyz": "gravity is the same everywhere",
-    "tool.rpy": "the path is of the tool point",
-    "attached.name": "a name",
-    "links.link_0.inertia": "link_0 stands still",
-    **{f"motors.inductance.axis_{x}": "di/dt is left out" for x in "edcba"},
-}
 
 
 def swing(record: Alpha5Parameters) -> np.ndarray:
@@ -117,38 +107,6 @@ def test_arguments_win_over_the_record() -> None:
     plain = a5.load(arm=with_motors(supply_voltage=23.0))
     with pytest.raises(a5.errors.InputError, match="both or neither"):
         trajectory.analyse(motion, plain, supply_voltage=20.0)
-
-
-def figures(record: Alpha5Parameters) -> str:
-    """Every figure of a motion that leaves all ranges, with the jaw rod."""
-    phase = np.outer(TIME, [0.5, 0.7, 0.9, 1.1])
-    q = 3.0 + 4.5 * np.sin(phase)
-    rod = 0.005 + 0.02 * np.sin(TIME)
-    motion = trajectory.motion(TIME, np.column_stack([q, rod]), arm=record)
-    lead = a5.actuators.actuator("axis_a", screw_lead=1e-3, arm=record)
-    arm = a5.load(gripper="jaws", arm=record)
-    analysis = trajectory.analyse(motion, arm, actuators={"axis_a": lead})
-    table = trajectory.columns(analysis)
-    sums = {name: float(values.sum()) for name, values in table.items()}
-    return json.dumps([trajectory.summary(analysis), sums])
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
-def test_each_key_alone_changes_the_figures(tmp_path: Path) -> None:
-    file = tmp_path / "arm.toml"
-
-    def of(text: str) -> str:
-        file.write_text(f"format = 1\n{text}\n", encoding="utf-8")
-        return figures(a5.arm_file(file))
-
-    whole = arm_keys.WHOLE
-    before = {False: of('name = "alpha5"\n[motors]\n'), True: of(whole)}
-    unchanged = set()
-    for key, text in arm_keys.changes(whole):
-        if of(text) == before[key.startswith("attached.")]:
-            unchanged.add(key)
-    assert unchanged == set(WITHOUT_EFFECT)
 
 
 def recording(folder: Path, record: Alpha5Parameters) -> Path:
