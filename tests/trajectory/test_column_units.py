@@ -10,7 +10,7 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, InputError
-from alpha5_model.trajectory.column_units import scale, split_unit
+from alpha5_model.trajectory.column_units import scale
 
 JOINTS = [f"axis_{letter}" for letter in "edcb"]
 TIME = 0.125 * np.arange(12)
@@ -157,21 +157,3 @@ def test_each_unit_has_its_size(
     assert scale("axis_e", "effort", "n m") == 1.0
     assert scale(joint, quantity, "furlong") is None
     assert scale(joint, "torque", units.split()[0]) is None
-
-
-@pytest.mark.parametrize(
-    ("name", "parts"),
-    [
-        ("axis_e_pos [deg]", ("axis_e_pos", "deg")),
-        ("axis_e_pos (Rad)", ("axis_e_pos", "rad")),
-        ("[mA]", ("", "ma")),
-        ("_pos_[ deg ]", ("_pos", "deg")),
-        ("_DEG", ("", "deg")),
-        ("pos_m", ("pos_m", "")),
-        ("pos]", ("pos]", "")),
-        ("a [b] (c)", ("a [b]", "c")),
-        ("deg", ("deg", "")),
-    ],
-)
-def test_a_unit_is_split_from_a_name(name: str, parts: tuple[str, str]) -> None:
-    assert split_unit(name) == parts

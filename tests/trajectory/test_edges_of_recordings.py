@@ -63,24 +63,27 @@ def test_most_samples_decide(far: int, degrees: bool) -> None:
 
 # --- efforts and currents -------------------------------------------------------------
 
-TAKEN = a5.trajectory.analyse(motion())
-#: What each sample may take at most without a payload: torque and friction [N m].
-POSSIBLE = np.abs(TAKEN.torque) + [m.joint_friction for m in TAKEN.actuators]
+
+@pytest.fixture(scope="module")
+def possible() -> Any:
+    """What each sample may take without a payload: torque and friction [N m]."""
+    taken = a5.trajectory.analyse(motion())
+    return np.abs(taken.torque) + [motor.joint_friction for motor in taken.actuators]
 
 
 @pytest.mark.parametrize(("times", "unit"), [(1.99, "N m"), (2.01, "mA")])
 @pytest.mark.parametrize("known", ["all", "few", "one"])
 def test_efforts_are_milliamperes_above_twice_what_is_possible(
-    times: float, unit: str, known: str
+    times: float, unit: str, known: str, possible: Any
 ) -> None:
-    effort = times * POSSIBLE
+    effort = times * possible
     if known == "few":
         effort[::5] = np.nan
         effort[1::5] = np.nan
         effort[2::5, 1] = np.nan
     if known == "one":
         effort[:] = np.nan
-        effort[7, 3] = times * POSSIBLE[7, 3]
+        effort[7, 3] = times * possible[7, 3]
     # As of a file, where a number may be missing.
     recorded = replace(motion(), effort=effort)
     analysis = a5.trajectory.analyse(recorded)
@@ -91,10 +94,10 @@ def test_efforts_are_milliamperes_above_twice_what_is_possible(
         assert "2.01 times the torque with friction" in warning.text
 
 
-def test_the_effort_of_the_jaw_rod_decides_nothing() -> None:
+def test_the_effort_of_the_jaw_rod_decides_nothing(possible: Any) -> None:
     """It is a force, and mostly unknown."""
     position = np.column_stack([POSITION, np.full(TIME.size, 0.005)])
-    effort = np.column_stack([1.5 * POSSIBLE, np.full(TIME.size, 500.0)])
+    effort = np.column_stack([1.5 * possible, np.full(TIME.size, 500.0)])
     with_rod = a5.trajectory.motion(TIME, position, effort=effort)
     analysis = a5.trajectory.analyse(with_rod)
     assert kinds(analysis) == []

@@ -134,14 +134,6 @@ def test_the_least_bandwidth_is_as_good_as_it_says(jitter: float) -> None:
         a5.trajectory.smooth(motion, "spline", width * (1 - 1e-12))
 
 
-def test_default_bandwidth() -> None:
-    """The default is the spline at 2 Hz, as the module and --help document."""
-    motion, _, _ = cubic_motion()
-    s = a5.trajectory.smooth(motion)
-    assert (s.method, s.bandwidth) == ("spline", 2.0)
-    assert a5.trajectory.analyse(motion).smooth.bandwidth == 2.0
-
-
 def test_noise_is_taken_out() -> None:
     time = uneven(3000, 0.02, seed=8)
     truth = 1.5 + np.sin(0.5 * time)[:, None] * np.ones(4)
