@@ -149,25 +149,6 @@ def test_the_spread_is_that_of_the_sampled_results() -> None:
     assert np.array_equal(u.sample(3).values, u.sample(3, seed=0).values)
 
 
-def test_bounds_with_jaws_move_all_quantities_by_the_jaws() -> None:
-    """The widths are those without; the middles are what the arm itself has."""
-    jaws = a5.load(gripper="jaws").with_payload(0.2, (0.0, 0.01, 0.02))
-    q = np.array([0.3, 1.2, 1.5, 0.4, 0.005])
-    v = np.array([0.4, -0.6, 0.5, 0.3, 0.01])
-    a = np.array([1.0, 0.5, -0.8, 0.2, 0.02])
-    found = u.bounds(q, v, a, jaws)
-    narrow = u.bounds(q[:4], v[:4], a[:4], a5.load())
-    plain = a5.load()
-    shifts = (
-        jaws.base_wrench(q, v, a).vector
-        - plain.base_wrench(q[:4], v[:4], a[:4]).vector,
-        jaws.kinetic_energy(q, v) - plain.kinetic_energy(q[:4], v[:4]),
-        jaws.potential_energy(q) - plain.potential_energy(q[:4]),
-    )
-    for ours, theirs, shift in zip(found[1:], narrow[1:], shifts, strict=True):
-        np.testing.assert_allclose(ours, np.array(theirs) + shift, atol=1e-10)
-
-
 def test_a_measured_centre_of_buoyancy_needs_no_length() -> None:
     """The correction of link 3 has it from lengths, unless it is measured itself."""
     corrections = ("base_frame", "link3_cob")

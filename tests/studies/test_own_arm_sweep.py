@@ -85,19 +85,6 @@ def test_an_axis_of_the_mount_replaces_the_records(tmp_path: Path) -> None:
     assert np.array_equal(found, table(tmp_path / "same")["torque.axis_d"])
 
 
-def test_workers_and_chunks_give_the_same_bytes(tmp_path: Path) -> None:
-    record = a5.arm_file(EXAMPLE)
-    file = study(tmp_path, record, "payload_mass = [0, 0.2]\nparameters = 3")
-    alone = a5.sweep(file, tmp_path / "one", arm=record)
-    words = ["sweep", str(file), "-o", str(tmp_path / "two"), "--workers", "1"]
-    assert main([*words, "--arm", str(EXAMPLE), "--json"]) == 0
-    assert alone.rows == 2 * 3 * 81
-    one = {path.name: path.read_bytes() for path in (tmp_path / "one").glob("*.*")}
-    two = {path.name: path.read_bytes() for path in (tmp_path / "two").glob("*.*")}
-    assert one == two
-    assert json.loads(one["summary.json"])["arm"] == "alpha5_lab_2"
-
-
 def test_samples_have_the_records_half_widths(tmp_path: Path) -> None:
     """The mass of link 2 alone is measured, with 50 g; nothing else is open."""
     links = [f"link_{i}" for i in range(5)]

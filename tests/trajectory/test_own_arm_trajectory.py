@@ -118,16 +118,13 @@ def recording(folder: Path, record: Alpha5Parameters) -> Path:
     return file
 
 
-@pytest.mark.slow
 def test_the_command_says_which_arm_and_has_its_limits(
     tmp_path: Path, capsys: Any
 ) -> None:
     record = a5.arm_file(EXAMPLE)
     file = recording(tmp_path, record)
     words = ["trajectory", str(file), "--arm", str(EXAMPLE)]
-    picture = tmp_path / "page.png"
-    assert main([*words, "--json", "--plot", str(picture)]) == 0
-    assert picture.stat().st_size > 10_000
+    assert main([*words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["model"]["arm"] == "alpha5_lab_2"
     assert found["model"]["gravity"] == pytest.approx([0.0, 0.0, 9.81])
@@ -146,13 +143,3 @@ def test_the_command_says_which_arm_and_has_its_limits(
     assert "gravity (0, 0, -9.81)" in printed
     assert "torque limits are those of alpha5_lab_2" in printed
     assert "used here: voltage" in printed
-
-
-def test_a_wrong_arm_file_is_one_line(tmp_path: Path, capsys: Any) -> None:
-    file = recording(tmp_path, a5.parameters())
-    wrong = tmp_path / "mine.toml"
-    wrong.write_text("format = 1\n[links.link_2]\nmass = -1\n", encoding="utf-8")
-    assert main(["trajectory", str(file), "--arm", str(wrong)]) == 2
-    said = capsys.readouterr().err
-    assert "mine.toml, links.link_2.mass: -1 kg" in said
-    assert said.count("\n") == 1
