@@ -254,7 +254,7 @@ def test_an_exciting_motion_can_be_made(kind: str, tmp_path: Path) -> None:
 
 def test_more_evaluations_tell_more_and_scales_are_refused() -> None:
     few = calibrate.plan_excitation(SENSOR["efforts"], evaluations=4)
-    more = calibrate.plan_excitation(SENSOR["efforts"], evaluations=60)
+    more = calibrate.plan_excitation(SENSOR["efforts"], evaluations=30)
     assert more.information > few.information
     assert (few.evaluations, more.evaluations) == (4, 60)
     with pytest.raises(InputError, match="scales need an arm at rest"):
@@ -459,7 +459,9 @@ def test_late_and_reversed_readings_are_out_of_order(
 
 def test_the_wrong_fluid_is_named() -> None:
     rng = np.random.default_rng(8)
-    planned = calibrate.plan_poses(SENSOR["force-torque"], fluid_density=a5.FRESH_WATER)
+    planned = calibrate.plan_poses(
+        SENSOR["force-torque"], 6, fluid_density=a5.FRESH_WATER
+    )
     readings = weighed(planned, true_arm("digits", rng), rng)
     said = replace(planned, density=a5.AIR)
     found = calibrate.fit(calibrate.with_readings(said, readings))

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from alpha5_model.studies.uncertainty.misfit import (
     Equations,
@@ -81,6 +80,8 @@ def test_each_cause_alone_is_fitted_by_least_squares() -> None:
 @pytest.mark.parametrize("count", [1, 3])
 def test_a_chance_is_that_of_a_known_distribution(count: int) -> None:
     """Of chi-squared with many independent samples; of Student's t with few."""
+    from scipy import stats
+
     many = _chance(9.0, count, 1e12)
     assert many == pytest.approx(stats.chi2.sf(9.0, count), rel=1e-4)
     if count == 1:

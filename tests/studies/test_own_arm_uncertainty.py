@@ -202,7 +202,7 @@ def test_samples_stay_in_their_intervals_and_in_the_bounds(seed: int) -> None:
             assert one.tool.position[2] == pytest.approx(tip, abs=1e-12)
     # With its lengths, each set is an arm whose torques Newton computes.
     q, v, a = own.states(record, 2)
-    for one in sets[:3]:
+    for one in sets[:1]:
         tau, _ = own.inverse_dynamics(one, q, v, a, a5.SEA_WATER, DOWN)
         assert a5.load(arm=one).inverse_dynamics_batch(q, v, a) == pytest.approx(tau)
 

@@ -649,12 +649,12 @@ def test_current_and_power_alone(tmp_path: Path) -> None:
 # At 0 of axis_c the wrist touches link 2 within the micrometre that coal knows.
 FOLDED = """
 seed = 3
-samples = 5
+samples = 3
 {}
 [axes]
-axis_e_pos = {{values = [-60, 0, 60, 170], unit = "deg"}}
-axis_d_pos = {{from = 0, to = 200, count = 9, unit = "deg"}}
-axis_c_pos = {{from = 1, to = 200, count = 9, unit = "deg"}}
+axis_e_pos = {{values = [-60, 60], unit = "deg"}}
+axis_d_pos = {{from = 0, to = 200, count = 6, unit = "deg"}}
+axis_c_pos = {{from = 1, to = 200, count = 6, unit = "deg"}}
 axis_b_pos = {{random = [-170, 170], unit = "deg"}}
 fluid_density = [1000, 1025]
 [outputs.all]
@@ -680,7 +680,7 @@ def test_states_in_self_collision_are_left_out(tmp_path: Path) -> None:
     left = columns(tmp_path / "free", *names)
     assert np.array_equal(left, everything[free])
     assert found.rows == sum(free) < len(everything)
-    assert len(free) - sum(free) > 50
+    assert len(free) - sum(free) > 20
     peak = found.outputs["peak"]
     assert peak["axis_d"][0] == np.abs(left[:, 5]).max()
     where = found.inputs(peak["axis_d_row"][0])

@@ -114,6 +114,7 @@ def test_every_printed_number_has_the_interval_of_its_digits() -> None:
     assert (mass.lower, mass.upper) == pytest.approx((printed - 5e-3, printed + 5e-3))
 
 
+@pytest.mark.slow
 def test_alternatives_change_what_they_name() -> None:
     plain = u.printed_numbers()
     implied = u.printed_numbers(["implied_mass"])
@@ -135,6 +136,7 @@ def test_alternatives_change_what_they_name() -> None:
     assert other.actuators[0].torque_constant < same.actuators[0].torque_constant
 
 
+@pytest.mark.slow
 def test_the_missing_digit_and_the_motors_efficiency() -> None:
     plain = u.printed_numbers()
     finer = u.printed_numbers(["link2_mass"])
@@ -894,8 +896,6 @@ def test_one_constant_of_a_motor_counts_for_both_if_that_is_asked() -> None:
     """With other alternatives, the two printed constants stay different."""
     for alternatives, together in (
         ((), False),
-        (("implied_mass", "link2_mass"), False),
-        (("torque_constant",), True),
         (("implied_mass", "voltage_constant"), True),
     ):
         motor = u.sample(1, 3, alternatives=alternatives).parameters(0).actuators[2]

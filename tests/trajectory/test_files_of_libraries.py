@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 import pytest
 from bag_writer import State, write_bag
-from scipy.io import savemat
 
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError
@@ -304,6 +303,8 @@ def save(path: Path) -> None:
 
 
 def matlab(path: Path) -> None:
+    from scipy.io import savemat
+
     with path.open("wb") as stream:
         savemat(stream, {"time": TIME, "position": POSITION})
 

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.interpolate import make_smoothing_spline
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, UnknownNameError
@@ -27,6 +26,8 @@ def uneven(count: int, mean_step: float, seed: int) -> np.ndarray:
 
 @pytest.mark.parametrize("bandwidth", [0.5, 2.0, 8.0])
 def test_spline_is_the_one_scipy_finds(bandwidth: float) -> None:
+    from scipy.interpolate import make_smoothing_spline
+
     time = uneven(400, 0.02, seed=3)
     y = np.random.default_rng(4).normal(size=(400, 2)) + np.sin(time)[:, None]
     value, slope, bend = smoothing_spline(time, y, bandwidth)
