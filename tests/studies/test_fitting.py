@@ -1,4 +1,4 @@
-"""The equations of a fit: those of all whitened rows, written out one below the other.
+"""A fit is the best one, by all whitened rows, written out one below the other.
 
 The recording is Pinocchio's, of a sampled arm, with correlated noise and gaps.
 """

@@ -1,4 +1,4 @@
-"""Thresholds of files of joint motion, tried on both of their sides."""
+"""Files of joint motion with comments, short rows, other arms and deep metadata."""
 
 from __future__ import annotations
 

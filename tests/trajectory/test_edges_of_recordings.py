@@ -1,4 +1,4 @@
-"""Thresholds of recorded motions, tried on both of their sides."""
+"""Numbers of recordings that are too large, or in another unit than is said."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Each threshold, window, table and sentence of the analysis keeps its definition."""
+"""What an analysis warns of, and its figures by their definitions."""
 
 from __future__ import annotations
 
