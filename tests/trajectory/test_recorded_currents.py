@@ -193,6 +193,7 @@ def test_a_written_table_returns_what_was_recorded(
     assert a5.trajectory.read_motion(tmp_path / "computed.csv").current is None
 
 
+@pytest.mark.slow
 def test_the_command_prints_and_draws_recorded_currents(
     computed: a5.trajectory.Analysis, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
