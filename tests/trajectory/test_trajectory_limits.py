@@ -292,7 +292,7 @@ def test_parquet_that_expands_without_measure(tmp_path: Path) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    zeros = pyarrow.array(np.zeros(4_000_000))
+    zeros = pyarrow.array(np.zeros(3_500_000))
     table = pyarrow.table({"time": zeros} | dict.fromkeys(NAMES, zeros))
     path = tmp_path / "rows.parquet"
     parquet.write_table(table, path)
@@ -303,12 +303,12 @@ def test_parquet_that_expands_without_measure(tmp_path: Path) -> None:
     ):
         a5.trajectory.read_motion(path)
     # Equal rows are no harm by themselves, nor is what is not needed.
-    small = table.slice(0, 150_000).append_column(
-        "note", pyarrow.array(["x" * 999] * 150_000)
+    small = table.slice(0, 100_000).append_column(
+        "note", pyarrow.array(["x" * 999] * 100_000)
     )
-    steps = pyarrow.array(0.01 * np.arange(150_000))
+    steps = pyarrow.array(0.01 * np.arange(100_000))
     parquet.write_table(small.set_column(0, "time", steps), path, compression="zstd")
-    assert a5.trajectory.read_motion(path).time.size == 150_000
+    assert a5.trajectory.read_motion(path).time.size == 100_000
 
 
 def test_a_large_parquet_file_may_expand_by_its_size(tmp_path: Path) -> None:
