@@ -63,16 +63,20 @@ def _moved(pseudo: FloatArray, place: FloatArray) -> FloatArray:
 
 
 def inertia_error(given: FloatArray, expected: FloatArray) -> float:
-    """Largest error of a pseudo-inertia, relative to the size of its block."""
-    second_moments = np.s_[:3, :3]
-    first_moments = np.s_[:3, 3]
-    mass = np.s_[3, 3]
-    errors = []
-    for block in (second_moments, first_moments, mass):
-        difference = np.abs((given - expected)[block]).max()
-        size = np.abs(expected[block]).max()
-        errors.append(float(difference / size))
-    return max(errors)
+    """Largest error of a pseudo-inertia, relative to the size of its block.
+
+    First moments are relative to the largest that the others permit: they are 0 if the
+    COM is the origin.
+    """
+    difference = np.abs(given - expected)
+    mass = expected[3, 3]
+    second_moments = np.abs(expected[:3, :3]).max()
+    first_moments = np.sqrt(mass * second_moments)
+    return max(
+        float(difference[:3, :3].max() / second_moments),
+        float(difference[:3, 3].max() / first_moments),
+        float(difference[3, 3] / mass),
+    )
 
 
 def own_inertial_differences(text: Subject) -> Iterator[str]:
