@@ -145,15 +145,15 @@ def test_the_urdf_is_the_record_on_its_mount(record: Alpha5Parameters) -> None:
     torque = expected_torque(record, (q, v, a), 0.0)
     for k in range(8):
         assert pin.rnea(model, data, q[k], v[k], a[k]) == pytest.approx(
-            torque[k], abs=1e-12
+            torque[k], abs=1e-11
         )
         pin.crba(model, data, q[k])
         masses = np.triu(data.M) + np.triu(data.M, 1).T
-        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-12)
+        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-11)
         pin.framesForwardKinematics(model, data, q[k])
         tip = data.oMf[model.getFrameId("tcp")].homogeneous
         expected = mount_pose(record) @ own.tcp(record, q[k])
-        assert tip == pytest.approx(expected, abs=1e-12)
+        assert tip == pytest.approx(expected, abs=1e-11)
     lower, upper = model.lowerPositionLimit, model.upperPositionLimit
     for i, joint in enumerate(record.joints[:4]):
         assert (lower[i], upper[i]) == (joint.lower, joint.upper)
@@ -180,16 +180,16 @@ def test_the_mujoco_model_is_the_record_in_water(record: Alpha5Parameters) -> No
     for k in range(8):
         data.qpos, data.qvel, data.qacc = q[k], v[k], a[k]
         mujoco.mj_inverse(model, data)
-        assert data.qfrc_inverse == pytest.approx(torque[k], abs=1e-12)
+        assert data.qfrc_inverse == pytest.approx(torque[k], abs=1e-11)
         masses = np.zeros((4, 4))
         for row, unit in zip(masses, np.eye(4), strict=True):
             mujoco.mj_mulM(model, data, row, unit)
-        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-12)
+        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-11)
         tip = np.eye(4)
         tip[:3, :3] = data.site("tcp").xmat.reshape(3, 3)
         tip[:3, 3] = data.site("tcp").xpos
         expected = mount_pose(record) @ own.tcp(record, q[k])
-        assert tip == pytest.approx(expected, abs=1e-12)
+        assert tip == pytest.approx(expected, abs=1e-11)
     for joint in record.joints[:4]:
         assert model.joint(joint.name).range.tolist() == [joint.lower, joint.upper]
         force = model.actuator(joint.name).forcerange.tolist()
@@ -210,7 +210,7 @@ def test_closed_jaws_in_mujoco_are_the_record(record: Alpha5Parameters) -> None:
         data.qpos = [*q[k], record.joints[4].lower, 0.0, 0.0]
         data.qvel, data.qacc = np.r_[v[k], rest], np.r_[a[k], rest]
         mujoco.mj_inverse(model, data)
-        assert data.qfrc_inverse[:4] == pytest.approx(torque[k], abs=1e-12)
+        assert data.qfrc_inverse[:4] == pytest.approx(torque[k], abs=1e-11)
 
 
 def sdf_bodies(text: str) -> list[list[ne.Body]]:
@@ -272,13 +272,14 @@ def test_the_gazebo_model_is_the_record_in_water(record: Alpha5Parameters) -> No
     frames = sdf_frames(root, q)
     found, _ = own.of_bodies(bodies, frames, v, a, DENSITY, gravity)
     expected = expected_torque(record, (q, v, a), DENSITY)
-    assert found == pytest.approx(expected, abs=1e-12)
+    # Bodies with something attached are written with 12 digits.
+    assert found == pytest.approx(expected, abs=1e-11)
 
     for k in range(8):
         same = sdf_frames(root, np.tile(q[k], (4, 1)))
         rest, units = np.zeros((4, 4)), np.eye(4)
         masses, _ = own.of_bodies(bodies, same, rest, units, 0.0, np.zeros(3))
-        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-12)
+        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-11)
 
 
 @every_record
@@ -290,7 +291,7 @@ def test_the_gazebo_model_has_the_tool_and_the_limits(record: Alpha5Parameters) 
         wrist = sdf_reading.link_poses(root, q)["link_4"]
         tip = placed_by(root) @ wrist @ sdf_reading.pose(tcp)
         expected = mount_pose(record) @ own.tcp(record, q)
-        assert tip == pytest.approx(expected, abs=1e-12)
+        assert tip == pytest.approx(expected, abs=1e-11)
     for joint in record.joints[:4]:
         limit = root.find(f".//joint[@name='{joint.name}']/axis/limit")
         assert limit is not None
@@ -312,7 +313,7 @@ def test_an_arm_on_the_world_stands_there_in_mujoco_and_gazebo() -> None:
     assert body.get("name") == "base_link"
     assert body.get("quat") is not None
     gazebo = ET.fromstring(sdf(SdfOptions(arm=record)))
-    assert placed_by(gazebo) == pytest.approx(mount_pose(record), abs=1e-12)
+    assert placed_by(gazebo) == pytest.approx(mount_pose(record), abs=1e-11)
     assert gazebo.find(".//frame[@name='world']") is None
 
 
