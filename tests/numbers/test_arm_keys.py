@@ -315,3 +315,16 @@ def test_a_key_changes_what_it_concerns(
         if changes != (name in ("record", "written", *concerned.split())):
             wrong.append(f"{kind}: {changes=}")
     assert wrong == []
+
+
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+def test_every_arm_comes_back_from_the_file_that_is_written_of_it(
+    arms: dict[str, Alpha5Parameters], tmp_path: Path
+) -> None:
+    file = tmp_path / "arm.toml"
+    wrong = []
+    for kind, arm in arms.items():
+        file.write_text(arm_file_text(arm), encoding="utf-8")
+        if plain(record(a5.arm_file(file))) != plain(record(arm)):
+            wrong.append(kind)
+    assert wrong == []
