@@ -193,8 +193,8 @@ def test_the_mujoco_model_is_the_record_in_water(record: Alpha5Parameters) -> No
         assert force == [-joint.effort, joint.effort]
 
 
-@every_record
-def test_closed_jaws_in_mujoco_are_the_record(record: Alpha5Parameters) -> None:
+def test_closed_jaws_in_mujoco_are_the_record() -> None:
+    record = RECORDS[1]
     mujoco = pytest.importorskip("mujoco", minversion="3.5")
     options = MjcfOptions(arm=record, gripper="jaws", fluid_density=DENSITY)
     model, data = free_mujoco(mjcf(options))
