@@ -6,11 +6,11 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
+import model_defects
+import model_edits as edits
 import numpy as np
 import pinocchio as pin
 import pytest
-import test_compare_alignment as edits
-import test_compare_tool
 from urdf_edits import OWN
 
 import alpha5_model as a5
@@ -114,9 +114,9 @@ def test_lengths_are_positive_on_either_side(
 ) -> None:
     """An axis on the other side is reversed instead, with all that follow it."""
     root = ET.fromstring(OWN)
-    test_compare_tool.DEFECTS[f"{defect} on the other side"](root)
+    model_defects.DEFECTS[f"{defect} on the other side"](root)
     # Near the wrist, so that it is near Table 1's tool on either side.
-    test_compare_tool.put("tcp_fixed", xyz="0.01 0 -0.05")(root)
+    model_defects.put("tcp_fixed", xyz="0.01 0 -0.05")(root)
     for axis, flip in zip(("axis_d", "axis_b"), flipped, strict=True):
         if flip:
             edits.reverse(root.find(f"joint[@name='{axis}']"))
@@ -139,7 +139,7 @@ def test_a_length_of_nothing_turns_no_axis() -> None:
 
 def test_a_length_of_nothing_is_left_out() -> None:
     root = ET.fromstring(OWN)
-    test_compare_tool.put("axis_d", xyz="0 0 0.0462")(root)
+    model_defects.put("axis_d", xyz="0 0 0.0462")(root)
     arm = described(root)
     (said,) = [text for text in arm.left_out if text.startswith("a_0 is ")]
     assert said.endswith(" m, which has not the sign of Table 1")
@@ -158,13 +158,13 @@ def test_a_twisted_axis_is_said_with_its_angle(
     axis: str, rpy: tuple[float, float, float], degrees: float
 ) -> None:
     root = ET.fromstring(OWN)
-    origin = test_compare_tool.origin_of(root, axis)
-    printed = test_compare_tool.rotation(test_compare_tool.vector(origin.get("rpy")))
+    origin = model_defects.origin_of(root, axis)
+    printed = model_defects.rotation(model_defects.vector(origin.get("rpy")))
     z = printed[:, 2]
     # A turn about a line across both axes.
     across = np.cross(z, [0, 0, 1]) if axis != "axis_c" else printed[:, 0]
     turned = pin.exp3(across / np.linalg.norm(across) * degrees) @ printed
-    origin.set("rpy", test_compare_tool.written(pin.rpy.matrixToRpy(turned)))
+    origin.set("rpy", model_defects.written(pin.rpy.matrixToRpy(turned)))
     said = f"{math.degrees(degrees):.3g} deg against the axis before it"
     assert described(root).left_out[0] == f"{axis} is twisted by {said}", rpy
 
@@ -182,7 +182,7 @@ def test_a_base_link_far_below_the_shoulder_is_another_frame(
 ) -> None:
     """It is known by the COM of link_0. d_0 may differ by 100 mm, and is positive."""
     root = ET.fromstring(OWN)
-    test_compare_tool.shift("axis_e", 0.0, 0.0, higher)(root)
+    model_defects.shift("axis_e", 0.0, 0.0, higher)(root)
     arm = described(root)
     printed = RECORD.dh[0].d
     expected = printed + higher if kept else printed
@@ -204,7 +204,7 @@ def test_a_tilted_base_link_gives_the_record_its_x_axis(
 ) -> None:
     """x of base_link is theirs, seen along axis_e; if it lies along axis_e, y is."""
     root = ET.fromstring(OWN)
-    test_compare_tool.turn("axis_e", *tilt, 0.0)(root)
+    model_defects.turn("axis_e", *tilt, 0.0)(root)
     arm = described(root)
     assert arm.record.mount is not None
     x, _, z = arm.record.mount.rotation.T
@@ -218,8 +218,8 @@ def test_a_tilted_base_link_gives_the_record_its_x_axis(
 def test_a_base_that_nothing_shows_is_put_below_the_shoulder() -> None:
     text = OWN.replace("base_link", "platform").replace("link_0", "turret")
     root = ET.fromstring(text)
-    test_compare_tool.without("turret", "inertial")(root)
-    test_compare_tool.shift("turret_fixed", 0.1, -0.3, 0.2)(root)
+    model_defects.without("turret", "inertial")(root)
+    model_defects.shift("turret_fixed", 0.1, -0.3, 0.2)(root)
     arm = described(root)
     assert arm.record.dh[0].d == pytest.approx(RECORD.dh[0].d, abs=1e-12)
     assert arm.record.mount is not None
@@ -296,7 +296,7 @@ def test_a_joint_without_limits_has_the_printed_ones_in_its_positions(
 @pytest.mark.parametrize(("z", "kept"), [(-0.475, False), (-0.485, True)])
 def test_a_tool_may_be_300_mm_from_table_1s(z: float, kept: bool) -> None:
     root = ET.fromstring(OWN)
-    test_compare_tool.put("tcp_fixed", xyz=f"0 0 {z}")(root)
+    model_defects.put("tcp_fixed", xyz=f"0 0 {z}")(root)
     arm = described(root)
     said = "its tool frame tcp is more than 0.3 m off"
     assert (said in arm.left_out) == kept
@@ -309,11 +309,11 @@ def test_a_tool_may_be_300_mm_from_table_1s(z: float, kept: bool) -> None:
 @pytest.mark.parametrize("rpy", ["3.141592653589793 0 0", "3.1 0 0", "0 0 0"])
 def test_a_tool_that_is_only_turned_is_its_own(rpy: str) -> None:
     root = ET.fromstring(OWN)
-    ours = test_compare_tool.origin_of(root, "tcp_fixed").get("rpy", "")
-    test_compare_tool.put("tcp_fixed", rpy=rpy)(root)
+    ours = model_defects.origin_of(root, "tcp_fixed").get("rpy", "")
+    model_defects.put("tcp_fixed", rpy=rpy)(root)
     arm = described(root)
     same = np.allclose(
-        test_compare_tool.vector(ours), test_compare_tool.vector(rpy), atol=1e-12
+        model_defects.vector(ours), model_defects.vector(rpy), atol=1e-12
     )
     assert (arm.record.tool is None) == same
     assert_same_tcp(root, arm)
@@ -371,7 +371,7 @@ def test_shapes_are_noted_if_there_are_any(shape: str) -> None:
     root = ET.fromstring(OWN)
     for link in root.findall("link"):
         for kind in {"visual", "collision"} - {shape}:
-            test_compare_tool.without(link.get("name", ""), kind)(root)
+            model_defects.without(link.get("name", ""), kind)(root)
     assert described(root).left_out == ((VOLUMES, SHAPES) if shape else (VOLUMES,))
 
 
