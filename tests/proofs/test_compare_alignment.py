@@ -56,7 +56,7 @@ def wheres(comparison, serious: bool = True) -> list[str]:
     return sorted(f.where for f in comparison.findings if f.serious == serious)
 
 
-@pytest.mark.parametrize("digits", [3, 4, 5, 6, 7, 8, 10, 12, 15])
+@pytest.mark.parametrize("digits", [3, 5, 6, 10, 15])
 def test_pi_cut_short_changes_nothing(digits):
     text = cut(OWN, digits)
     assert (text != OWN) == (digits < 16)
@@ -70,6 +70,7 @@ def test_pi_cut_short_changes_nothing(digits):
     np.testing.assert_allclose(comparison.alignment.base, np.eye(4), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_what_was_done_is_found_and_nothing_else():
     """Digits of pi, prefix, mount, reversed axes and shifted zeros are combined."""
     rng = np.random.default_rng(7)
