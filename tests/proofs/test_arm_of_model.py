@@ -15,14 +15,9 @@ from urdf_edits import OWN
 
 import alpha5_model as a5
 from alpha5_model.description.reading import parse_urdf
-from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.arm_of_model import (
     ArmOfModel,
-    _largest,
-    _next,
-    _problem_of_range,
-    _with_room_for_jaws,
     arm_of_robot,
 )
 
@@ -127,16 +122,6 @@ def test_lengths_are_positive_on_either_side(
     assert_same_tcp(root, arm)
 
 
-def test_a_length_of_nothing_turns_no_axis() -> None:
-    z, x = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
-    for step, sign in ((0.0, 1.0), (0.5, 1.0), (-0.5, -1.0)):
-        normal = _next(z, x, step * np.cross(z, x), math.pi / 2)
-        assert (normal.sign, normal.a) == (sign, abs(step))
-        assert normal.x == pytest.approx(sign * np.cross(z, x))
-    reversed_twist = _next(z, x, 0.5 * np.cross(z, x), -math.pi / 2)
-    assert (reversed_twist.sign, reversed_twist.a) == (-1.0, 0.5)
-
-
 def test_a_length_of_nothing_is_left_out() -> None:
     root = ET.fromstring(OWN)
     model_defects.put("axis_d", xyz="0 0 0.0462")(root)
@@ -175,7 +160,7 @@ def test_a_twisted_axis_is_said_with_its_angle(
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("higher", "kept"),
-    [(0.09, True), (-0.04, True), (0.11, False), (-0.05, False), (-0.2, False)],
+    [(0.09, True), (-0.2, False)],
 )
 def test_a_base_link_far_below_the_shoulder_is_another_frame(
     higher: float, kept: bool
@@ -231,44 +216,6 @@ def test_a_base_that_nothing_shows_is_put_below_the_shoulder() -> None:
 # --- limits
 
 
-@pytest.mark.parametrize(
-    ("ends", "problem"),
-    [
-        ([1.0, 1.0], "of 0 deg"),
-        ([1.0, 1.0001], ""),
-        ([-3.0, 3.28], ""),
-        ([-math.pi, math.pi], "of 360 deg"),
-        ([100.0, 101.0], "from 100 to 101 rad"),
-        ([-101.0, -100.0], "from -101 to -100 rad"),
-        ([12.0, 13.0], "from 12 to 13 rad"),
-    ],
-)
-def test_ranges_that_no_arm_file_says(ends: list[float], problem: str) -> None:
-    assert _problem_of_range(ends) == problem
-
-
-@pytest.mark.parametrize(
-    ("value", "kept", "said"),
-    [
-        (None, True, "axis_e has no largest effort: the catalogue's is kept"),
-        (0.0, True, "axis_e has no largest effort: the catalogue's is kept"),
-        (-2.0, True, "axis_e has no largest effort: the catalogue's is kept"),
-        (0.5, False, ""),
-        (12345.0, True, "axis_e has a largest effort of 1.234e+04"),
-    ],
-)
-def test_efforts_that_no_arm_file_says(
-    value: float | None, kept: bool, said: str
-) -> None:
-    left_out: list[str] = []
-    joint = RECORD.joints[0]
-    found = _largest("effort", joint, value, left_out)
-    assert found == (joint.effort if kept else value)
-    assert [text.partition(":")[0] for text in left_out] == (
-        [said.partition(":")[0]] if said else []
-    )
-
-
 @pytest.mark.parametrize("missing", ["lower", "upper", "both"])
 def test_a_joint_without_limits_has_the_printed_ones_in_its_positions(
     missing: str,
@@ -293,20 +240,7 @@ def test_a_joint_without_limits_has_the_printed_ones_in_its_positions(
 # --- tool, link_4 and the notes
 
 
-@pytest.mark.parametrize(("z", "kept"), [(-0.475, False), (-0.485, True)])
-def test_a_tool_may_be_300_mm_from_table_1s(z: float, kept: bool) -> None:
-    root = ET.fromstring(OWN)
-    model_defects.put("tcp_fixed", xyz=f"0 0 {z}")(root)
-    arm = described(root)
-    said = "its tool frame tcp is more than 0.3 m off"
-    assert (said in arm.left_out) == kept
-    assert (arm.record.tool is None) == kept
-    if arm.record.tool is not None:
-        assert arm.record.tool.position == pytest.approx([0, 0, z], abs=1e-12)
-        assert_same_tcp(root, arm)
-
-
-@pytest.mark.parametrize("rpy", ["3.141592653589793 0 0", "3.1 0 0", "0 0 0"])
+@pytest.mark.parametrize("rpy", ["3.141592653589793 0 0", "0 0 0"])
 def test_a_tool_that_is_only_turned_is_its_own(rpy: str) -> None:
     root = ET.fromstring(OWN)
     ours = model_defects.origin_of(root, "tcp_fixed").get("rpy", "")
@@ -317,38 +251,6 @@ def test_a_tool_that_is_only_turned_is_its_own(rpy: str) -> None:
     )
     assert (arm.record.tool is None) == same
     assert_same_tcp(root, arm)
-
-
-def test_what_is_attached_to_other_links_stays_if_link_4_is_the_printed_one() -> None:
-    def attached(link: str) -> AttachedBody:
-        return AttachedBody(
-            name=f"lamp_on_{link}",
-            mass=0.1,
-            com=np.zeros(3),
-            inertia=1e-5 * np.eye(3),
-            volume=0.0,
-            cob=np.zeros(3),
-            link=link,
-            position=np.zeros(3),
-            rotation=np.eye(3),
-        )
-
-    light = replace(RECORD.links[4], mass=0.001, inertia=1e-9 * np.eye(3))
-    heavy = replace(RECORD.links[3], mass=0.2)
-    record = replace(
-        RECORD,
-        links=(*RECORD.links[:3], heavy, light),
-        attached=(attached("link_2"), attached("link_4")),
-    )
-    left_out: list[str] = []
-    mended = _with_room_for_jaws(record, RECORD, left_out)
-    assert [body.link for body in mended.attached] == ["link_2"]
-    assert mended.links == (*record.links[:4], RECORD.links[4])
-    assert len(left_out) == 1
-
-    whole = replace(record, links=RECORD.links)
-    assert _with_room_for_jaws(whole, RECORD, left_out) is whole
-    assert len(left_out) == 1
 
 
 def test_everything_that_a_model_has_beside_the_arm_is_noted() -> None:
@@ -364,15 +266,6 @@ def test_everything_that_a_model_has_beside_the_arm_is_noted() -> None:
         "the joints free, thruster0, thruster1, claw, which are frozen with jaws shut",
         SHAPES,
     )
-
-
-@pytest.mark.parametrize("shape", ["visual", "collision", ""])
-def test_shapes_are_noted_if_there_are_any(shape: str) -> None:
-    root = ET.fromstring(OWN)
-    for link in root.findall("link"):
-        for kind in {"visual", "collision"} - {shape}:
-            model_defects.without(link.get("name", ""), kind)(root)
-    assert described(root).left_out == ((VOLUMES, SHAPES) if shape else (VOLUMES,))
 
 
 @pytest.mark.parametrize("root_name", ["tcp", "link_2", "world 1"])
@@ -393,8 +286,3 @@ def test_the_root_has_a_name_that_an_arm_file_takes(root_name: str) -> None:
     assert arm.record.mount.parent == parent
     said = f"its root is named {root_name}: the mount's is {parent}"
     assert said in arm.left_out
-
-
-def test_a_long_name_is_cut() -> None:
-    robot = replace(parse_urdf(OWN), name="a" * 70)
-    assert arm_of_robot(robot).record.name == "a" * 64
