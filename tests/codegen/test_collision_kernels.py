@@ -26,7 +26,6 @@ from collision_scenes import (
     solutions,
     table,
 )
-from scipy.spatial.transform import Rotation
 
 # --- distances --------------------------------------------------------------------
 
@@ -60,6 +59,8 @@ def by_coal(one: np.ndarray, other: np.ndarray) -> float:
 
 def turns(rng: np.random.Generator, count: int) -> list[Any]:
     """Random ones, quarter turns and ones that are off by less than is measured."""
+    from scipy.spatial.transform import Rotation
+
     none = Rotation.identity()
     quarters = Rotation.from_euler("XYZ", [90, 0, 90], degrees=True)
     small = Rotation.from_rotvec(rng.normal(scale=1e-5, size=3))
@@ -71,6 +72,8 @@ def test_no_plane_separates_shapes_by_more_than_their_distance(
     kinds: tuple[int, int],
 ) -> None:
     """The distance is that of its points, and all of both shapes lies beyond them."""
+    from scipy.spatial.transform import Rotation
+
     rng = np.random.default_rng(kinds[0] + 2 * kinds[1])
     separated = 0
     for turn in turns(rng, 90):
@@ -104,6 +107,8 @@ def test_no_plane_separates_shapes_by_more_than_their_distance(
 
 def test_of_several_bodies_and_shapes_the_nearest_are_found() -> None:
     """Five bodies of three shapes each, all pairs, one by one and by brute force."""
+    from scipy.spatial.transform import Rotation
+
     rng = np.random.default_rng(5)
     bodies = chain(5)
     bodies[1:, 1:] = [

@@ -28,7 +28,6 @@ from compiled_kernels import compiled_kernels
 from alpha5_model._support.checks import LARGEST
 from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.codegen.kernels.generated.formulas import KERNELS
-from alpha5_model.codegen.sources import UPRIGHT
 
 compiled = compiled_kernels()
 ROOT = Path(__file__).resolve().parents[2]
@@ -112,6 +111,8 @@ def test_a_few_rare_rows_do_not_change_the_others(any_width):
 
 @pytest.mark.parametrize("gravity", [(0.0, -0.0), (3.0, 0.0), (0.0, 3.0)])
 def test_an_arm_that_stands_upright_has_bodies_of_its_own(gravity, any_width):
+    from alpha5_model.codegen.sources import UPRIGHT
+
     for name in UPRIGHT:
         parameters, inputs, outputs = case(name)
         parameters[-3:-1] = gravity

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import casadi
-import jax
 import numpy as np
 import pytest
 from fk import sample
@@ -11,8 +9,6 @@ from own_arm import random_arm, within
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-import alpha5_model.casadi as in_casadi
-import alpha5_model.jax as in_jax
 from alpha5_model.collision import approximate_distance as module
 from alpha5_model.collision.bodies import CollisionBodies, collision_bodies
 from alpha5_model.collision.coal_scene import CoalScene
@@ -33,11 +29,15 @@ OFF = 0.012
 
 def distances(arm: Alpha5Parameters, q: np.ndarray, **options: float) -> np.ndarray:
     """By CasADi, (N,)."""
+    import alpha5_model.casadi as in_casadi
+
     function = in_casadi.approximate_collision_distance(arm, **options)
     return np.array(function(q.T)).ravel()
 
 
 def in_double(function, *given):  # type: ignore[no-untyped-def]
+    import jax
+
     with jax.enable_x64(True):
         return jax.tree.map(np.asarray, function(*given))
 
@@ -104,6 +104,10 @@ def test_how_far_it_is_off_of_another_arm() -> None:
 @pytest.mark.slow
 def test_jax_agrees_with_casadi() -> None:
     """Values of the catalogue's arm in single precision, of another one in double."""
+    import jax
+
+    import alpha5_model.jax as in_jax
+
     q = sample(60, seed=42)
     mapped = jax.jit(jax.vmap(in_jax.approximate_collision_distance))
     single = np.asarray(mapped(q.astype(np.float32)))
@@ -118,6 +122,12 @@ def test_jax_agrees_with_casadi() -> None:
 
 @pytest.mark.slow
 def test_gradients_by_finite_differences_and_of_each_other() -> None:
+    import casadi
+    import jax
+
+    import alpha5_model.casadi as in_casadi
+    import alpha5_model.jax as in_jax
+
     q = sample(40, seed=43)
     q = np.concatenate([q, near_the_mount(20)])
     function = in_casadi.approximate_collision_distance()
@@ -142,6 +152,8 @@ def test_gradients_by_finite_differences_and_of_each_other() -> None:
 
 def test_along_a_line_the_gradient_does_not_jump() -> None:
     """As an optimiser meets it: from free into contact, in small steps."""
+    import alpha5_model.casadi as in_casadi
+
     line = np.tile([0.0, 0.7, 1.5, 1.5], (4000, 1))
     line[:, 0] = np.linspace(1.1, 0.3, 4000)
     function = in_casadi.approximate_collision_distance()
@@ -185,6 +197,9 @@ def test_more_smoothing_makes_it_smaller() -> None:
 
 
 def test_wrong_input_is_refused() -> None:
+    import alpha5_model.casadi as in_casadi
+    import alpha5_model.jax as in_jax
+
     for bad in (0.0, -1.0, np.nan, "soft"):
         with pytest.raises(InputError, match="smoothing"):
             in_casadi.approximate_collision_distance(smoothing=bad)
@@ -201,6 +216,9 @@ def test_wrong_input_is_refused() -> None:
 
 
 def test_it_says_that_it_is_approximate() -> None:
+    import alpha5_model.casadi as in_casadi
+    import alpha5_model.jax as in_jax
+
     made = in_casadi.approximate_collision_distance()
     assert "approximate" in made.name()
     assert "pproximate" in made.__doc__

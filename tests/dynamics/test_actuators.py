@@ -6,7 +6,6 @@ import contextlib
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import alpha5_model as a5
 from alpha5_model import actuators
@@ -167,6 +166,8 @@ def test_constants_contradict_each_other_and_the_choice_is_obeyed() -> None:
 @pytest.mark.parametrize("load", [0.4, -0.4])
 def test_steady_state_of_a_simulated_motor(joint: str, load: float) -> None:
     """A motor integrated in time settles at the speed and current of the algebra."""
+    from scipy.integrate import solve_ivp
+
     resistance, inductance, friction, _, eta, k_t, k_v, gear = TABLE_4[joint]
     voltage = 12.0
     rotor_inertia = 4e-7

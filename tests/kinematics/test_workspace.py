@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from fk import FOLDED, STRETCHED, WEDGE, fk, sample, tip
 from reference import LOWER, UPPER
-from scipy.optimize import minimize
 
 import alpha5_model as a5
 from alpha5_model.errors import UnknownNameError
@@ -62,6 +61,8 @@ def squared(q: np.ndarray, target: list[float]) -> tuple[float, np.ndarray]:
 
 def numerical_distance(target: np.ndarray) -> float:
     """The least distance within the joint limits, by minimisation from many starts."""
+    from scipy.optimize import minimize
+
     gap = ((GRID_P - target) ** 2).sum(axis=-1)
     bounds = list(zip(LOWER[:3], UPPER[:3], strict=True))
     goal = target.tolist()

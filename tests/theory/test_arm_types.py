@@ -8,9 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pinocchio as pin
 import pytest
-from example_robot_data import load
 from literature import PUMA_560, STANFORD
-from scipy.optimize import brentq
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
@@ -352,6 +350,8 @@ def test_alpha5_cannot_turn_about_a_point_but_by_its_wrist() -> None:
 
 
 def test_on_the_yaw_axis_the_freedom_is_two() -> None:
+    from scipy.optimize import brentq
+
     chain = DHChain.alpha5()
 
     def radial(x: float) -> float:
@@ -549,6 +549,8 @@ def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> 
     ("robot", "frame"), [("ur5", "tool0"), ("panda", "panda_hand")]
 )
 def test_dexterity_of_real_arms(robot: str, frame: str) -> None:
+    from example_robot_data import load
+
     chain = DHChain.from_pinocchio(load(robot).model, frame)
     estimate = spatial_dexterity(
         chain, [[0.45, 0.1, 0.35], [3.0, 0.0, 0.0]], orientations=24, starts=10

@@ -11,8 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.collections import QuadMesh
-from matplotlib.contour import ContourSet
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -277,6 +275,8 @@ def test_the_dexterous_rings_are_drawn_where_they_are() -> None:
 
 def test_the_line_around_the_dexterous_workspace_has_its_area() -> None:
     """With joint limits it is a contour of a map; the notes' arm has 155.8."""
+    from matplotlib.contour import ContourSet
+
     arm = PlanarArm((5, 4, 1), [(-2.967, 2.967)] * 3)
     axes = plot_planar(arm, resolution=81)
     (contour,) = [line for line in axes.collections if isinstance(line, ContourSet)]
@@ -292,6 +292,8 @@ def test_the_line_around_the_dexterous_workspace_has_its_area() -> None:
 
 
 def test_without_a_turning_hand_there_is_no_map_of_orientations() -> None:
+    from matplotlib.collections import QuadMesh
+
     limits = [(-2.0, 2.0), (-2.0, 2.0), (0.5, 1.0)]
     axes = plot_planar(PlanarArm((5, 4, 1), limits, "RRP"), resolution=21)
     assert not any(isinstance(drawn, QuadMesh) for drawn in axes.collections)

@@ -7,8 +7,6 @@ import math
 import numpy as np
 import pinocchio as pin
 import pytest
-from example_robot_data import load
-from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
@@ -272,6 +270,8 @@ def test_without_a_name_the_last_frame_of_the_last_joint_is_meant() -> None:
 )
 def test_real_arms_from_their_urdf(robot: str, frame: str, d, a, alpha) -> None:
     """Manufacturers' tables up to the signs that the direction of x_j leaves free."""
+    from example_robot_data import load
+
     model = load(robot).model
     chain = DHChain.from_pinocchio(model, frame)
     assert [abs(x.d) for x in chain.links] == pytest.approx(np.abs(d), abs=1e-5)
@@ -380,6 +380,8 @@ def test_a_tolerance_that_makes_perpendicular_axes_parallel_is_refused(
 
 @pytest.mark.parametrize("direction", [[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]])
 def test_a_single_joint_turns_about_its_axis(direction: list[float]) -> None:
+    from scipy.spatial.transform import Rotation
+
     point = np.array([0.1, -0.2, 0.3])
     chain = DHChain.from_axes([point], [direction])
     poses = chain.forward_kinematics(np.array([[0.0], [0.7]]))
