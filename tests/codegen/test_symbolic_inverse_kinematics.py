@@ -10,6 +10,7 @@ import pytest
 from fk import tip
 from ik_reference import solved
 from ik_targets import EDGES, at_edge, ordinary
+from loops import each
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -51,7 +52,7 @@ def test_four_branches_put_the_tcp_on_the_target() -> None:
     np.testing.assert_array_equal(within, inside)
 
 
-@pytest.mark.parametrize("edge", [None, *EDGES])
+@each("edge", [None, *EDGES])
 def test_it_is_as_the_second_route_has_it(edge: str | None) -> None:
     count = 4000
     if edge is None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pinocchio as pin
 import pytest
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.description.urdf import Variant, urdf
@@ -54,8 +55,8 @@ CHANGES: dict[str, Callable[[float], pin.Model]] = {
 }
 
 
-@pytest.mark.parametrize("name", CHANGES)
-@pytest.mark.parametrize("tolerance", [EXACT, DRAWN])
+@each("name", CHANGES)
+@each("tolerance", [EXACT, DRAWN])
 def test_a_model_may_be_off_by_the_tolerance(name: str, tolerance: float) -> None:
     near = CHANGES[name](0.99 * tolerance)
     far = CHANGES[name](1.01 * tolerance)
@@ -117,9 +118,9 @@ def test_where_the_base_is_does_not_matter() -> None:
     assert not has_dimensions(model)
 
 
-@pytest.mark.parametrize("joint", range(4))
-@pytest.mark.parametrize("end", ["lowerPositionLimit", "upperPositionLimit"])
-@pytest.mark.parametrize("floating", [False, True])
+@each("joint", range(4))
+@each("end", ["lowerPositionLimit", "upperPositionLimit"])
+@each("floating", [False, True])
 def test_limits_are_those_of_the_record(joint: int, end: str, floating: bool) -> None:
     model = a5.load(floating_base=floating).model
     place = joint + 7 * floating

@@ -26,6 +26,7 @@ from casadi import SX
 from dynamics_cases import PAYLOAD, TILTED
 from fk import STRETCHED, fk
 from kernel_inputs import DIMENSIONS, kernel_inputs
+from loops import each
 from newton_euler import link_frames, newton_euler, rotation_x
 from reference import LOWER, UPPER
 
@@ -489,7 +490,7 @@ def test_a_model_made_by_hand_is_known_by_its_joints() -> None:
     )
 
 
-@pytest.mark.parametrize(
+@each(
     "change",
     [
         "placement",

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import reference
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, ShapeError
@@ -37,7 +38,7 @@ def test_devices_and_back() -> None:
     assert devices[1] == pytest.approx(1e3 * q[:, 4])
 
 
-@pytest.mark.parametrize(
+@each(
     ("change", "said"),
     [
         (

@@ -8,6 +8,7 @@ import tracemalloc
 import numpy as np
 import pytest
 from fk import FOLDED, STRETCHED, fk, sample, tip
+from loops import each
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -150,7 +151,7 @@ def test_all_routes_agree() -> None:
     assert by_kernel == 5000, "the kernel is not asked"
 
 
-@pytest.mark.parametrize("shape", [(), (1,), (7,), (0,), (3, 0), (2, 3), (2, 1, 4)])
+@each("shape", [(), (1,), (7,), (0,), (3, 0), (2, 3), (2, 1, 4)])
 def test_shapes(shape: tuple[int, ...]) -> None:
     position = np.broadcast_to(np.array([0.2, -0.1, 0.05]), (*shape, 3))
     s = a5.inverse_kinematics(position)
@@ -263,7 +264,7 @@ def test_best_blames_the_wrist_when_the_wrist_is_to_blame() -> None:
         a5.inverse_kinematics([0.2, 0.0, 0.1], 6.25).best(np.zeros(4))
 
 
-@pytest.mark.parametrize(
+@each(
     ("position", "wrist"),
     [
         ([0.1, 0.2], 0.0),

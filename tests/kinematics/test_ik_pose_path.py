@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from fk import STRETCHED, fk, sample, tip
+from loops import each
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -574,7 +575,7 @@ def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None
     assert at_limit > 20
 
 
-@pytest.mark.parametrize(
+@each(
     ("size", "turn", "first", "expected"),
     [
         ([1.0, 3.0], 0.4, 0.0, [0.1, 0.3]),

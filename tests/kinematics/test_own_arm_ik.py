@@ -8,6 +8,7 @@ import pickle
 
 import numpy as np
 import pytest
+from loops import each
 from own_arm import limits, random_arm, tips, turned_apart, with_tool, within
 
 import alpha5_model as a5
@@ -54,7 +55,7 @@ ARMS |= {f"own lengths {i}": random_arm(RNG, off_axis=False) for i in range(4)}
 ARMS |= {f"own lengths, beside {i}": random_arm(RNG, off_axis=True) for i in range(4)}
 
 
-@pytest.mark.parametrize("name", ARMS)
+@each("name", ARMS)
 def test_every_position_is_found_again(name: str) -> None:
     arm = ARMS[name]
     q = within(arm, TARGETS, seed=1)
@@ -99,7 +100,7 @@ def newton(
     return np.array(found).reshape(-1, 4)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@each("seed", range(12))
 def test_newtons_method_finds_the_same_branches_and_no_others(seed: int) -> None:
     rng = np.random.default_rng(seed)
     arm = random_arm(rng, off_axis=seed % 3 > 0)
@@ -113,8 +114,8 @@ def test_newtons_method_finds_the_same_branches_and_no_others(seed: int) -> None
         assert turned_apart(one, ours).min() < 1e-6
 
 
-@pytest.mark.parametrize("joint", range(4))
-@pytest.mark.parametrize("off_axis", [False, True])
+@each("joint", range(4))
+@each("off_axis", [False, True])
 def test_limits_are_right_to_1e_12(joint: int, off_axis: bool) -> None:
     arm = random_arm(np.random.default_rng(joint), off_axis)
     lower, upper = limits(arm)

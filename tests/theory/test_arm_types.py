@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from literature import PUMA_560, STANFORD
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
@@ -73,7 +74,7 @@ SPHERICAL = axes_chain([(ORIGIN, Z, 0), (ORIGIN, Y, 0), (ORIGIN, X, 1)])
 WRIST_SCARA = axes_chain([(ORIGIN, Z, 0), (X, Z, 0), (2 * X, Z, 1), (2 * X, Y, 0)])
 
 
-@pytest.mark.parametrize(
+@each(
     ("chain", "kind", "joints", "horizontal"),
     [
         (DHChain.alpha5(), "revolute", "RRRR", False),
@@ -106,7 +107,7 @@ def test_classification(
     assert "\n" not in found.reason
 
 
-@pytest.mark.parametrize(
+@each(
     ("chain", "reason"),
     [
         (DHChain.alpha5(), "all joints are revolute"),
@@ -182,7 +183,7 @@ def test_a_fallen_scara_stands_up_with_another_vertical() -> None:
     assert classify(DHChain.from_table(SCARA), vertical=X).kind == "other"
 
 
-@pytest.mark.parametrize(
+@each(
     ("chain", "dimension", "position", "orientation", "insertion"),
     [
         (DHChain.alpha5(), 4, 3, 3, 3),

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pinocchio as pin
 import pytest
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
@@ -123,10 +124,8 @@ def test_the_frames_obey_the_rule(kind: str) -> None:
             assert abs(link.alpha) == pytest.approx(math.pi, abs=TIGHT)
 
 
-@pytest.mark.parametrize("point", [(0, 0, 0.3), (0.2, 0, 0), (0, 0.2, 0), (0, 1e-6, 0)])
-@pytest.mark.parametrize(
-    "direction", [(0, 0, 1), (0, 0, -1), (0, 1e-6, 1), (1e-6, 0, 1)]
-)
+@each("point", [(0, 0, 0.3), (0.2, 0, 0), (0, 0.2, 0), (0, 1e-6, 0)])
+@each("direction", [(0, 0, 1), (0, 0, -1), (0, 1e-6, 1), (1e-6, 0, 1)])
 def test_the_world_frame_is_the_first_one_on_its_own_axis(
     point: tuple[float, ...], direction: tuple[float, ...]
 ) -> None:
@@ -304,7 +303,7 @@ def test_joints_that_have_no_dh_row_are_refused() -> None:
         DHChain.from_pinocchio(fixed, "nose")
 
 
-@pytest.mark.parametrize(
+@each(
     ("arguments", "words"),
     [
         (([], []), "shape"),

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from loops import each
 
 from alpha5_model.theory.planar import Arc, PlanarArm, Segment
 from alpha5_model.theory.planar.arm import within_limits
@@ -40,7 +41,7 @@ CURVES = [
 ]
 
 
-@pytest.mark.parametrize("curve", CURVES)
+@each("curve", CURVES)
 def test_length_area_and_normal_are_those_of_the_points(curve: Curve) -> None:
     points = points_of(curve)
     step = np.diff(points, axis=0)
@@ -56,7 +57,7 @@ def test_length_area_and_normal_are_those_of_the_points(curve: Curve) -> None:
         assert curve.left(at) == pytest.approx([-ahead[1], ahead[0]], abs=1e-8)
 
 
-@pytest.mark.parametrize("curve", CURVES)
+@each("curve", CURVES)
 def test_a_parameter_gives_its_point_back(curve: Curve) -> None:
     low, high = curve.interval
     t = np.linspace(low, high, 21)
@@ -75,7 +76,7 @@ def test_a_parameter_gives_its_point_back(curve: Curve) -> None:
             assert np.isnan(ends).all()
 
 
-@pytest.mark.parametrize("curve", CURVES)
+@each("curve", CURVES)
 def test_a_part_and_a_moved_curve_have_the_points(curve: Curve) -> None:
     low, high = curve.interval
     part = curve.piece(low + 0.1, high - 0.2)

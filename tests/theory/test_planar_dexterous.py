@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from loops import each
 
 from alpha5_model.errors import Alpha5Error, InputError
 from alpha5_model.theory.planar import (
@@ -297,7 +298,7 @@ def test_without_limits_the_map_is_the_exact_region() -> None:
         assert np.array_equal(share == 1, exact)
 
 
-@pytest.mark.parametrize("kinds", ["RPR", "PRR", "PPR", "RRR", "RRRR", "PRRR", "RPRR"])
+@each("kinds", ["RPR", "PRR", "PPR", "RRR", "RRRR", "PRRR", "RPRR"])
 def test_reached_orientations_are_reached(kinds: str) -> None:
     """`dexterity` counts the orientation of each sampled configuration."""
     rng = np.random.default_rng(6)
@@ -493,7 +494,7 @@ def test_isolated_radii(lengths, radii) -> None:
         assert dexterous_area(PlanarArm(lengths)) == 0
 
 
-@pytest.mark.parametrize(
+@each(
     ("call", "words"),
     [
         (lambda: lecture_theorem(0, 1, 1, 1), "l_1"),

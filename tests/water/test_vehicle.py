@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from dynamics_cases import PAYLOAD, close, random_q, random_v
+from loops import each
 from shared_recordings import RECORDINGS, needs_recordings
 
 import alpha5_model as a5
@@ -320,7 +321,7 @@ def test_trim_follows_the_recorded_tilt(name):
         assert 0.5 < ours[:, k].std() / recorded[:, k].std() < 1.5
 
 
-@pytest.mark.parametrize(
+@each(
     "changes",
     [
         {"mass": -1.0},
