@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fk import sample, tip
+from loops import each
 from own_arm import random_arm, tips, within
 from reference import LOWER, UPPER
 
@@ -218,7 +219,7 @@ def test_the_nearest_free_yaw_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     assert isinstance(scene, SelfCollision)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@each("seed", range(30))
 def test_a_gap_of_a_degree_between_collisions_is_found(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -266,19 +267,6 @@ def test_a_free_target_is_little_farther_than_the_nearest(
         assert needed * 0.95 < math.dist(found, target) < 1.36 * needed
 
 
-def test_targets_are_tried_in_all_directions_alike() -> None:
-    directions = colliding._directions()
-    assert np.linalg.norm(directions, axis=1) == pytest.approx(np.ones(256))
-    assert np.abs(directions.mean(axis=0)).max() < 1e-3
-    second = directions.T @ directions / len(directions)
-    assert second == pytest.approx(np.eye(3) / 3, abs=1e-3)
-    cosine = directions @ directions.T - 2 * np.eye(len(directions))
-    gap = np.arccos(cosine.max(axis=1))
-    even = math.sqrt(4 * math.pi / len(directions))
-    assert gap.min() > 0.75 * even
-    assert gap.max() < 1.1 * even
-
-
 def test_best_of_poses_is_free(coal: CollisionModel) -> None:
     arm = a5.load()
     stuck = 0
@@ -299,37 +287,6 @@ def test_best_of_poses_is_free(coal: CollisionModel) -> None:
         chosen = int(np.nanargmin(np.abs(s.q - best).sum(axis=1)))
         assert s.rotation_error[chosen] <= s.rotation_error[valid].min() + 1e-7
     assert stuck > 3
-
-
-def test_only_true_or_false_allows_a_collision() -> None:
-    s = a5.inverse_kinematics([0.25, 0.1, 0.1])
-    for bad in (1, "yes", None):
-        with pytest.raises(ValueError, match="allow_collision"):
-            s.best(HOME, bad)
-        with pytest.raises(ValueError, match="allow_collision"):
-            a5.inverse_kinematics_path([[0.25, 0.1, 0.1]], allow_collision=bad)
-
-
-def test_the_quick_choice_declines_what_is_not_plain() -> None:
-    quick = catalogue()._best_of_one
-    s = a5.inverse_kinematics([0.25, 0.1, 0.1])
-    if a5.backend() != "numpy":
-        assert np.array_equal(quick(s, HOME, False), s.best(HOME))
-    for solutions, reference, allow in (
-        (s, HOME[:3], False),
-        (s, "here", False),
-        (s, [np.nan] * 4, False),
-        (s, HOME, 1),
-        (tuple(s)[:4], HOME, False),
-        (s._replace(q=s.q[:2]), HOME, False),
-        (s._replace(q=np.asfortranarray(s.q)), HOME, False),
-        (s._replace(within_limits=s.within_limits.astype(float)), HOME, False),
-        (a5.inverse_kinematics([[0.25, 0.1, 0.1]]), HOME, False),
-        (a5.inverse_kinematics([0.0, 0.0, 0.3]), HOME, False),
-        (a5.inverse_kinematics([0.9, 0.0, 0.3]), HOME, False),
-        (a5.inverse_kinematics(BEHIND), HOME, False),
-    ):
-        assert quick(solutions, reference, allow) is None
 
 
 def assert_free(path: np.ndarray, coal: CollisionModel) -> None:
@@ -449,34 +406,3 @@ def test_a_collision_on_the_yaw_axis_is_named(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(SelfCollision, "free_shares", free_shares)
     with pytest.raises(SelfCollisionError, match=r"row [123]"):
         a5.inverse_kinematics_path(target, max_step=2.0)
-
-
-@pytest.mark.parametrize(
-    ("found", "said"),
-    [
-        ({}, ""),
-        ({"wrist": 1.25}, "; theta_3 = 1.25 rad is free"),
-        ({"yaw": -0.5}, "; turned by -0.5 rad about the yaw axis it is free"),
-        (
-            {"nearest": (0.1, 0.0, 0.03)},
-            "; (0.1, 0, 0.03) m is free, 30 mm away",
-        ),
-        (
-            {"yaw": 0.5, "nearest": (0.1, 0.0, 0.03)},
-            "; turned by 0.5 rad about the yaw axis it is free; "
-            "(0.1, 0, 0.03) m is free, 30 mm away",
-        ),
-        (
-            {"wrist": 1.25, "yaw": 0.5, "nearest": (0.1, 0.0, 0.03)},
-            "; theta_3 = 1.25 rad is free",
-        ),
-    ],
-)
-def test_the_error_names_the_least_change(found: dict[str, Any], said: str) -> None:
-    error = SelfCollisionError(
-        (0.1, 0.0, 0.0), links=("link_0", "link_2"), depth=0.003, **found
-    )
-    assert str(error) == (
-        "(0.1, 0, 0) m cannot be reached without self-collision: "
-        f"link_0 and link_2 overlap by 3 mm{said}"
-    )

@@ -354,3 +354,15 @@ def test_the_folded_arm_exists_beyond_the_limits() -> None:
     assert folded.sum() == 2
     assert not s.within_limits[folded].any()
     assert residual(s, tip(q)).max() < 1e-9
+
+
+def test_a_reference_far_away_still_picks_a_solution_within_the_limits() -> None:
+    """The best branch is within the limits even if the squared distance overflows."""
+    p = np.random.default_rng(0).uniform(-0.3, 0.3, (500, 3))
+    s = a5.inverse_kinematics(p)
+    only_later = s.within_limits.any(axis=-1) & ~s.within_limits[:, 0]
+    assert only_later.any()
+    p = p[only_later]
+    best = a5.inverse_kinematics(p).best([1e200, 0.0, 0.0, 0.0], allow_collision=True)
+    assert np.isfinite(best).all()
+    np.testing.assert_allclose(tip(best), p, atol=1e-12)

@@ -514,3 +514,15 @@ def test_the_outer_torus_is_measured_within_the_limits_of_theta_2(
     longest = math.sqrt(L_1**2 + L_2**2 - 2 * L_1 * L_2 * math.cos(bend))
     measured = found["workspace.outer_torus"].measured
     assert measured == pytest.approx(1e3 * longest, abs=1e-6)
+
+
+def test_half_planes_take_shapes_that_broadcast() -> None:
+    radius = np.linspace(0, 0.4, 5)
+    z = np.linspace(-0.2, 0.3, 4)[:, None]
+    for function in (a5.workspace.in_half_plane, a5.workspace.in_tori):
+        table = function(radius, z)
+        assert table.shape == (4, 5)
+        for i, j in np.ndindex(4, 5):
+            assert table[i, j] == function(radius[j], z[i, 0])
+        with pytest.raises(a5.errors.InputError, match="radius, z"):
+            function(radius, z[:, 0])
