@@ -135,6 +135,7 @@ def test_primitives_enclose_the_drawn_body(meshes, name):
             )
 
 
+@pytest.mark.slow
 @each("name", BODIES)
 def test_primitives_stay_within_three_millimetres_of_the_outside(name):
     """The outside is the drawn body with its recesses, slots and shaft holes closed."""

@@ -265,6 +265,7 @@ def test_limits_of_a_parameter_set_are_the_arms_and_the_reports() -> None:
     )
 
 
+@pytest.mark.slow
 def test_its_motion_is_analysed_and_drawn_without_the_margin_of_other_digits() -> None:
     time = np.linspace(0, 4, 81)
     q = Q + 0.1 * np.sin(time)[:, None]

@@ -27,7 +27,8 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 GRAVITY = np.array([0.0, 0.0, -9.81])
 DENSITY = 1025.0
 RECORDS = own.RECORDS
-every_record = each("record", RECORDS)
+#: With a spacer, a tool beside the wrist axis, the other base frame, and a mount.
+every_record = each("record", [RECORDS[k] for k in (1, 2, 8, 9)])
 
 
 def gravity_at_base(record: Alpha5Parameters) -> np.ndarray:

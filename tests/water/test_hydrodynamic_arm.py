@@ -47,7 +47,7 @@ def wetted(variant):
     strip = a5.DragStrip([0.0, 0.0, 0.0], [0.02, 0.05, -0.1], 0.05, 1.1, 0.2)
     added = definite(np.random.default_rng(7), scale=0.02)
     return (
-        dry(variant)
+        made(variant)
         .with_hydrodynamics(CURRENT)
         .with_payload(
             0.2, volume=1e-4, frame="link_2", added_mass=added, strips=[strip]

@@ -15,7 +15,7 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 DENSITY = 1025.0
 CURRENT = np.array([0.4, -0.3, 0.2])
-every_record = each("record", own.RECORDS)
+every_record = each("record", [own.RECORDS[k] for k in (1, 2, 8, 9)])
 
 
 def points(
