@@ -22,7 +22,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import reference
-from casadi import SX
 from dynamics_cases import PAYLOAD, TILTED
 from fk import STRETCHED, fk
 from kernel_inputs import DIMENSIONS, kernel_inputs
@@ -40,6 +39,7 @@ from alpha5_model.numbers.parameters import RigidBody
 
 if TYPE_CHECKING:
     import casadi
+    from casadi import SX
 
 
 # The formulas hold for any bodies, however unlikely.

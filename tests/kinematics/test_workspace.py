@@ -37,7 +37,7 @@ def test_the_minimised_function_is_the_retyped_table() -> None:
 def test_distance_is_the_least_over_all_joint_positions() -> None:
     rng = np.random.default_rng(50)
     target = rng.uniform(BOX[:, 0] - 0.1, BOX[:, 1] + 0.1, (400, 3))
-    target = target[~a5.reachable(target)][:6]
+    target = target[~a5.reachable(target)][:3]
     distance = a5.distance_to_reach(target)
     numerical = np.array([numerical_distance(t) for t in target])
     np.testing.assert_allclose(distance, numerical, rtol=0, atol=1e-13)

@@ -107,39 +107,6 @@ def test_classification(
     assert "\n" not in found.reason
 
 
-@each(
-    ("chain", "reason"),
-    [
-        (DHChain.alpha5(), "all joints are revolute"),
-        (GANTRY, "the first three joints slide along perpendicular axes"),
-        (OBLIQUE, "the first three joints slide, but not along perpendicular axes"),
-        (
-            axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1)]),
-            "2 prismatic joints, not three perpendicular ones",
-        ),
-        (FALLEN_SCARA, "a prismatic joint, and the first axis is not vertical"),
-        (
-            SPHERICAL,
-            "a prismatic joint, and only 1 vertical revolute axes before one that is "
-            "not vertical",
-        ),
-        (
-            DHChain.from_table(SCARA),
-            "3 vertical revolute axes apart and a vertical prismatic one: the major "
-            "links move in a horizontal plane",
-        ),
-    ],
-)
-def test_why_an_arm_is_of_its_kind(chain: DHChain, reason: str) -> None:
-    assert classify(chain).reason == reason
-
-
-@pytest.mark.parametrize(("tilt", "kind"), [(0.9e-9, "scara"), (1.1e-9, "other")])
-def test_how_vertical_an_axis_must_be(tilt: float, kind: str) -> None:
-    rows = [[0, 0, 1, tilt, 0], [0, 0, 1, 0, 0], [0, 0, 0, 0, 1]]
-    assert classify(DHChain.from_table(rows)).kind == kind
-
-
 def test_the_size_of_an_arm_is_about_its_reach() -> None:
     """Lengths and offsets of the links, the farther end of each slide, and the tool."""
     tool = np.eye(4)
@@ -218,32 +185,6 @@ def test_task_capability(chain, dimension, position, orientation, insertion) -> 
     assert task.vertical_insertion == (insertion == 4)
     assert task.general_reason
     assert task.insertion_reason
-
-
-@pytest.mark.parametrize(
-    ("count", "reason"),
-    [
-        (
-            3,
-            (
-                "3 joints reach at most 3 of the 6 dimensions of SE(3); the Jacobian "
-                "has rank 3"
-            ),
-        ),
-        (
-            4,
-            (
-                "4 joints reach at most 4 of the 6 dimensions of SE(3); the Jacobian "
-                "has rank 3"
-            ),
-        ),
-        (6, "6 joints, but the Jacobian never has more than rank 3"),
-        (7, "7 joints, but the Jacobian never has more than rank 3"),
-    ],
-)
-def test_why_an_arm_in_a_plane_is_not_general(count: int, reason: str) -> None:
-    chain = DHChain.from_table([[0, 0, 1, 0, 0]] * count)
-    assert task_capability(chain, samples=20).general_reason == reason
 
 
 def test_a_tool_that_can_never_be_vertical() -> None:
