@@ -19,6 +19,7 @@ def test_the_committed_sources_are_those_of_the_equations() -> None:
         assert committed == fresh, f"{path}: python -m alpha5_model generate --update"
 
 
+@pytest.mark.slow
 def test_nothing_else_lies_beside_the_generated_kernels() -> None:
     """A source that nothing generates any more would become stale unseen."""
     from alpha5_model.codegen.sources import generated_sources

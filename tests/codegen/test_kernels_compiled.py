@@ -417,7 +417,9 @@ def _torque(method: str) -> np.ndarray:
     return by_batch("inverse_dynamics", parameters, inputs, outputs)[0]
 
 
-@pytest.mark.parametrize("method", ["fork", "spawn"])
+@pytest.mark.parametrize(
+    "method", ["fork", pytest.param("spawn", marks=pytest.mark.slow)]
+)
 def test_processes_compute_the_same(method):
     if method not in multiprocessing.get_all_start_methods():
         pytest.skip("not on this system")

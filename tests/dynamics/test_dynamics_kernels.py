@@ -14,7 +14,6 @@ import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import reference
+from compiled_kernels import compiled_kernels
 from dynamics_cases import PAYLOAD, TILTED
 from fk import STRETCHED, fk
 from kernel_inputs import DIMENSIONS, kernel_inputs
@@ -30,6 +30,7 @@ from newton_euler import link_frames, newton_euler, rotation_x
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
+from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, base_parameters
 from alpha5_model.dynamics.buoyancy import Displacement
 from alpha5_model.dynamics.kernel_arm import KernelArm
@@ -68,12 +69,9 @@ ONE = {
 SETS, STATES = 20, 1000
 
 
-@pytest.fixture(params=["numpy_kernels", "_compiled"])
+@pytest.fixture(params=["numpy", "compiled"])
 def kernels(request: pytest.FixtureRequest) -> Any:
-    try:
-        return import_module(f"alpha5_model.codegen.kernels.{request.param}")
-    except ImportError:
-        pytest.skip("the kernels are not compiled here")
+    return numpy_kernels if request.param == "numpy" else compiled_kernels()
 
 
 @cache
@@ -622,6 +620,7 @@ def test_external_forces_and_other_frames_stay_on_pinocchio() -> None:
         ours.jacobian(q, "hand")
 
 
+@pytest.mark.slow
 def test_sources_are_the_same_in_every_process() -> None:
     from alpha5_model.codegen.sources import generated_sources
 

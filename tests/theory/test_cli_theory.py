@@ -183,7 +183,7 @@ def test_planar_with_limits_states_its_resolution(capsys) -> None:
     assert data["area"] == pytest.approx(math.pi * (64 - low**2), rel=0.03)
 
 
-def test_planar_with_many_limited_joints_leaves_out_what_takes_long(
+def test_planar_leaves_out_what_many_limited_joints_make_long(
     capsys, tmp_path: Path
 ) -> None:
     limits = [x for _ in range(6) for x in ("-l", "-1 1")]
