@@ -23,7 +23,8 @@ from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
 RECORDS = own.RECORDS
-every_record = each("record", [RECORDS[k] for k in (1, 2, 8, 9)])
+SAMPLE = [RECORDS[k] for k in (1, 2, 8, 9)]
+every_record = each("record", SAMPLE)
 
 
 def coal_shape(shape: Primitive) -> coal.CollisionGeometry:
@@ -110,7 +111,7 @@ def test_some_of_them_touch_themselves() -> None:
     """The sample above holds both kinds."""
     hits = [
         a5.load(arm=record).in_collision(q)
-        for record in RECORDS
+        for record in SAMPLE
         for q in own.states(record, 6)[0]
     ]
     assert 0 < sum(hits) < len(hits)
