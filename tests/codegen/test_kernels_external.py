@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import ctypes
+import math
 
 import numpy as np
 import pytest
+from compiled_kernels import compiled_kernels
 
 from alpha5_model._support.checks import LARGEST
-from alpha5_model.codegen.arm_functions import functions
-from alpha5_model.codegen.compiled_code import PARAMETERS
-from alpha5_model.codegen.instructions import Program, program
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.codegen.kernels.generated.formulas import KERNELS
 
-compiled = pytest.importorskip(
-    "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
-)
-PROGRAMS = {
-    name: program(function) for name, function in functions(parameters()).items()
-}
-each_function = pytest.mark.parametrize("name", PROGRAMS)
+compiled = compiled_kernels()
+#: The most numbers of a state are fewer: a pose of a vehicle has seven.
+LEAST_PARAMETERS = 10
 
 
 @pytest.fixture(scope="module")
@@ -27,17 +22,10 @@ def library() -> ctypes.CDLL:
     return ctypes.CDLL(compiled.__file__)
 
 
-def sizes(of: Program) -> list[int]:
-    """The sizes of a program's inputs; the parameters are last."""
-    ordered = sorted(of.inputs, key=lambda slot: slot.name == PARAMETERS)
-    return [slot.size for slot in ordered]
-
-
 def called(library: ctypes.CDLL, name: str, given: list, wanted: list[bool]) -> list:
     """The wanted outputs, else None. An input of None is a null pointer."""
-    of = PROGRAMS[name]
     pointer = ctypes.POINTER(ctypes.c_double)
-    results = [np.full(slot.size, -7.0) for slot in of.outputs]
+    results = [np.full(math.prod(shape), -7.0) for shape in KERNELS[name][2]]
     into = [
         x.ctypes.data_as(pointer) if want else None
         for x, want in zip(results, wanted, strict=True)
@@ -50,77 +38,77 @@ def called(library: ctypes.CDLL, name: str, given: list, wanted: list[bool]) -> 
     return results
 
 
-def states(of: Program) -> list[np.ndarray]:
+def states(name: str) -> list[np.ndarray]:
+    """Random inputs; the parameters are last."""
     rng = np.random.default_rng(3)
-    return [rng.uniform(0.1, 1.0, size) for size in sizes(of)]
+    return [rng.uniform(0.1, 1.0, size) for (size,) in KERNELS[name][1]]
 
 
 def expected(name: str, given: list[np.ndarray]) -> list[np.ndarray]:
     """The outputs of the bound kernel."""
-    of = PROGRAMS[name]
-    has_parameters = any(slot.name == PARAMETERS for slot in of.inputs)
-    parameters = given[-1] if has_parameters else None
-    state = given[:-1] if has_parameters else given
-    found = compiled.bind(name, parameters)(*state)
+    if given[-1].size < LEAST_PARAMETERS:
+        found = compiled.bind(name, None)(*given)
+    else:
+        found = compiled.bind(name, given[-1])(*given[:-1])
     found = found if isinstance(found, tuple) else (found,)
     return [x.ravel() for x in found]
 
 
-@each_function
-def test_casadi_is_told_the_sizes(library, name):
-    of = PROGRAMS[name]
-    for question in ("sparsity_in", "sparsity_out"):
-        function = getattr(library, f"alpha5_{name}_{question}")
-        function.restype = ctypes.POINTER(ctypes.c_longlong)
-        function.argtypes = [ctypes.c_longlong]
-    assert getattr(library, f"alpha5_{name}_n_in")() == len(of.inputs)
-    assert getattr(library, f"alpha5_{name}_n_out")() == len(of.outputs)
-    for place, size in enumerate(sizes(of)):
-        column = getattr(library, f"alpha5_{name}_sparsity_in")(place)
-        assert column[:3] == [size, 1, 1]
-    for place, slot in enumerate(of.outputs):
-        column = getattr(library, f"alpha5_{name}_sparsity_out")(place)
-        assert column[:3] == [slot.size, 1, 1]
+def same(one: list[np.ndarray], other: list[np.ndarray]) -> bool:
+    pairs = zip(one, other, strict=True)
+    return all(np.array_equal(x, y, equal_nan=True) for x, y in pairs)
 
 
-@each_function
-def test_the_same_as_bound(library, name):
-    given = states(PROGRAMS[name])
-    found = called(library, name, given, [True] * len(PROGRAMS[name].outputs))
-    for one, other in zip(found, expected(name, given), strict=True):
-        assert np.array_equal(one, other, equal_nan=True)
+def test_casadi_is_told_the_sizes(library: ctypes.CDLL) -> None:
+    for name, (_, inputs, outputs) in KERNELS.items():
+        for question, shapes in (("in", inputs), ("out", outputs)):
+            assert getattr(library, f"alpha5_{name}_n_{question}")() == len(shapes)
+            function = getattr(library, f"alpha5_{name}_sparsity_{question}")
+            function.restype = ctypes.POINTER(ctypes.c_longlong)
+            function.argtypes = [ctypes.c_longlong]
+            columns = [function(place)[:3] for place in range(len(shapes))]
+            assert columns == [[math.prod(shape), 1, 1] for shape in shapes], name
 
 
-@each_function
-def test_a_null_pointer_stands_for_zeros(library, name):
-    of = PROGRAMS[name]
-    for place in range(len(of.inputs)):
-        given = states(of)
-        zeros = [*given]
-        zeros[place] = np.zeros_like(given[place])
-        given[place] = None
-        found = called(library, name, given, [True] * len(of.outputs))
-        for one, other in zip(found, expected(name, zeros), strict=True):
-            assert np.array_equal(one, other, equal_nan=True)
+def test_the_same_as_bound_and_a_null_pointer_stands_for_zeros(
+    library: ctypes.CDLL,
+) -> None:
+    different = []
+    for name, (_, inputs, outputs) in KERNELS.items():
+        every = [True] * len(outputs)
+        given = states(name)
+        if not same(called(library, name, given, every), expected(name, given)):
+            different.append(name)
+        for place in range(len(inputs)):
+            zeros = [*given]
+            zeros[place] = np.zeros_like(given[place])
+            null: list = [*given]
+            null[place] = None
+            if not same(called(library, name, null, every), expected(name, zeros)):
+                different.append((name, place))
+    assert not different
 
 
-@each_function
-def test_what_nobody_wants_is_not_written(library, name):
-    of = PROGRAMS[name]
-    given = states(of)
-    wanted = expected(name, given)
-    for place in range(len(of.outputs)):
-        flags = [other != place for other in range(len(of.outputs))]
-        found = called(library, name, given, flags)
-        for one, other, flag in zip(found, wanted, flags, strict=True):
-            assert np.array_equal(one, other if flag else np.full(one.size, -7.0), True)
+def test_what_nobody_wants_is_not_written(library: ctypes.CDLL) -> None:
+    different = []
+    for name, (_, _, outputs) in KERNELS.items():
+        given = states(name)
+        for place in range(len(outputs)):
+            wanted = expected(name, given)
+            wanted[place][:] = -7.0
+            flags = [other != place for other in range(len(outputs))]
+            if not same(called(library, name, given, flags), wanted):
+                different.append((name, place))
+    assert not different
 
 
-@each_function
-@pytest.mark.parametrize("value", [np.nan, np.inf, -2 * LARGEST])
-def test_what_cannot_be_computed_is_nan(library, name, value):
-    of = PROGRAMS[name]
-    given = states(of)
-    given[0][-1] = value
-    for found in called(library, name, given, [True] * len(of.outputs)):
-        assert np.isnan(found).all()
+def test_what_cannot_be_computed_is_nan(library: ctypes.CDLL) -> None:
+    computed = []
+    for name, (_, _, outputs) in KERNELS.items():
+        for value in (np.nan, np.inf, -2 * LARGEST):
+            given = states(name)
+            given[0][-1] = value
+            found = called(library, name, given, [True] * len(outputs))
+            if not all(np.isnan(x).all() for x in found):
+                computed.append((name, value))
+    assert not computed

@@ -9,15 +9,13 @@ import pytest
 from compilers import ADDRESS_AND_UNDEFINED, builds
 
 ROOT = Path(__file__).resolve().parents[2]
-COMPILERS = [name for name in ("gcc", "clang") if builds(name, ADDRESS_AND_UNDEFINED)]
-pytestmark = pytest.mark.skipif(
-    not COMPILERS, reason="no C compiler with sanitizers here"
-)
+pytestmark = pytest.mark.tools
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_rows_to_columns_and_back(compiler: str, tmp_path: Path) -> None:
+    if not builds(compiler, ADDRESS_AND_UNDEFINED):
+        pytest.skip(f"{compiler} has no sanitizers")
     (tmp_path / "nothing.h").touch()
     program = tmp_path / "transposition"
     subprocess.run(

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 from kernel_inputs import kernel_inputs
+from loops import each
 
 from alpha5_model._support.checks import LARGEST
 from alpha5_model.codegen.kernels import choice, numpy_kernels
@@ -30,7 +31,7 @@ def arrays(name: str, n: int) -> tuple[list[np.ndarray], list[np.ndarray], np.nd
     return given, [np.full((n, *s), np.nan) for s in outputs], own
 
 
-@pytest.mark.parametrize("name", KERNELS)
+@each("name", KERNELS)
 def test_rows_over_several_blocks_are_the_single_states(name: str) -> None:
     n = 2 * numpy_kernels.BLOCK + 3
     given, out, own = arrays(name, n)

@@ -160,8 +160,8 @@ def test_no_other_pair_touches_at_random_and_in_corners(gripper: str) -> None:
     }
     limits = a5.load(gripper=gripper).limits
     rng = np.random.default_rng(30)
-    q = rng.uniform(limits.lower, limits.upper, (500, len(limits.lower)))
-    q[::2, 1] = rng.choice([LOWER[1], UPPER[1]], 250)
+    q = rng.uniform(limits.lower, limits.upper, (200, len(limits.lower)))
+    q[::2, 1] = rng.choice([LOWER[1], UPPER[1]], 100)
     q[::3, 2] = LOWER[2]
     pairs = [frozenset((p.first, p.second)) for p in reference._geometry.collisionPairs]
     seen = set()
@@ -171,7 +171,7 @@ def test_no_other_pair_touches_at_random_and_in_corners(gripper: str) -> None:
             if result.min_distance < -COAL:
                 seen.add(pair)
     assert seen <= known
-    assert len(seen) > 0.4 * len(known)
+    assert len(seen) > 0.3 * len(known)
 
 
 @pytest.mark.parametrize("gripper", GRIPPERS)
@@ -210,6 +210,7 @@ def test_the_proof_gives_the_list_again(gripper: str, one: str, other: str) -> N
     assert len(rows) == (len(proof.witnesses) + 2 if proof.witnesses else 0)
 
 
+@pytest.mark.slow
 def test_the_text_of_the_list_is_read_as_its_proofs(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -263,27 +264,6 @@ def test_every_two_links_that_are_not_neighbours_are_proved(
     assert sorted(proved["jaws"]) == sorted(apart + fingers)
 
 
-@pytest.mark.parametrize(
-    ("pair", "looks", "nearest"),
-    zip(
-        QUICK,
-        (2989, 3275, 27, 18409, 1757, 2313, 99, 3069, 79),
-        (-3.5516, 0.2748, 155.1717, -4.1208, 0.6856, -7.7285, 3.3588, 18.133, 133.0018),
-        strict=True,
-    ),
-)
-def test_no_proof_takes_more_looks_than_it_did(
-    pair: tuple[str, str, str], looks: int, nearest: float
-) -> None:
-    """A bound that is less sharp would give the same list, but later.
-
-    With the smallest distance that was seen [mm].
-    """
-    proof = prove(pair_of(*pair))
-    assert proof.effort == pytest.approx(looks, rel=0.01)
-    assert proof.nearest * 1e3 == pytest.approx(nearest, abs=0.01)
-
-
 def test_links_held_apart_by_length_are_so_at_any_angle() -> None:
     """`NEVER_PAIRS` are 40 mm apart all the way round, at any opening of the jaws."""
     lower, upper = joint_ranges(parameters(), "jaws")
@@ -321,6 +301,7 @@ def test_a_proof_that_runs_out_of_effort_says_so() -> None:
         touching_proof._rows(short)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("constant", ["rates", "second_radii"])
 def test_a_wrong_constant_is_noticed(constant: str) -> None:
     """With constants too small, pairs seem proven that the list knows to touch."""
@@ -370,6 +351,7 @@ def test_no_distance_changes_faster_than_its_constant(
     assert largest.max() > 0.8, "with 0.8 of the constant the test above would fail"
 
 
+@pytest.mark.slow
 def test_the_bounds_hold_in_all_of_a_cell() -> None:
     """All three lower bounds, against coal at random places of random cells."""
     pair = pair_of("locked", "link_0", "link_4")
@@ -480,14 +462,14 @@ def test_wider_limits_bring_links_2_and_4_together() -> None:
     assert self_collision(parameters()).links(contact) == ("link_2", "link_4")
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_never_of_random_arms_by_brute_force(seed: int) -> None:
     """No random position touches what is left out, and something else does."""
     record = random_arm(np.random.default_rng(seed), off_axis=False)
     never = set(disabled.disabled_pairs(record, "locked")["Never"])
     scene = self_collision(record)
     bodies = scene.bodies
-    q = within(record, 4000, seed)
+    q = within(record, 600, seed)
     corners = itertools.product(*[(j.lower, j.upper) for j in record.joints[:4]])
     q = np.concatenate([q, np.array(list(corners))])
     for number, pair in enumerate(bodies.pairs):

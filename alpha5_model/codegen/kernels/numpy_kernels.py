@@ -166,7 +166,8 @@ def batch(
     given_rows = rows[: len(inputs)]
     result_rows = rows[len(inputs) :]
     if len(given_rows[0]) < FEW and name in numbers.KERNELS:
-        return _row_by_row(_OF_NUMBERS[name].formula, given_rows, result_rows)
+        own = ([float(x) for x in parameters],) if has_parameters else ()
+        return _row_by_row(_OF_NUMBERS[name].formula, given_rows, own, result_rows)
     bound = ([np.array(x) for x in parameters],) if has_parameters else ()
     return _block_by_block(kernel.formula, given_rows, bound, result_rows)
 
@@ -186,14 +187,17 @@ def _as_rows(
 
 
 def _row_by_row(
-    formula: Formula, inputs: Sequence[FloatArray], outputs: Sequence[FloatArray]
+    formula: Formula,
+    inputs: Sequence[FloatArray],
+    bound: tuple[Any, ...],
+    outputs: Sequence[FloatArray],
 ) -> bool:
     """A formula of Python's numbers for each row; False if a number is too large."""
     for i in range(len(inputs[0])):
         state = [x[i].tolist() for x in inputs]
         if not all(abs(number) <= LARGEST for part in state for number in part):
             return False
-        results = formula(*state, math)
+        results = formula(*state, *bound, math)
         for out, result in zip(outputs, results, strict=True):
             out[i] = result
     return True
