@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-import pytest
 import reference
 
 import alpha5_model as a5
@@ -46,44 +43,3 @@ def test_the_mass_that_link_2s_tensors_imply() -> None:
     assert ours.lower <= middle <= ours.upper
     assert rounding < 0.01 * middle
     assert abs(middle - printed) > 5 * rounding, "the two masses are told apart"
-
-
-@pytest.mark.slow
-def test_intervals_of_identified_numbers_cover_the_truth() -> None:
-    """At least 9 of 10 of them, over trials with sampled arms, as the page says.
-
-    The hits within one trial depend on each other: the bound leaves room for that.
-    """
-    from alpha5_model.codegen.regrouping import base_parameters
-
-    u = a5.uncertainty
-    time = np.arange(0.0, 12.0, 0.02)
-    phase = np.outer(time, [1.25, 1.0, 1.3, 1.1])
-    swing = a5.named_pose("reach") + [0, 0.5, -0.6, 0] + 0.4 * np.sin(phase)
-    motion = a5.trajectory.motion(time, swing)
-    smooth = a5.trajectory.smooth(motion, "interpolate")
-    state = smooth.position, smooth.velocity, smooth.acceleration
-    trials = 8
-    drawn = u.sample(trials, 3)
-    rng = np.random.default_rng(1)
-    by_effort = []
-    by_load = []
-    for k in range(trials):
-        parameters = drawn.parameters(k)
-        arm = u.arm(parameters)
-        truth = base_parameters(parameters.links, parameters=parameters)[:38]
-        effort = arm.inverse_dynamics_batch(*state)
-        rows = arm.regressor(*state).matrix
-        np.testing.assert_allclose(rows @ truth, effort, atol=1e-9)
-        effort = effort + rng.normal(scale=0.003, size=effort.shape)
-        load = arm.base_wrench_batch(*state)
-        load = load + rng.normal(scale=0.010, size=load.shape)
-        moved = replace(motion, effort=effort)
-        for found, hits in (
-            (u.identify(moved, method="interpolate"), by_effort),
-            (u.identify(motion, wrench=load, method="interpolate"), by_load),
-        ):
-            inside = (found.lower <= truth) & (truth <= found.upper)
-            hits.append(float(inside[found.supported].mean()))
-    for hits in (by_effort, by_load):
-        assert 0.85 < np.mean(hits) <= 1.0
