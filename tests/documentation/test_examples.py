@@ -117,6 +117,7 @@ def test_mujoco_in_water(capsys: pytest.CaptureFixture[str]) -> None:
     assert after < before
 
 
+@pytest.mark.slow
 def test_my_arm_in_mujoco(capsys: pytest.CaptureFixture[str]) -> None:
     mine, catalogue = said("my_arm_in_mujoco", capsys).splitlines()
     assert numbers(mine)[-1] < 0.01
@@ -189,6 +190,7 @@ def test_maps_of_studies(
     assert (tmp_path / f"{name}.png").stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_pick_and_stow(capsys: pytest.CaptureFixture[str]) -> None:
     rows = [line.split() for line in said("pick_and_stow", capsys).splitlines()[1:]]
     assert [row[0] for row in rows] == ["to", "and"]
