@@ -17,7 +17,6 @@ import pinocchio as pin
 from public_names import public_names
 
 import alpha5_model as a5
-from alpha5_model import jax as jax_arms
 from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.numbers import arm_checks, fluids, inertia
@@ -785,6 +784,8 @@ def _water_calls(rows: _TheoryRows) -> list[_Row]:
 
 def jax_calls() -> list[tuple[str, Call]]:
     """Of `alpha5_model.jax`, one state each, (name, call)."""
+    from alpha5_model import jax as jax_arms
+
     arm = jax_arms.load()
     state = dict(
         zip(("q", "v", "a"), np.random.default_rng(6).normal(size=(3, 4)), strict=True)
