@@ -24,6 +24,9 @@ SIGNIFICANCE = 1e-4
 _CERTAIN = 4.0
 #: Parts of a column that the fit explains up to this share are not told apart.
 _UNSEEN = 1e-6
+#: A joint that is slower rests: what is left is rounding, whose sign says nothing
+#: [rad/s].
+_AT_REST = 1e-12
 #: Fluids that are taken for one another.
 _FLUIDS = (AIR, FRESH_WATER, SEA_WATER)
 _COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -150,7 +153,9 @@ def suspects(
         ),
     ]
     if efforts:
-        found.append(each("Coulomb", "N m", np.sign(velocity)))
+        moving = np.abs(velocity) > _AT_REST
+        direction = np.where(moving, np.sign(velocity), 0.0)
+        found.append(each("Coulomb", "N m", direction))
         found.append(each("viscous", "N m s/rad", velocity))
     for link, slope in enumerate(by_mass):
         columns = (regressor @ slope)[..., None]
