@@ -26,6 +26,9 @@ _CERTAIN = 4.0
 _UNSEEN = 1e-6
 #: Columns below this share of the largest one are rounding errors.
 _ROUNDING = 1e-14
+#: A joint that is slower rests: what is left is rounding, whose sign says nothing
+#: [rad/s].
+_AT_REST = 1e-12
 #: Fluids that are taken for one another.
 _FLUIDS = (AIR, FRESH_WATER, SEA_WATER)
 _COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -152,7 +155,9 @@ def suspects(
         ),
     ]
     if efforts:
-        found.append(each("Coulomb", "N m", np.sign(velocity)))
+        moving = np.abs(velocity) > _AT_REST
+        direction = np.where(moving, np.sign(velocity), 0.0)
+        found.append(each("Coulomb", "N m", direction))
         found.append(each("viscous", "N m s/rad", velocity))
     for link, slope in enumerate(by_mass):
         columns = (regressor @ slope)[..., None]
