@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm, Forces
+from alpha5_model.dynamics.batch import solved
 from alpha5_model.dynamics.buoyancy import Displacement
 from alpha5_model.dynamics.joint_tree import Embedding, JointTree
 from alpha5_model.dynamics.states import Partials
@@ -70,8 +71,7 @@ class JawArm(Arm):
     ) -> FloatArray:
         q, v, tau = self._clean_qvtau(q, v, tau)
         bias = self.inverse_dynamics(q, v, np.zeros_like(v), fext)
-        a = np.linalg.solve(self.mass_matrix(q), tau - bias)
-        return np.asarray(a, dtype=np.float64)
+        return solved(self.mass_matrix(q), tau - bias)
 
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike

@@ -28,7 +28,7 @@ from alpha5_model._support.checks import (
     frozen,
     rigid_transform,
 )
-from alpha5_model.dynamics.batch import kernel_rows, solved_rows
+from alpha5_model.dynamics.batch import kernel_rows, solved, solved_rows
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
 from alpha5_model.dynamics.states import Partials, forces, rows
 from alpha5_model.numbers import plausibility
@@ -192,8 +192,7 @@ class HydrodynamicArm:
         if kernel is not None:
             return cast(FloatArray, kernel(q, v, torque, self._checked(current)))
         bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
-        a = np.linalg.solve(self.mass_matrix(q), torque - bias)
-        return np.asarray(a, dtype=np.float64)
+        return solved(self.mass_matrix(q), torque - bias)
 
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
