@@ -26,7 +26,8 @@ except ModuleNotFoundError:  # in place, beside an installed package
 
 ROOT = Path(__file__).resolve().parent
 FOLDER = Path("alpha5_model", "codegen", "kernels")
-#: `-ffp-contract=off`: the same bits at every width; gcc 12 contracts nevertheless
+#: For GCC and Clang, whose vector extensions the kernels are written in.
+#: `-ffp-contract=off`: the same bits on every processor; gcc 12 contracts nevertheless
 #: where it vectorizes straight lines (a vfmsubadd). Nothing reads errno.
 FLAGS = [
     "-O3",
@@ -36,7 +37,6 @@ FLAGS = [
     "-Wno-psabi",
     "-g0",
 ]
-MSVC_FLAGS = ["/O2", "/fp:precise", "/std:c11"]
 #: Where the models of `mjcf/` have their meshes: in a checkout the folder stands alone,
 #: in a wheel they are in the package once.
 MESHES = {"checkout": 'meshdir="assets"', "wheel": 'meshdir="../meshes"'}
@@ -58,7 +58,7 @@ def compiled(output: Path) -> Path:
         [str(ROOT / FOLDER / "_compiled.c")],
         include_dirs=[numpy.get_include()],
         define_macros=[("SOURCES", f'"{digest()}"')],
-        extra_compile_args=MSVC_FLAGS if sys.platform == "win32" else FLAGS,
+        extra_compile_args=FLAGS,
         py_limited_api=True,
     )
     with tempfile.TemporaryDirectory() as objects:
@@ -74,8 +74,7 @@ def compiled(output: Path) -> Path:
 
 def compiled_in_place() -> Path:
     """Compile beside the sources, unless the module there is made of them; the file."""
-    name = "_compiled.pyd" if sys.platform == "win32" else "_compiled.abi3.so"
-    module = ROOT / FOLDER / name
+    module = ROOT / FOLDER / "_compiled.abi3.so"
     if module.is_file() and digest().encode() in module.read_bytes():
         return module
     return compiled(ROOT / FOLDER)

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from alpha5_model import trajectory
     from alpha5_model._support.paths import PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH
     from alpha5_model.codegen.kernels.choice import backend
+    from alpha5_model.collision.self_collision import without_self_collision
     from alpha5_model.description.srdf import named_pose
     from alpha5_model.dynamics import actuators
     from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.dynamics.collision import without_self_collision
     from alpha5_model.dynamics.load import load, robot_wrapper
     from alpha5_model.kinematics import workspace
     from alpha5_model.kinematics.bus_devices import devices_from_q, q_from_devices
@@ -148,7 +148,7 @@ _NAMES = {
     "load": "dynamics.load",
     "robot_wrapper": "dynamics.load",
     "Arm": "dynamics.arm",
-    "without_self_collision": "dynamics.collision",
+    "without_self_collision": "collision.self_collision",
     "backend": "codegen.kernels.choice",
     "Vehicle": "water.vehicle",
     # Motions.

@@ -304,12 +304,9 @@ class KernelError(Alpha5Error, RuntimeError):
         kernel: Name of the kernel.
     """
 
-    def __init__(self, kernel: str) -> None:
+    def __init__(self, kernel: str, expected: str) -> None:
         self.kernel = kernel
-        expected = "aligned, C-contiguous float64 rows of finite numbers"
-        super().__init__(
-            f"the kernel {kernel} takes only {expected}; please report this"
-        )
+        super().__init__(f"the kernel {kernel} takes {expected}; please report this")
 
 
 class OutputError(Alpha5Error, OSError):

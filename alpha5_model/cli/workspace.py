@@ -14,7 +14,7 @@ from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.units import LITRE, MILLIMETRE, SQUARE_CENTIMETRE
 from alpha5_model.cli.words import WORDS
-from alpha5_model.dynamics.collision import without_self_collision
+from alpha5_model.collision.self_collision import without_self_collision
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics import workspace as space
 from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of

@@ -170,23 +170,3 @@ def _forward_dynamics(x: Inputs, mass: SX, dimensions: Dimensions) -> Outputs:
 def _by_rows(torque: SX, x: SX) -> SX:
     """The Jacobian of a torque, from the outputs: for four torques that is shorter."""
     return jacobian(torque, x, {"helper_options": {"ad_weight": 1}})
-
-
-def upright(function: casadi.Function) -> casadi.Function:
-    """The same function for gravity along the z of base_link only.
-
-    In still water, no torque then depends on the first joint.
-    """
-    inputs = function.sx_in()
-    *states, base_parameters = inputs
-    at = [*BASE_PARAMETERS].index("gravity.x")
-    vertical = vertcat(base_parameters[:at], 0, 0, base_parameters[at + 2 :])
-
-    outputs = [casadi.densify(out) for out in function.call([*states, vertical])]
-    return casadi.Function(
-        f"{function.name()}_upright",
-        inputs,
-        outputs,
-        function.name_in(),
-        function.name_out(),
-    )

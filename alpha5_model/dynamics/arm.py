@@ -292,7 +292,7 @@ class Arm(ArmModel):
         """Smallest distance between two links that `in_collision` compares [m].
 
         It is negative if they overlap: the depth, to a micrometre.
-        `alpha5_model.dynamics.collision.CollisionModel` also says where.
+        `closest_links` also says which.
 
         Args:
             q: (nq,), or (..., nq) for many positions.
@@ -301,6 +301,17 @@ class Arm(ArmModel):
             float, or (...).
         """
         return self._collision.distance(q)
+
+    def closest_links(self, q: ArrayLike) -> tuple[tuple[str, str], float]:
+        """The two links that are nearest to each other, or that overlap most.
+
+        Args:
+            q: (nq,).
+
+        Returns:
+            Their names, and their distance as of `collision_distance` [m].
+        """
+        return self._collision.closest(q)
 
     def collision_distance_gradient(self, q: ArrayLike) -> FloatArray:
         """Derivative of `collision_distance` by q, (nv,) [m/rad, and 1 for axis_a].
@@ -501,7 +512,7 @@ class Arm(ArmModel):
         Returns:
             (N, nv).
         """
-        return kernel_rows(self, "inverse_dynamics", 4, threads, q=q, v=v, a=a)
+        return kernel_rows(self, "inverse_dynamics", threads, q=q, v=v, a=a)
 
     def forward_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
@@ -510,7 +521,7 @@ class Arm(ArmModel):
 
         Arguments are as of `inverse_dynamics_batch`.
         """
-        return kernel_rows(self, "forward_dynamics", 4, threads, q=q, v=v, tau=tau)
+        return kernel_rows(self, "forward_dynamics", threads, q=q, v=v, tau=tau)
 
     def base_wrench_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -526,7 +537,7 @@ class Arm(ArmModel):
         Returns:
             (N, 6): force [N] and moment [N m] on the mount, in base_link.
         """
-        return kernel_rows(self, "base_wrench", 6, threads, q=q, v=v, a=a)
+        return kernel_rows(self, "base_wrench", threads, q=q, v=v, a=a)
 
     def with_payload(
         self,

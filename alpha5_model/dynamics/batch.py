@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -23,10 +22,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, count
 from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.dynamics.kernel_numbers import kernel_name
 from alpha5_model.dynamics.scratch import Scratch
 from alpha5_model.dynamics.states import rows
-from alpha5_model.errors import KernelError
 
 #: Number of states for which one more thread pays. They are 3 ms of work, as long as
 #: starting a thread takes on a busy machine.
@@ -40,55 +37,32 @@ _PROCESS = os.getpid()
 def kernel_rows(
     arm: Any,
     kernel: str,
-    columns: int,
     threads: int | None,
-    parameters: FloatArray | None = None,
     **states: ArrayLike,
 ) -> FloatArray:
-    """The output of a kernel for each row of q and its rates, (N, columns).
+    """The output of a kernel for each row of q and its rates, (N, ...).
 
     Pinocchio computes it instead if the kernels do not know the arm.
 
     Args:
         arm: An `Arm`.
         kernel: Name of the kernel.
-        columns: Number of columns of its output.
         threads: How many threads Pinocchio uses at most. The kernels use one, but the
             number is checked in any case.
-        parameters: Parameters of the kernel; None for the arm's base parameters and
-            dimensions.
         states: q and its rates, by name.
 
     Raises:
         InputError: States that `rows` refuses, or threads that `thread_count` refuses.
     """
-    if parameters is None:
-        parameters = arm._kernel_parameters
+    parameters = arm._kernel_parameters
     if parameters is None:
         clean = rows(arm._model, **states)
         n_threads = thread_count(threads, len(clean[0]))
         return _BY_PINOCCHIO[kernel](arm, n_threads, *clean)
 
-    out = None
-    given: list[Any] = [*states.values()]
-    if type(given[0]) is np.ndarray and given[0].ndim == 2 and len(given[0]):
-        # The kernel refuses what is not plainly rows. Then `rows` converts it, or says
-        # what is wrong. Of no row, a kernel checks nothing.
-        with suppress(KernelError):
-            out = _run_kernel(kernel, parameters, columns, given)
-    if out is None:
-        clean = rows(arm._model, **states)
-        out = _run_kernel(kernel, parameters, columns, clean)
     if threads is not None:
         count("threads", threads)
-    return out
-
-
-def _run_kernel(
-    kernel: str, parameters: FloatArray, columns: int, states: list[FloatArray]
-) -> FloatArray:
-    out = np.empty((len(states[0]), columns))
-    kernels.compute(kernel, parameters, *states, out)
+    (out,) = kernels.rows(kernel, parameters, *rows(arm._model, **states))
     return out
 
 
@@ -111,9 +85,7 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
     """
     arm._frame(frame)
     if frame == "tcp" and arm._kernel_parameters is not None:
-        kernel = kernel_name("forward_kinematics", arm._kernel_parameters)
-        poses = kernel_rows(arm, kernel, 16, 1, q=q)
-        return poses[:, 3:12:4].copy()
+        return kernel_rows(arm, "forward_kinematics", 1, q=q)[:, :3, 3].copy()
     (configurations,) = rows(arm._model, q=q)
     origins = [arm.forward_kinematics(row, frame).translation for row in configurations]
     return np.array(origins).reshape(-1, 3)

@@ -6,15 +6,13 @@ Bodies, payloads included, fluid, gravity, lengths, zeros and tool are parameter
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, frozen
+from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model.codegen.dimensions import Dimensions, has_known_structure
-from alpha5_model.codegen.kernels.names import KINEMATICS, own
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.description.frames import (
     base_placement,
@@ -109,26 +107,6 @@ def moments_of_links(arm: Any) -> FloatArray:
             density,
         )
     return found
-
-
-def kernel_name(kernel: str, parameters: FloatArray) -> str:
-    """The kernel for an arm: of the catalogue's dimensions, or of any.
-
-    Args:
-        kernel: Name of a method.
-        parameters: The arm's `kernel_parameters`.
-    """
-    if kernel not in KINEMATICS:
-        return kernel
-    dimensions = parameters[len(BASE_PARAMETERS) :]
-    is_known = np.array_equal(dimensions, dimensions_of_kernels())
-    return kernel if is_known else own(kernel)
-
-
-@cache
-def dimensions_of_kernels() -> FloatArray:
-    """The dimensions that are constants of the kinematics' kernels, (24,)."""
-    return frozen(Dimensions.from_parameters(made_for()).numbers)
 
 
 def _has_the_joints_of(parameters: Alpha5Parameters, model: pin.Model) -> bool:

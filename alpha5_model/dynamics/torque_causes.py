@@ -57,7 +57,7 @@ def _terms_by_kernels(
     arm: Any, q: FloatArray, v: FloatArray, a: FloatArray, threads: int | None
 ) -> TorqueTerms:
     def torque(kernel: str, **rates: FloatArray) -> FloatArray:
-        return kernel_rows(arm, kernel, 4, threads, q=q, **rates)
+        return kernel_rows(arm, kernel, threads, q=q, **rates)
 
     total = torque("inverse_dynamics", v=v, a=a)
     return TorqueTerms(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -89,10 +88,6 @@ class ArmKinematics:
             return None
         return self.self_collision
 
-    @cached_property
-    def _best_of_one(self) -> Callable[[Any, Any, bool], FloatArray | None]:
-        return self.self_collision.best_solution()
-
     def inverse_kinematics(
         self, position: ArrayLike, wrist: ArrayLike = 0.0
     ) -> SolutionArrays:
@@ -110,9 +105,6 @@ class ArmKinematics:
         allow_collision: bool = False,
     ) -> FloatArray:
         """The free solution within the limits that is nearest to a joint position."""
-        chosen = self._best_of_one(solutions, q_reference, allow_collision)
-        if chosen is not None:
-            return chosen
         scene = self._compared(allow_collision)
         return choosing.best(solutions, q_reference, self.shape, self._wrist, scene)
 

@@ -13,9 +13,9 @@ plane faces the target and -1 if it faces away, e = +1 and -1 for the flipped el
     phi = atan2(z - d_0, r) - e alpha
     alpha = pi/2 - atan(t) + atan(k / t),  k = (l_2 - l_1) / (l_2 + l_1)
 
-The kernels, made from `alpha5_model.codegen.closed_form_ik`, compute the same with
-fewer arctangents, and also at every edge: of the yaw axis, of reach, of a joint's
-range. `alpha5_model.codegen.own_arm_ik` does so for any lengths and any tool point.
+The kernel, made from `alpha5_model.codegen.inverse_kinematics`, computes the same for
+any lengths and any tool point, and also at every edge: of the yaw axis, of reach, of a
+joint's range.
 
 References:
     [ReachAlpha] Manufacturer's document, Sections 1.3 and 1.4.
@@ -27,7 +27,6 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.codegen.kernels.choice import module
 from alpha5_model.kinematics import published_formulas, solver
 from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.kinematics.solutions import BRANCHES, SolutionArrays
@@ -149,11 +148,7 @@ def inverse_kinematics(
         answer.arm = arm
         return answer
 
-    # The kernel is made for the catalogue's arm: one target needs only this call.
-    solved: Solutions | None = module().inverse_kinematics(Solutions, position, wrist)
-    if solved is not None:
-        return solved
-    return solver.solve(Solutions, position, wrist, solver.shape_of_kernels())
+    return solver.solve(Solutions, position, wrist, catalogue().shape)
 
 
 def published_inverse_kinematics(position: ArrayLike) -> FloatArray:

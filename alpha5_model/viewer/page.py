@@ -20,6 +20,7 @@ from alpha5_model.collision.bodies import CollisionBodies
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.kinematics.ik import BRANCHES
+from alpha5_model.kinematics.tolerances import DOUBLE
 from alpha5_model.viewer.commands import (
     anchors,
     link_path,
@@ -107,7 +108,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
     if scene.own is not None:
         data["own"] = {
             "shape": scene.own.shape._asdict(),
-            "toolOnAxis": scene.own.shape.has_tool_on_axis,
+            "kinematics": [*scene.own.shape.numbers, *DOUBLE],
             "dimensions": scene.own.dimensions,
         }
     return data

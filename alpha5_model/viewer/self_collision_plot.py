@@ -10,7 +10,7 @@ import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.paths import REPOSITORY_PATH
-from alpha5_model.dynamics.collision import without_self_collision
+from alpha5_model.collision.self_collision import without_self_collision
 from alpha5_model.dynamics.load import load
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.kinematics.catalogue_arm import catalogue

@@ -5,16 +5,12 @@ tau_drag``. It is computed on the tree of the arm's joints, with its base on a
 free-flyer (`alpha5_model.water.tree`). The tree moves at ``v_tree = G v``, so the arm's
 torques are ``tau = G^T tau_tree``. On a fixed base, the first six torques of the tree
 are the load on the mount.
-
-Generated kernels compute inverse and forward dynamics if they know the arm and its
-water (`alpha5_model.water.kernel_water`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -24,11 +20,10 @@ from alpha5_model._support.checks import (
     FloatArray,
     array,
     choice,
-    float_array,
     frozen,
     rigid_transform,
 )
-from alpha5_model.dynamics.batch import kernel_rows, solved_rows
+from alpha5_model.dynamics.batch import solved_rows
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
 from alpha5_model.dynamics.states import Partials, forces, rows
 from alpha5_model.numbers import plausibility
@@ -39,11 +34,6 @@ from alpha5_model.numbers.hydrodynamics import (
     hydrodynamics,
 )
 from alpha5_model.water.forces import JointWater
-from alpha5_model.water.kernel_water import (
-    WaterKernels,
-    water_kernel_parameters,
-    water_kernels,
-)
 from alpha5_model.water.tree import HydrodynamicTree
 from alpha5_model.water.vehicle import (
     Trim,
@@ -157,16 +147,7 @@ class HydrodynamicArm:
         current: Current = None,
     ) -> FloatArray:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
-        kernel = self._kernels.inverse_dynamics if fext is None else None
-        if kernel is not None:
-            given = self.current if current is None else current
-            out: FloatArray | None = kernel(q, v, a, given)
-            if out is not None:
-                return out
-
         state = self.still._clean_qva(q, v, a)
-        if kernel is not None:
-            return cast(FloatArray, kernel(*state, self._checked(current)))
         return np.asarray(self._tree.g.T @ self._tree_torque(state, fext, current))
 
     def forward_dynamics(
@@ -181,16 +162,7 @@ class HydrodynamicArm:
 
         See `Arm.forward_dynamics`.
         """
-        kernel = self._kernels.forward_dynamics if fext is None else None
-        if kernel is not None:
-            given = self.current if current is None else current
-            out: FloatArray | None = kernel(q, v, tau, given)
-            if out is not None:
-                return out
-
         q, v, torque = self.still._clean_qvtau(q, v, tau)
-        if kernel is not None:
-            return cast(FloatArray, kernel(q, v, torque, self._checked(current)))
         bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
         a = np.linalg.solve(self.mass_matrix(q), torque - bias)
         return np.asarray(a, dtype=np.float64)
@@ -350,10 +322,6 @@ class HydrodynamicArm:
             threads: As in `Arm.inverse_dynamics_batch`.
             current: (3,), or (N, 3), one for each row.
         """
-        if self._water_kernel_parameters is not None:
-            return self._rows_by_kernel(
-                "inverse_dynamics_in_current", threads, current, q=q, v=v, a=a
-            )
         water = self._water_torques(q, v, a, current) @ self._tree.g
         return np.asarray(self.still.inverse_dynamics_batch(q, v, a, threads) + water)
 
@@ -384,10 +352,6 @@ class HydrodynamicArm:
 
         Arguments are as of `inverse_dynamics_batch`.
         """
-        if self._water_kernel_parameters is not None:
-            return self._rows_by_kernel(
-                "forward_dynamics_in_current", threads, current, q=q, v=v, tau=tau
-            )
         return solved_rows(self, q, v, tau, threads, current=current)
 
     def with_payload(
@@ -457,31 +421,6 @@ class HydrodynamicArm:
         given = self.current if current is None else current
         *states, currents = rows(self._model, q=q, v=v, a=a, current=given)
         return self._tree.water_torques(self._tree.expand(*states), currents)
-
-    def _rows_by_kernel(
-        self, kernel: str, threads: int | None, current: Current, q: Rows, **rates: Rows
-    ) -> FloatArray:
-        """A kernel's output for each row, (N, 4)."""
-        given = self.current if current is None else current
-        currents = float_array("current", given, (3,))
-        if currents.ndim == 1 and isinstance(q, np.ndarray) and q.ndim == 2:
-            # The kernels read a broadcast row once.
-            currents = np.broadcast_to(currents, (len(q), 3))
-        parameters = self._water_kernel_parameters
-        return kernel_rows(
-            self.still, kernel, 4, threads, parameters, q=q, **rates, current=currents
-        )
-
-    @cached_property
-    def _water_kernel_parameters(self) -> FloatArray | None:
-        """Parameters of the kernels; None if they do not know the arm or its water."""
-        added_mass = self._tree.water.added_mass
-        return water_kernel_parameters(self.still, self.bodies, added_mass)
-
-    @cached_property
-    def _kernels(self) -> WaterKernels:
-        """Inverse and forward dynamics of this arm by kernels."""
-        return water_kernels(self._water_kernel_parameters)
 
     def _derivatives(
         self, current: Current, *given: ArrayLike

@@ -1,12 +1,9 @@
 """Which kernels run: the generated formulas, compiled or in NumPy.
 
 The compiled kernels run if they are installed; ``ALPHA5_KERNELS=numpy`` or
-``compiled`` forces a choice. Both offer `bind` and `batch` for the functions of
-`alpha5_model.codegen`, by name, with the same results to rounding. Both answer None or
-False to numbers that they cannot compute with; the caller then says what is wrong.
+``compiled`` forces a choice. Both compute the same, to rounding.
 
-A checkout that is not installed compiles in place with ``python hatch_build.py``, once
-and after each change of a generated or C file.
+A checkout that is not installed compiles in place with ``python hatch_build.py``.
 """
 
 from __future__ import annotations
@@ -17,7 +14,7 @@ from importlib import import_module
 from typing import Any
 
 from alpha5_model._support.checks import FloatArray, choice
-from alpha5_model.errors import KernelError, MissingDependencyError
+from alpha5_model.errors import MissingDependencyError
 
 _MODULES = {
     "compiled": "alpha5_model.codegen.kernels._compiled",
@@ -27,22 +24,10 @@ _MODULES = {
 
 @cache
 def module() -> Any:
-    """The module of the kernels, with ``bind``, ``batch`` and ``is_state``.
+    """The module of the kernels, with ``rows`` and ``is_state``.
 
-    ``bind(name, parameters)`` returns a function that keeps the constants of its
-    parameters, takes the kernel's inputs and returns a new array, or a tuple of them if
-    there are several outputs. If an input is not a C-contiguous float64 array of the
-    right shape with finite numbers of at most `LARGEST`, it returns what a third
-    argument makes of the inputs, whose name, signature and documentation it has; None
-    without one. ``is_state(nq, nv, q, *rates)`` checks the same of arrays (nq,), (nv,),
-    ...
-
-    ``batch(name, parameters, *arrays)`` takes inputs, then outputs, with one state in
-    each row; inputs may also be one row for all by `numpy.broadcast_to`. It writes the
-    outputs and returns True. In the same cases as above it returns False, and the
-    outputs hold nothing to rely on. Threads that compute at the same time do not wait
-    for each other. Signals are answered every few hundredths of a second, so that
-    Ctrl-C ends a batch.
+    ``is_state(nq, nv, q, *rates)`` says whether arrays are plain C-contiguous float64
+    (nq,), (nv,), ... of finite numbers of at most `LARGEST`.
 
     Raises:
         UnknownNameError: ``ALPHA5_KERNELS`` is neither numpy nor compiled.
@@ -66,23 +51,35 @@ def module() -> Any:
     )
 
 
-def compute(name: str, parameters: FloatArray, *arrays: FloatArray) -> None:
-    """Run a kernel over rows: inputs, then outputs, as `module`'s ``batch`` takes them.
+def rows(
+    name: str, parameters: FloatArray, *inputs: FloatArray
+) -> tuple[FloatArray, ...]:
+    """A kernel for each row of its inputs.
 
-    Nothing else calls ``batch``, so that no output is handed on that was not written.
+    Threads that compute at the same time do not wait for each other, and Ctrl-C ends a
+    batch.
+
+    Args:
+        name: Of a kernel, see `alpha5_model.codegen.sources`.
+        parameters: What all rows have in common, float64.
+        inputs: C-contiguous float64, one state in each row; or one row for all, by
+            `numpy.broadcast_to`.
+
+    Returns:
+        An array for each output, with a row for each state.
 
     Raises:
-        KernelError: It computed nothing. The outputs hold nothing to rely on.
+        KernelError: No such kernel, or an input that it cannot compute with: of another
+            size or type, not finite, or above `LARGEST`.
     """
-    if not module().batch(name, parameters, *arrays):
-        raise KernelError(name)
+    outputs: tuple[FloatArray, ...] = module().rows(name, parameters, *inputs)
+    return outputs
 
 
 def backend() -> str:
     """Which kernels compute batches, inverse kinematics and self-collision here.
 
     Returns:
-        "compiled (avx512)", "(avx2)", "(sse2)", "(neon)" or "(scalar)", or "numpy".
+        "compiled" or "numpy".
     """
-    running = module()
-    return f"compiled ({running.width(0)})" if hasattr(running, "width") else "numpy"
+    return "compiled" if hasattr(module(), "scene") else "numpy"

@@ -1,12 +1,11 @@
-/* Self-collision of a chain of bodies: exact, and by tables of joint positions whose answer is proved.
+/* Self-collision of a chain of bodies, exact.
 
    A scene is made once for an arm and never changes, so that threads share it. Bodies and shapes are
-   those of `alpha5_model.collision.bodies`, tables those of `alpha5_model.collision.cells`. */
+   those of `alpha5_model.collision.bodies`. */
 
 #include "convex.h"
 
-enum { MOST_BODIES = 8, MOST_PAIRS = MOST_BODIES * MOST_BODIES, MOST_TABLES = 4 };
-enum { FREE = 0, HIT = 1, UNDECIDED = 2 };
+enum { MOST_BODIES = 8, MOST_PAIRS = MOST_BODIES * MOST_BODIES };
 
 typedef struct {
     int parent; /* -1: the body that all poses are relative to */
@@ -17,20 +16,9 @@ typedef struct {
 } Body;
 
 typedef struct {
-    int joint, used; /* the first joint that the table depends on, and how many of them */
-    double low[3], cells_per_radian[3];
-    int count[3];
-    uint64_t pairs; /* whose answer it is: bit k stands for pair k of the scene */
-    const unsigned char *codes; /* four cells in a byte, those of the last joint side by side */
-} Cells;
-
-typedef struct {
-    int bodies, pairs, tables;
+    int bodies, pairs;
     Body body[MOST_BODIES];
     int pair[MOST_PAIRS][2];
-    Cells table[MOST_TABLES];
-    PyObject *codes[MOST_TABLES];
-    uint64_t in_no_table; /* pairs, as in a table */
     Shape shape[]; /* those of a body are neighbours */
 } Scene;
 
@@ -131,14 +119,12 @@ static void nearest_of_bodies(const Scene *scene, const Body *a, const Body *b, 
     }
 }
 
-/* Whether two bodies of the pairs that are asked for, as bits, come within `most`. */
-static int touches(const Scene *scene, const double *angles, double most, uint64_t asked)
+/* Whether the bodies of a pair come within `most`. */
+static int touches(const Scene *scene, const double *angles, double most)
 {
     Pose poses[MOST_BODIES];
     place_bodies(scene, angles, poses);
     for (int k = 0; k < scene->pairs; k++) {
-        if (!(asked >> k & 1))
-            continue;
         const int i = scene->pair[k][0], j = scene->pair[k][1];
         const Body *a = &scene->body[i], *b = &scene->body[j];
         Pose b_in_a;
@@ -228,37 +214,13 @@ static void nearest_bodies(const Scene *scene, const double *angles, Nearest *fo
     }
 }
 
-/* What a table says of joint positions; UNDECIDED beyond its range. */
-static int looked_up(const Cells *cells, const double *angles)
-{
-    size_t index = 0;
-    for (int i = 0; i < cells->used; i++) {
-        const double place = (angles[cells->joint + i] - cells->low[i]) * cells->cells_per_radian[i];
-        if (!(place >= 0.0 && place <= cells->count[i]))
-            return UNDECIDED;
-        const int cell = (int)place < cells->count[i] ? (int)place : cells->count[i] - 1;
-        index = index * cells->count[i] + cell;
-    }
-    return cells->codes[index >> 2] >> 2 * (index & 3) & 3;
-}
-
 /* Whether the arm comes within `margin` of itself; not if an angle is NaN. */
 static int in_self_collision(const Scene *scene, const double *angles, double margin)
 {
-    const int with_tables = margin == 0.0;
-    uint64_t asked = with_tables ? scene->in_no_table : UINT64_MAX;
-    for (int t = 0; with_tables && t < scene->tables; t++) {
-        const int code = looked_up(&scene->table[t], angles);
-        if (code == HIT)
-            return 1;
-        asked |= code == FREE ? 0 : scene->table[t].pairs;
-    }
-    if (!asked)
-        return 0;
     for (int i = 0; i < scene->bodies - 1; i++)
         if (!isfinite(angles[i]))
             return 0;
-    return touches(scene, angles, margin, asked);
+    return touches(scene, angles, margin);
 }
 
 /* How much farther a line is proved free from some angles on, as a share of it: the least over all pairs of
@@ -317,12 +279,16 @@ static const char *const SCENE = "alpha5_model.self_collision.scene";
 
 static void free_scene(PyObject *capsule)
 {
-    Scene *scene = PyCapsule_GetPointer(capsule, SCENE);
-    if (scene == NULL)
-        return;
-    for (int t = 0; t < scene->tables; t++)
-        Py_XDECREF(scene->codes[t]);
-    PyMem_Free(scene);
+    PyMem_Free(PyCapsule_GetPointer(capsule, SCENE));
+}
+
+static int real(PyObject *given, double *x)
+{
+    *x = PyFloat_AsDouble(given);
+    if (PyErr_Occurred() == NULL)
+        return 1;
+    PyErr_Clear();
+    return 0;
 }
 
 /* The rows of a plain float64 array (n, columns); NULL otherwise. */
@@ -345,7 +311,6 @@ static const double *read_pose(const double *x, Pose *pose)
 }
 
 enum { BODY_NUMBERS = 1 + 12, SHAPE_NUMBERS = 1 + 1 + 3 + 12, PAIR_NUMBERS = 2 };
-enum { TABLE_NUMBERS = 2 + 3 + 3 + 3 + MOST_PAIRS };
 
 static int read_bodies(Scene *scene, const double *x)
 {
@@ -414,49 +379,16 @@ static int read_pairs(Scene *scene, const double *x)
     return 1;
 }
 
-/* A table: its first joint and how many it depends on; low, cells per radian and counts of three; for each pair
-   that there may be, whether it is of the table. */
-static int read_table(Scene *scene, PyObject *numbers, PyObject *codes)
-{
-    PyArrayObject *array = (PyArrayObject *)numbers;
-    if (scene->tables == MOST_TABLES || !plain(numbers, NPY_ARRAY_CARRAY_RO) || PyArray_SIZE(array) != TABLE_NUMBERS
-        || !PyBytes_Check(codes))
-        return 0;
-    const double *x = PyArray_DATA(array);
-    Cells *cells = &scene->table[scene->tables];
-    npy_intp size = 1;
-    cells->joint = (int)x[0];
-    cells->used = (int)x[1];
-    if (cells->joint < 0 || cells->used < 1 || cells->used > 3 || cells->joint + cells->used > scene->bodies - 1)
-        return 0;
-    for (int i = 0; i < cells->used; i++) {
-        cells->low[i] = x[2 + i];
-        cells->cells_per_radian[i] = x[5 + i];
-        cells->count[i] = (int)x[8 + i];
-        if (cells->count[i] < 1 || cells->count[i] > 1 << 12)
-            return 0;
-        size *= cells->count[i];
-    }
-    if (PyBytes_Size(codes) * 4 < size)
-        return 0;
-    for (int k = 0; k < scene->pairs; k++)
-        cells->pairs |= (uint64_t)(x[11 + k] != 0.0) << k;
-    scene->in_no_table &= ~cells->pairs;
-    cells->codes = (const unsigned char *)PyBytes_AsString(codes);
-    scene->codes[scene->tables++] = Py_NewRef(codes);
-    return 1;
-}
-
 static PyObject *scene(PyObject *module, PyObject *const *given, Py_ssize_t count)
 {
     (void)module;
     npy_intp bodies = 0, shapes = 0, pairs = 0;
-    const double *of_bodies = count > 2 ? table_of(given[0], BODY_NUMBERS, &bodies) : NULL;
-    const double *of_shapes = count > 2 ? table_of(given[1], SHAPE_NUMBERS, &shapes) : NULL;
-    const double *of_pairs = count > 2 ? table_of(given[2], PAIR_NUMBERS, &pairs) : NULL;
+    const double *of_bodies = count == 3 ? table_of(given[0], BODY_NUMBERS, &bodies) : NULL;
+    const double *of_shapes = count == 3 ? table_of(given[1], SHAPE_NUMBERS, &shapes) : NULL;
+    const double *of_pairs = count == 3 ? table_of(given[2], PAIR_NUMBERS, &pairs) : NULL;
     if (of_bodies == NULL || of_shapes == NULL || of_pairs == NULL || bodies < 1 || bodies > MOST_BODIES
-        || pairs > MOST_PAIRS || count % 2 == 0)
-        return PyErr_Format(PyExc_ValueError, "scene takes float64 arrays of bodies, shapes and pairs, and tables");
+        || pairs > MOST_PAIRS)
+        return PyErr_Format(PyExc_ValueError, "scene takes float64 arrays of bodies, shapes and pairs");
     Scene *made = PyMem_Calloc(1, sizeof(Scene) + shapes * sizeof(Shape));
     PyObject *capsule = made ? PyCapsule_New(made, SCENE, free_scene) : PyErr_NoMemory();
     if (capsule == NULL) {
@@ -465,13 +397,10 @@ static PyObject *scene(PyObject *module, PyObject *const *given, Py_ssize_t coun
     }
     made->bodies = (int)bodies;
     made->pairs = (int)pairs;
-    made->in_no_table = pairs < MOST_PAIRS ? ((uint64_t)1 << pairs) - 1 : UINT64_MAX;
     int good = read_bodies(made, of_bodies) && read_shapes(made, of_shapes, shapes) && read_pairs(made, of_pairs);
-    for (Py_ssize_t i = 3; good && i < count; i += 2)
-        good = read_table(made, given[i], given[i + 1]);
     if (!good) {
         Py_DECREF(capsule);
-        return PyErr_Format(PyExc_ValueError, "scene: bodies, shapes, pairs or tables that do not fit");
+        return PyErr_Format(PyExc_ValueError, "scene: bodies, shapes or pairs that do not fit");
     }
     return capsule;
 }
@@ -570,59 +499,6 @@ static PyObject *self_collision_rows(PyObject *module, PyObject *const *given, P
         rows.asked = PyArray_DATA((PyArrayObject *)given[3]);
     rows.hits = PyArray_DATA((PyArrayObject *)given[4]);
     return every_row(&rows, n);
-}
-
-/* The valid row of q (4, 4) nearest to a reference that is free of self-collision, or any; -1 if there is none. */
-static int nearest_valid(const Scene *scene, const double *q, const npy_bool *given, const double *reference, int any)
-{
-    npy_bool valid[BRANCHES];
-    memcpy(valid, given, sizeof valid);
-    for (;;) {
-        int best = -1;
-        double least = INFINITY;
-        for (int b = 0; b < BRANCHES; b++) {
-            double travel = 0.0;
-            for (int i = 0; i < 4; i++)
-                travel += (q[4 * b + i] - reference[i]) * (q[4 * b + i] - reference[i]);
-            if (valid[b] && travel < least) {
-                least = travel;
-                best = b;
-            }
-        }
-        if (best < 0 || any || !in_self_collision(scene, q + 4 * best, 0.0))
-            return best;
-        valid[best] = 0;
-    }
-}
-
-/* best_solution(scene, solutions, q_reference, allow_collision): of one target, (4,). None where the arguments are
-   not plainly so, where no branch will do, and where theta_0 may be free. */
-static PyObject *best_solution(PyObject *module, PyObject *const *given, Py_ssize_t count)
-{
-    (void)module;
-    const Scene *scene = count == 4 ? PyCapsule_GetPointer(given[0], SCENE) : NULL;
-    if (scene == NULL)
-        return PyErr_Occurred() ? NULL : PyErr_Format(PyExc_TypeError, "best_solution takes a scene and three more");
-    double reference[4];
-    if (scene->bodies != 5 || !PyTuple_Check(given[1]) || PyTuple_Size(given[1]) != 5 || !PyBool_Check(given[3])
-        || !numbers_of(given[2], 4, reference) || !clean(reference, 4))
-        Py_RETURN_NONE;
-    PyObject *q = PyTuple_GetItem(given[1], 0), *within_limits = PyTuple_GetItem(given[1], 2);
-    PyObject *is_singular = PyTuple_GetItem(given[1], 3);
-    if (!plain(q, NPY_ARRAY_CARRAY_RO) || PyArray_NDIM((PyArrayObject *)q) != 2
-        || PyArray_SIZE((PyArrayObject *)q) != ANGLES || !truths(within_limits, BRANCHES, NPY_ARRAY_CARRAY_RO)
-        || !truths(is_singular, 1, NPY_ARRAY_CARRAY_RO) || *(npy_bool *)PyArray_DATA((PyArrayObject *)is_singular))
-        Py_RETURN_NONE;
-    const double *angles = PyArray_DATA((PyArrayObject *)q);
-    const npy_bool *valid = PyArray_DATA((PyArrayObject *)within_limits);
-    const int best = nearest_valid(scene, angles, valid, reference, given[3] == Py_True);
-    if (best < 0)
-        Py_RETURN_NONE;
-    npy_intp size = 4;
-    PyObject *chosen = PyArray_SimpleNew(1, &size, NPY_DOUBLE);
-    if (chosen != NULL)
-        memcpy(PyArray_DATA((PyArrayObject *)chosen), angles + 4 * best, 4 * sizeof *angles);
-    return chosen;
 }
 
 /* nearest_bodies_rows(scene, angles, out): whether it was computed; out holds distance, two shapes, two points. */

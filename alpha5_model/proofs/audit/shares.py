@@ -124,7 +124,7 @@ def _inputs(printed: Published) -> list[Quantity]:
 def _self_collision() -> AuditRow:
     """The share of the reachable volume that is reached in self-collision only."""
     # Imported late: it loads Pinocchio.
-    from alpha5_model.dynamics.collision import without_self_collision
+    from alpha5_model.collision.self_collision import without_self_collision
 
     free = workspace.sampled_share(without_self_collision, SAMPLES)
     return audited(

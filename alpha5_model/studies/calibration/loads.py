@@ -179,15 +179,5 @@ def _turned(motion: Motion, angles: FloatArray) -> Motion:
 def _computed(bodies: FloatArray, motion: Motion, dimensions: FloatArray) -> FloatArray:
     """Loads of base parameters (38,), (N, 10)."""
     numbers = np.concatenate([bodies, motion.gravity, dimensions])
-    torque = np.empty((len(motion.q), 4))
-    wrench = np.empty((len(motion.q), 6))
-    kernels.compute(
-        "inverse_dynamics_with_base_wrench",
-        numbers,
-        motion.q,
-        motion.v,
-        motion.a,
-        torque,
-        wrench,
-    )
-    return np.hstack([torque, wrench])
+    state = (motion.q, motion.v, motion.a)
+    return np.hstack(kernels.rows("inverse_dynamics_with_base_wrench", numbers, *state))

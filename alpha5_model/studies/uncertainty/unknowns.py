@@ -180,10 +180,7 @@ def _computed(
     geometry: _Geometry, q: FloatArray, v: FloatArray, a: FloatArray
 ) -> FloatArray:
     """Torques and loads, (N, 10)."""
-    torque = np.empty((len(q), 4))
-    wrench = np.empty((len(q), 6))
     numbers = np.concatenate(geometry)
-    kernels.compute(
-        "inverse_dynamics_with_base_wrench", numbers, q, v, a, torque, wrench
+    return np.hstack(
+        kernels.rows("inverse_dynamics_with_base_wrench", numbers, q, v, a)
     )
-    return np.hstack([torque, wrench])

@@ -1,4 +1,4 @@
-"""Inverse kinematics of any arm and any tool point: its numbers are an input.
+"""Inverse kinematics of an arm with any lengths and any tool point, in CasADi.
 
 `alpha5_model.kinematics.arm_shape` has the letters. At a given theta_3 the arm is a
 vertical plane with two links in it, which passes the yaw axis at the distance w. A
@@ -6,8 +6,15 @@ target at the distance R from that axis is in the plane at
 
     r = +-sqrt((R - |w|) (R + |w|)),       azimuth = atan2(Y r - X w, X r + Y w),
 
-so that again there are four branches: two signs of r, two elbows. From r on, the
-formulas are those of `alpha5_model.codegen.closed_form_ik`, for links of any length.
+so that there are four branches: two signs of r, two elbows. In the plane, the target is
+at rho from the shoulder, and with the links l_1 and l_2
+
+    s = sqrt(((l_1 + l_2)^2 - rho^2) (rho^2 - (l_1 - l_2)^2)),
+    gamma = atan2(s, l_1^2 + l_2^2 - rho^2),
+    alpha = atan2(s, rho^2 + l_1^2 - l_2^2)
+
+are the triangle's angles at the elbow and at the shoulder. Sums and products in place
+of arccos keep all digits at the edges of reach.
 
 The edges, each within rounding of its set:
 
@@ -48,8 +55,7 @@ from casadi import (
 
 from alpha5_model.codegen.casadi_functions import named
 from alpha5_model.kinematics.arm_shape import SHAPE_NUMBERS, ArmShape
-from alpha5_model.kinematics.solver import OFF_AXIS, ON_AXIS
-from alpha5_model.kinematics.tolerances import Tolerances, named_tolerances
+from alpha5_model.kinematics.tolerances import Tolerances
 
 
 class _Forearm(NamedTuple):
@@ -153,44 +159,30 @@ class _Branch(NamedTuple):
     within_limits: SX
 
 
-def own_arm_inverse_kinematics(tool_on_axis: bool) -> casadi.Function:
+def inverse_kinematics() -> casadi.Function:
     """The branches of a target, in the order of `alpha5_model.kinematics.ik.BRANCHES`.
 
-    Inputs: ``position`` (3,) [m], ``wrist`` [rad], ``tolerances``, a `Tolerances`, and
-    ``parameters``, the numbers of an `ArmShape`.
+    Inputs: ``position`` (3,) [m], ``wrist`` [rad], and ``parameters``: the numbers of
+    an `ArmShape`, then those of `Tolerances`.
 
     Outputs: ``q`` (4, 4) [rad], NaN if a branch does not reach the target; ``exists``
     and ``within_limits`` (4,) and ``singular``, 0 or 1.
-
-    Args:
-        tool_on_axis: For tool points on the wrist axis. This saves two arctangents, a
-            sine and a cosine.
     """
     position = SX.sym("position", 3)
     wrist = SX.sym("wrist")
-    allowed = SX.sym("tolerances", len(Tolerances._fields))
-    tolerances = named_tolerances(vertsplit(allowed))
-    numbers = SX.sym("parameters", SHAPE_NUMBERS)
-    shape = ArmShape.from_numbers(vertsplit(numbers))
+    parameters = SX.sym("parameters", SHAPE_NUMBERS + len(Tolerances._fields))
+    numbers = vertsplit(parameters)
+    shape = ArmShape.from_numbers(numbers[:SHAPE_NUMBERS])
+    tolerances = Tolerances._make(numbers[SHAPE_NUMBERS:])
 
     theta_3 = _wrist_angle(wrist, shape, tolerances)
-    if tool_on_axis:
-        forearm = _forearm_on_axis(shape)
-        target = _target_of_tool_on_axis(position, shape, tolerances)
-    else:
-        forearm = _forearm(theta_3, shape, tolerances)
-        target = _target(position, shape, forearm, tolerances)
+    forearm = _forearm(theta_3, shape, tolerances)
+    target = _target(position, shape, forearm, tolerances)
     singular = target.at_edge
     elbow_to_one_side = []
     elbow_to_the_other = []
     for faces_it in (True, False):
-        if tool_on_axis:
-            azimuth = atan2(target.y, target.x)
-            offset = 0.0 if faces_it else math.pi
-        else:
-            azimuth = _azimuth(target, faces_it, forearm)
-            offset = 0.0
-        theta_0 = _yaw_angle(target, azimuth, offset, shape)
+        theta_0 = _yaw_angle(target, faces_it, forearm, shape)
         triangle = _triangle(target, faces_it, shape, forearm, tolerances)
         singular = logic_or(singular, logic_and(triangle.reached, triangle.at_edge))
 
@@ -200,13 +192,8 @@ def own_arm_inverse_kinematics(tool_on_axis: bool) -> casadi.Function:
 
     branches = elbow_to_one_side + elbow_to_the_other
     return named(
-        ON_AXIS if tool_on_axis else OFF_AXIS,
-        {
-            "position": position,
-            "wrist": wrist,
-            "tolerances": allowed,
-            "parameters": numbers,
-        },
+        "inverse_kinematics",
+        {"position": position, "wrist": wrist, "parameters": parameters},
         {
             "q": vertcat(*(branch.q for branch in branches)),
             "exists": vertcat(*(branch.exists for branch in branches)),
@@ -222,17 +209,6 @@ def _wrist_angle(wrist: SX, shape: ArmShape, tolerances: Tolerances) -> _Angle:
     return _in_range(_from(start, wrist), 3, tolerances.limit, shape)
 
 
-def _forearm_on_axis(shape: ArmShape) -> _Forearm:
-    """The second link, if the tool point is on the wrist axis."""
-    along = SX(shape.a_2)
-    return _Forearm(
-        length=sqrt(along * along + shape.z * shape.z),
-        direction=atan2(-shape.z, along),
-        beside=SX(0),
-        free=SX(0),
-    )
-
-
 def _forearm(theta_3: _Angle, shape: ArmShape, tolerances: Tolerances) -> _Forearm:
     """The second link at a wrist angle."""
     psi = theta_3.value + shape.wrist_offset
@@ -245,25 +221,6 @@ def _forearm(theta_3: _Angle, shape: ArmShape, tolerances: Tolerances) -> _Forea
         direction=atan2(-shape.z, along),
         beside=-(shape.x * sine + shape.y * cosine),
         free=length <= tolerances.axis,
-    )
-
-
-def _target_of_tool_on_axis(
-    position: SX, shape: ArmShape, tolerances: Tolerances
-) -> _Target:
-    """A position in the plane of the arm that faces it, if w is 0."""
-    x, y, z = vertsplit(position)
-    distance = sqrt(x * x + y * y)
-    free = distance <= tolerances.axis
-    return _Target(
-        x=x,
-        y=y,
-        height=z - shape.d_0,
-        radius=if_else(free, 0.0, distance),
-        outside=SX(1),
-        free=free,
-        at_edge=free,
-        azimuth_slack=_azimuth_slack(distance, tolerances),
     )
 
 
@@ -297,23 +254,18 @@ def _azimuth_slack(distance: SX, tolerances: Tolerances) -> SX:
     return tolerances.limit + tolerances.azimuth / fmax(distance, tolerances.axis)
 
 
-def _azimuth(target: _Target, faces_it: bool, forearm: _Forearm) -> SX:
-    """Azimuth of the plane's r axis that puts the tool point at the target."""
+def _yaw_angle(
+    target: _Target, faces_it: bool, forearm: _Forearm, shape: ArmShape
+) -> _Angle:
+    """theta_0 that puts the tool point at the target; its middle if it is free."""
     r = target.radius if faces_it else -target.radius
     w = forearm.beside
-    return atan2(target.y * r - target.x * w, target.x * r + target.y * w)
-
-
-def _yaw_angle(target: _Target, azimuth: SX, offset: float, shape: ArmShape) -> _Angle:
-    """theta_0 for an azimuth from -pi to pi plus an offset.
-
-    It is the middle of its range if it is free.
-    """
+    azimuth = atan2(target.y * r - target.x * w, target.x * r + target.y * w)
     middle = _middle(0, shape)
-    angle = _near(middle, azimuth, SX(offset - shape.azimuth_offset))
+    angle = _near(middle, azimuth, SX(-shape.azimuth_offset))
     ranged = _in_range(angle, 0, target.azimuth_slack, shape)
     return _Angle(
-        value=if_else(target.free, _middle(0, shape), ranged.value),
+        value=if_else(target.free, middle, ranged.value),
         beyond=ranged.beyond,
         fits=logic_or(target.free, ranged.fits),
     )
@@ -420,8 +372,7 @@ def _reached(sides: _Sides, target: _Target, tolerances: Tolerances) -> tuple[SX
         -tolerances.edge * outer < sides.above,
         -tolerances.edge * inner < sides.below,
     )
-    if not target.outside.is_one():
-        reached = logic_and(target.outside, reached)
+    reached = logic_and(target.outside, reached)
     at_edge = logic_or(
         sides.above <= tolerances.singular * outer,
         sides.below <= tolerances.singular * inner,
@@ -500,8 +451,6 @@ def _elbow_angle(
     moved = angle - triangle.elbow_by_shoulder * theta_1.beyond
     slack = tolerances.limit + triangle.share_stretched * triangle.slack
     ranged = _in_range(moved, 2, slack, shape)
-    if forearm.free.is_zero():
-        return ranged
     return _Angle(
         value=if_else(forearm.free, _middle(2, shape), ranged.value),
         beyond=if_else(forearm.free, 0.0, ranged.beyond),
