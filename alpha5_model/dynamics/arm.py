@@ -23,12 +23,11 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.dynamics import mount_load
 from alpha5_model.dynamics.arm_collision import ArmCollision
 from alpha5_model.dynamics.arm_model import ArmModel
 from alpha5_model.dynamics.batch import kernel_rows
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
-from alpha5_model.dynamics.joint_tree import AT_ORIGIN
+from alpha5_model.dynamics.joint_tree import AT_ORIGIN, JointTree
 from alpha5_model.dynamics.model_changes import added_body, with_payload
 from alpha5_model.dynamics.regression import Regressor, regressor
 from alpha5_model.dynamics.states import Partials, forces
@@ -71,7 +70,7 @@ class Arm(ArmModel):
         model: pin.Model of the arm, for the caller. The arm computes on a copy, so
             changes of this one do not change the results of its methods. With jaws it
             has mimic joints, which not every algorithm of Pinocchio supports: see
-            `alpha5_model.dynamics.jaw_arm`.
+            `alpha5_model.dynamics.joint_tree`.
         fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the
             centres of buoyancy.
         displacements: The displaced volumes.
@@ -176,7 +175,11 @@ class Arm(ArmModel):
         Returns:
             (nv,) [N m, N].
         """
-        return _gravity(self._net, self._scratch.net_data, self._clean_q(q))
+        q = self._clean_q(q)
+        scratch = self._scratch
+        torque = _gravity(self._model, scratch.data, q)
+        torque -= _gravity(self._fluid, scratch.fluid_data, q)
+        return torque
 
     def hydrostatic_torque_derivative(self, q: ArrayLike) -> FloatArray:
         """Derivative of `hydrostatic_torque` with respect to q.
@@ -189,16 +192,14 @@ class Arm(ArmModel):
         Returns:
             (nv, nv): row = torque, column = coordinate.
         """
-        q = self._clean_q(q)
-        scratch = self._scratch
-        # The net weights do not serve here: Pinocchio joins bodies, which takes
-        # positive masses.
-        out: FloatArray = pin.computeGeneralizedGravityDerivatives(
-            self._model, scratch.data, q
+        tree = self._joint_tree
+        data, fluid_data = self._data_of(tree)
+        (position,) = tree.expand(self._clean_q(q))
+        slope = pin.computeGeneralizedGravityDerivatives(tree.model, data, position)
+        slope -= pin.computeGeneralizedGravityDerivatives(
+            tree.fluid, fluid_data, position
         )
-        fluid_data = scratch.fluid_data
-        out -= pin.computeGeneralizedGravityDerivatives(self._fluid, fluid_data, q)
-        return out
+        return tree.project(slope)
 
     def buoyancy_wrenches(self, q: ArrayLike) -> Any:
         """Buoyancy as one wrench for each joint.
@@ -232,16 +233,22 @@ class Arm(ArmModel):
         Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a
         constant.
         """
-        moving = pin.computePotentialEnergy(
-            self._net, self._scratch.net_data, self._clean_q(q)
-        )
-        return float(moving) + self._fixed.potential_energy
+        tree = self._joint_tree
+        data, fluid_data = self._data_of(tree)
+        (position,) = tree.expand(self._clean_q(q))
+        energy = pin.computePotentialEnergy(tree.model, data, position)
+        energy -= pin.computePotentialEnergy(tree.fluid, fluid_data, position)
+        # Pinocchio leaves out what is fixed to the universe.
+        force = self._weight_of_fixed.linear
+        return float(energy - force @ self._model.inertias[0].lever)
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""
         moving = pin.centerOfMass(self._model, self._scratch.data, self._in_base(q))
-        fixed = self._fixed
-        return np.asarray(moving * fixed.moving_fraction + fixed.com)
+        # Pinocchio leaves out what is fixed to the universe.
+        fixed = self._model.inertias[0]
+        share = fixed.mass / self.total_mass
+        return np.asarray(moving * (1.0 - share) + fixed.lever * share)
 
     def center_of_buoyancy(self, q: ArrayLike) -> FloatArray:
         """Centroid of the displaced volume in base_link, (3,) [m].
@@ -254,7 +261,7 @@ class Arm(ArmModel):
             InputError: Also for an arm that displaces nothing.
         """
         q = self._in_base(q)
-        if not self._volume:
+        if not self.displaced_volume:
             raise InputError("displacements", self.displacements, "a volume above 0")
         data = self._scratch.data
         pin.forwardKinematics(self._model, data, q)
@@ -262,7 +269,7 @@ class Arm(ArmModel):
         for body in self.displacements:
             placement = data.oMi[self._model.getJointId(body.joint)]
             moment += body.volume * placement.act(np.array(body.cob))
-        return moment / self._volume
+        return moment / self.displaced_volume
 
     def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | BoolArray:
         """Whether the arm touches itself.
@@ -334,7 +341,10 @@ class Arm(ArmModel):
 
         C v is the Coriolis and centrifugal torque; ``dM/dt - 2 C`` is skew-symmetric.
         """
-        return _coriolis(self._model, self._scratch.data, *self._clean_qv(q, v))
+        tree = self._joint_tree
+        data, _ = self._data_of(tree)
+        state = tree.expand(*self._clean_qv(q, v))
+        return tree.project(_coriolis(tree.model, data, *state))
 
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """``C(q, v) v + hydrostatic_torque(q)``, (nv,) [N m]."""
@@ -400,6 +410,9 @@ class Arm(ArmModel):
             a, (nv,) [rad/s^2].
         """
         q, v, tau = self._clean_qvtau(q, v, tau)
+        if self._mimics:  # which ABA refuses
+            bias = self.inverse_dynamics(q, v, np.zeros_like(v), fext)
+            return np.asarray(np.linalg.solve(self.mass_matrix(q), tau - bias))
         scratch = self._scratch
         outside = () if fext is None else (forces(fext, self._model.njoints),)
         total = tau + _gravity(self._fluid, scratch.fluid_data, q)
@@ -422,12 +435,17 @@ class Arm(ArmModel):
             dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a
             floating base.
         """
-        q, v, a = self._clean_qva(q, v, a)
-        data = self._scratch.data
-        fluid_data = self._scratch.fluid_data
-        dq, dv, da = pin.computeRNEADerivatives(self._model, data, q, v, a)
-        water = pin.computeGeneralizedGravityDerivatives(self._fluid, fluid_data, q)
-        return dq - water, dv.copy(), da.copy()  # Pinocchio hands out views of its data
+        tree = self._joint_tree
+        data, fluid_data = self._data_of(tree)
+        state = tree.expand(*self._clean_qva(q, v, a))
+        dq, dv, da = pin.computeRNEADerivatives(tree.model, data, *state)
+        water = pin.computeGeneralizedGravityDerivatives(
+            tree.fluid, fluid_data, state[0]
+        )
+        # Pinocchio hands out views of its data.
+        slopes = dq - water, dv.copy(), da.copy()
+        of_q, of_v, of_a = map(tree.project, slopes)
+        return of_q, of_v, of_a
 
     def forward_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike
@@ -470,7 +488,18 @@ class Arm(ArmModel):
             [N m].
         """
         q, v, a = self._clean_qva(q, v, a)
-        return mount_load.base_wrench(self, q, v, a, fext)
+        scratch = self._scratch
+        outside = () if fext is None else (forces(fext, self._model.njoints),)
+        _rnea(self._model, scratch.data, q, v, a, *outside)
+        _gravity(self._fluid, scratch.fluid_data, q)
+
+        # The load of the first joint; on a floating base that is base_link itself.
+        load = scratch.data.f[1] - scratch.fluid_data.f[1]
+        if self.floating_base:
+            return -load
+        # RNEA stops at the first joint. The last step adds the fixed bodies.
+        load = scratch.data.liMi[1].act(load) - self._weight_of_fixed
+        return outside[0][0] - load if outside else -load
 
     def base_wrench_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike
@@ -486,13 +515,19 @@ class Arm(ArmModel):
             dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the
             coupling between arm and vehicle, linearised.
         """
-        q, v, a = self._clean_qva(q, v, a)
-        return mount_load.base_wrench_derivatives(self, q, v, a)
+        tree = self._floating_tree
+        data, fluid_data = self._data_of(tree)
+        state = tree.expand(*self._clean_qva(q, v, a))
+        dq, dv, da = pin.computeRNEADerivatives(tree.model, data, *state)
+        water = pin.computeGeneralizedGravityDerivatives(
+            tree.fluid, fluid_data, state[0]
+        )
+        return (water - dq)[:6] @ tree.g, -dv[:6] @ tree.g, -da[:6] @ tree.g
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
-        state = self._clean_qv(q, v)
-        return float(pin.computeKineticEnergy(self._model, self._scratch.data, *state))
+        _, velocity = self._clean_qv(q, v)
+        return float(velocity @ self.mass_matrix(q) @ velocity) / 2
 
     def inverse_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -622,6 +657,22 @@ class Arm(ArmModel):
         if not self.floating_base:
             return checked
         return np.concatenate([AT_ORIGIN, checked[7:]])
+
+    @cached_property
+    def _weight_of_fixed(self) -> Any:
+        """Weight less buoyancy of what is fixed to the universe: link_0, a pin.Force.
+
+        On a fixed base only; on a floating one link_0 moves.
+        """
+        gravity = self._model.gravity
+        return self._model.inertias[0] * gravity - self._fluid.inertias[0] * gravity
+
+    def _data_of(self, tree: JointTree) -> tuple[Any, Any]:
+        """pin.Data of the bodies and of the fluid of a tree, of this thread."""
+        if tree.is_arm:
+            return self._scratch.data, self._scratch.fluid_data
+        pool = self._scratch.pool
+        return pool(tree.model).getData(0), pool(tree.fluid).getData(0)
 
     @cached_property
     def _collision(self) -> ArmCollision:

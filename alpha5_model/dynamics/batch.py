@@ -154,12 +154,12 @@ def _base_wrench(
     arm: Any, threads: int, q: FloatArray, v: FloatArray, a: FloatArray
 ) -> FloatArray:
     """Wrench on the mount for each row, (N, 6)."""
-    tree, fluid, embedding = arm._floating_tree
+    tree = arm._floating_tree
     out = np.empty((len(q), 6))
     for i in _blocks(len(q), threads):
-        q_tree, v_tree, a_tree = embedding.expand(q[i], v[i], a[i])
-        water = rnea(fluid, arm._scratch, threads, q_tree)
-        load = rnea(tree, arm._scratch, threads, q_tree, v_tree, a_tree)
+        q_tree, v_tree, a_tree = tree.expand(q[i], v[i], a[i])
+        water = rnea(tree.fluid, arm._scratch, threads, q_tree)
+        load = rnea(tree.model, arm._scratch, threads, q_tree, v_tree, a_tree)
         out[i] = (water - load)[:, :6]
     return out
 
@@ -171,7 +171,7 @@ def _forward_dynamics(
 
     Pinocchio's ABA refuses mimic joints, so an arm with jaws uses its mass matrix.
     """
-    if arm._joint_tree.model is not arm._model:
+    if arm._mimics:
         return solved_rows(arm, q, v, tau, threads)
     total = rnea(arm._fluid, arm._scratch, threads, q)
     total += tau

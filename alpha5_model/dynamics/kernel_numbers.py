@@ -53,6 +53,9 @@ def arm_dimensions(arm: Any) -> FloatArray:
 
 def _numbers(arm: Any) -> FloatArray:
     """A copy of the arm's `kernel_parameters`."""
+    if arm.has_hydrodynamics:
+        expected = "an arm in still water: there is no added mass and no drag here"
+        raise InputError("arm", arm, expected)
     if arm._kernel_parameters is None:
         if not arm.floating_base and len(arm.joint_names) == 4:
             needed_for = "the generated formulas"

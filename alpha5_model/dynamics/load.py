@@ -25,7 +25,7 @@ from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement, displacements
-from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
+from alpha5_model.dynamics.joint_tree import mimicking
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
@@ -88,9 +88,7 @@ def load(
     if record.mount is not None and not floating_base:
         tree.gravity.linear = record.mount.rotation.T @ checked_gravity
     volumes = parsed.displacements
-    if parsed.mimics:
-        return JawArm(tree, volumes, density, parsed.mimics, parameters=record)
-    return Arm(tree, volumes, density, parameters=record)
+    return Arm(tree, volumes, density, parsed.mimics, parameters=record)
 
 
 def arm_of(
