@@ -239,8 +239,9 @@ class Arm(ArmModel):
         energy = pin.computePotentialEnergy(tree.model, data, position)
         energy -= pin.computePotentialEnergy(tree.fluid, fluid_data, position)
         # Pinocchio leaves out what is fixed to the universe.
-        force = self._weight_of_fixed.linear
-        return float(energy - force @ self._model.inertias[0].lever)
+        body, water = self._model.inertias[0], self._fluid.inertias[0]
+        moment = body.mass * body.lever - water.mass * water.lever
+        return float(energy - self._model.gravity.linear @ moment)
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""

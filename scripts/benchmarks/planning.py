@@ -25,7 +25,7 @@ from benchmarks.timing import Row
 
 import alpha5_model as a5
 from alpha5_model.collision.coal_scene import coal_shape
-from alpha5_model.dynamics.collision import collision_geometry
+from pinocchio_collision import collision_geometry
 from alpha5_model.planning import Obstacle, PlannedMotion
 from alpha5_model.planning.planner import MARGIN
 from alpha5_model.planning.surroundings import Surroundings

@@ -19,7 +19,7 @@ import alpha5_model as a5
 from alpha5_model.collision import self_collision as module
 from alpha5_model.collision.bodies import collision_bodies
 from alpha5_model.collision.self_collision import SelfCollision
-from alpha5_model.dynamics.collision import CollisionModel
+from pinocchio_collision import CollisionModel
 
 COUNT = 100_000
 #: Positions that coal is asked about.

@@ -20,7 +20,7 @@ import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH
 from alpha5_model.collision.disabled_pairs import disabled_pairs
 from alpha5_model.collision.touching_pairs import touching_pairs
-from alpha5_model.dynamics.collision import collision_geometry
+from pinocchio_collision import collision_geometry
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.numbers.inertia import (
     flip_products,

@@ -33,7 +33,7 @@ from alpha5_model.collision.link_pairs import (
     NEVER_WITHIN_LIMITS,
 )
 from alpha5_model.description.srdf import NAMED_POSES, named_pose, srdf
-from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
+from pinocchio_collision import CollisionModel, collision_geometry
 from alpha5_model.errors import NonFiniteError, ShapeError, UnknownNameError
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.geometry.exported_shapes import exported_primitives

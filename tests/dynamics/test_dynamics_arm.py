@@ -19,7 +19,7 @@ from reference import MASS, VOLUME
 import alpha5_model as a5
 from alpha5_model._support.checks import LARGEST
 from alpha5_model.dynamics import load as dynamics
-from alpha5_model.dynamics.collision import CollisionModel
+from pinocchio_collision import CollisionModel
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import (

@@ -14,7 +14,7 @@ import pytest
 import alpha5_model as a5
 from alpha5_model._support.spatial import pose
 from alpha5_model.dynamics.batch import frame_positions
-from alpha5_model.dynamics.collision import CollisionModel
+from pinocchio_collision import CollisionModel
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions, check_limits
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.dynamics.torque_causes import torque_terms

@@ -15,7 +15,7 @@ import pytest
 import alpha5_model as a5
 from alpha5_model._support.spatial import pose
 from alpha5_model.collision.link_pairs import unchecked_pairs
-from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
+from pinocchio_collision import CollisionModel, collision_geometry
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.geometry.primitives import Primitive

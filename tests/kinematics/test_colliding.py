@@ -14,7 +14,7 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.collision.self_collision import SelfCollision, self_collision
-from alpha5_model.dynamics.collision import CollisionModel
+from pinocchio_collision import CollisionModel
 from alpha5_model.errors import JointLimitError, SelfCollisionError, UnreachableError
 from alpha5_model.kinematics import colliding
 from alpha5_model.kinematics.catalogue_arm import catalogue

@@ -12,7 +12,7 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.dynamics.collision import CollisionModel
+from pinocchio_collision import CollisionModel
 from alpha5_model.studies.sweep.blocks import blocks_of
 from alpha5_model.studies.sweep.study import read_study
 
