@@ -1,7 +1,7 @@
 """Compiles ``alpha5_model/codegen/kernels/_compiled`` for a wheel, or in place.
 
     python hatch_build.py            # in place, for a checkout that is not installed
-    python hatch_build.py --digest   # of the sources, which the module contains
+    python hatch_build.py --digest   # of the sources, and the flags
 
 This needs NumPy, setuptools and a C compiler. Without a compiler, a wheel is built
 without the kernels and computes in NumPy; with ``ALPHA5_REQUIRE_KERNELS=1`` that is an
@@ -43,9 +43,14 @@ MESHES = {"checkout": 'meshdir="assets"', "wheel": 'meshdir="../meshes"'}
 
 
 def digest() -> str:
-    """SHA-256 of the C sources and this file; the compiled module contains it."""
-    files = [Path(__file__), *sorted((ROOT / FOLDER).rglob("*.[ch]"))]
+    """SHA-256 of the C sources."""
+    files = sorted((ROOT / FOLDER).rglob("*.[ch]"))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def made_of() -> str:
+    """What the compiled module names as its own: sources and flags."""
+    return f"{digest()} {' '.join(FLAGS)}"
 
 
 def compiled(output: Path) -> Path:
@@ -57,7 +62,7 @@ def compiled(output: Path) -> Path:
         "_compiled",
         [str(ROOT / FOLDER / "_compiled.c")],
         include_dirs=[numpy.get_include()],
-        define_macros=[("SOURCES", f'"{digest()}"')],
+        define_macros=[("SOURCES", f'"{made_of()}"')],
         extra_compile_args=FLAGS,
         py_limited_api=True,
     )
@@ -75,7 +80,7 @@ def compiled(output: Path) -> Path:
 def compiled_in_place() -> Path:
     """Compile beside the sources, unless the module there is made of them; the file."""
     module = ROOT / FOLDER / "_compiled.abi3.so"
-    if module.is_file() and digest().encode() in module.read_bytes():
+    if module.is_file() and made_of().encode() in module.read_bytes():
         return module
     return compiled(ROOT / FOLDER)
 
@@ -139,4 +144,4 @@ class KernelHook(BuildHookInterface):
 
 
 if __name__ == "__main__":
-    print(digest() if "--digest" in sys.argv else compiled_in_place())
+    print(made_of() if "--digest" in sys.argv else compiled_in_place())

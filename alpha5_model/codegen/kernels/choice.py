@@ -8,9 +8,11 @@ A checkout that is not installed compiles in place with ``python hatch_build.py`
 
 from __future__ import annotations
 
+import hashlib
 import os
 from functools import cache
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from alpha5_model._support.checks import FloatArray, choice
@@ -31,7 +33,8 @@ def module() -> Any:
 
     Raises:
         UnknownNameError: ``ALPHA5_KERNELS`` is neither numpy nor compiled.
-        MissingDependencyError: It is compiled, and they are not installed.
+        MissingDependencyError: It is compiled, and they are not installed; or they were
+            compiled of other sources.
     """
     wanted = os.environ.get("ALPHA5_KERNELS")
     candidates = tuple(_MODULES)
@@ -40,15 +43,34 @@ def module() -> Any:
 
     for name in candidates:
         try:
-            return import_module(_MODULES[name])
+            found = import_module(_MODULES[name])
         except ImportError:
             continue
+        if name == "compiled":
+            _check_sources(found.SOURCES)
+        return found
     raise MissingDependencyError(
         _MODULES["compiled"],
         "ALPHA5_KERNELS=compiled",
         "install alpha5-model where a C compiler is, "
         "or compile with python hatch_build.py",
     )
+
+
+def _check_sources(made_of: str) -> None:
+    """Check that the compiled module belongs to the sources beside it.
+
+    Raises:
+        MissingDependencyError: It was compiled of others, which `git pull` replaced.
+    """
+    files = sorted(Path(__file__).parent.rglob("*.[ch]"))
+    digest = hashlib.sha256(b"".join(file.read_bytes() for file in files))
+    if digest.hexdigest() != made_of.split()[0]:
+        raise MissingDependencyError(
+            "compiled kernels of the present sources",
+            "alpha5_model",
+            "compile again: python hatch_build.py",
+        )
 
 
 def rows(
