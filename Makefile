@@ -9,7 +9,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # What the compiled kernels are made of: after a change they are compiled again.
 KERNELS := hatch_build.py $(wildcard alpha5_model/codegen/kernels/*.[ch] alpha5_model/codegen/kernels/generated/*.h)
 
-.PHONY: demo test test-all docs lint format benchmark conformance lowest fuzz mutation clean
+.PHONY: demo test test-all docs lint format benchmark conformance lowest fuzz clean
 
 demo: $(VENV)/.demo ## generates, checks, solves and computes once; ends with a picture page
 	$(BIN)/alpha5 demo
@@ -24,13 +24,13 @@ test-all: $(VENV)/.test ## every test that can run with what is installed
 
 docs: $(VENV)/.docs ## the documentation, build/docs/index.html; a warning or a dead link is an error
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs
-	$(BIN)/python scripts/checks/check_links.py build/docs
 
-lint: $(VENV)/.test ## ruff (lint and format), mypy in strict mode, lines of code by room
+lint: $(VENV)/.test ## ruff (lint and format), mypy in strict mode, layers of imports, dependencies
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/python scripts/checks/count_lines.py
+	$(BIN)/lint-imports
+	$(BIN)/deptry alpha5_model
 
 format: $(VENV)/.test
 	$(BIN)/ruff format .
@@ -46,11 +46,8 @@ conformance: $(VENV)/.conformance ## every tool on the generated files, one tabl
 lowest: $(VENV)/.test ## the tests with the lowest versions that pyproject.toml declares
 	bash scripts/checks/lowest_versions.sh $(BIN)/uv
 
-fuzz: $(VENV)/.test ## 200 000 inputs to the package, its readers and its command line; counts by kind
-	$(BIN)/python scripts/fuzzing/fuzz.py
-
-mutation: $(VENV)/.mutation ## do the tests see a random change of the code, Python or C?
-	nice $(BIN)/python scripts/mutating/mutation.py
+fuzz: $(VENV)/.test ## thousands of inputs to the package, its readers and its command line, other ones each time
+	ALPHA5_FUZZ_EXAMPLES=5000 $(PYTEST) tests/fuzz
 
 clean:
 	rm -rf $(VENV) build dist demo
@@ -72,10 +69,6 @@ $(VENV)/.docs: pyproject.toml constraints.txt | $(BIN)/python
 
 $(VENV)/.bench: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[bench]'
-	touch $@
-
-$(VENV)/.mutation: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[mutation]'
 	touch $@
 
 $(VENV)/.conformance: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python

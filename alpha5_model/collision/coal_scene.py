@@ -79,7 +79,7 @@ class CoalScene:
         """The least signed distance at angles of all bodies but the first, (B-1,)."""
         poses = self._poses(angles)
         bounds = self._least_distances(poses)
-        order = np.argsort(bounds)
+        order = np.argsort(bounds, kind="stable")
         nearest = self._contact(poses, self._pairs[order[0]])
         for number in order[1:]:
             if bounds[number] > nearest.distance:
@@ -111,7 +111,7 @@ class CoalScene:
     def _touches(self, angles: FloatArray, margin: float) -> bool:
         poses = self._poses(angles)
         bounds = self._least_distances(poses)
-        order = np.argsort(bounds)
+        order = np.argsort(bounds, kind="stable")
         near = order[bounds[order] <= margin]
         return any(
             self._contact(poses, pair).distance <= margin for pair in self._pairs[near]

@@ -90,7 +90,7 @@ def _grid_inside(shapes: tuple[Primitive, ...], surface: FloatArray) -> FloatArr
     ]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     deepest = np.min([signed_distances(shape, grid) for shape in shapes], axis=0)
-    return np.asarray(grid[deepest < 0.0])
+    return np.asarray(grid[deepest < -1e-9])
 
 
 def surface_places(shape: Primitive) -> FloatArray:

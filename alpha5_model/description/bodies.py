@@ -12,6 +12,7 @@ from itertools import combinations_with_replacement
 
 from alpha5_model._support.checks import choice
 from alpha5_model._support.spatial import Placement
+from alpha5_model.description.digits import rounded
 from alpha5_model.description.frames import base_placement, joint_placements
 from alpha5_model.geometry.exported_shapes import exported_primitives
 from alpha5_model.geometry.primitives import Primitive
@@ -68,16 +69,16 @@ def arm_bodies(
     drawn = _drawn_meshes(gripper, hinges, MESHES if meshes is None else meshes)
     shapes = exported_primitives(gripper, parameters.spacer)
 
-    records: list[RigidBody] = list(loaded_links(parameters))
+    links = [_written(link, parameters) for link in loaded_links(parameters)]
     placements = [base_placement(parameters), *joint_placements(parameters)]
     joints: list[JointRange | None] = [None, *parameters.joints[:4]]
     if gripper == "jaws":
-        records[4:] = jaws.bodies
+        links[4:] = [_written(body, parameters) for body in jaws.bodies]
         placements += hinges.values()
         joints += jaws.joints
 
     bodies = []
-    for record, placement, joint in zip(records, placements, joints, strict=True):
+    for record, placement, joint in zip(links, placements, joints, strict=True):
         body = Body(
             name=record.name,
             mass=record.mass,
@@ -92,6 +93,23 @@ def arm_bodies(
         )
         bodies.append(body)
     return tuple(bodies)
+
+
+def _written(body: RigidBody, parameters: Alpha5Parameters) -> RigidBody:
+    """A body as files have it: a link of the record as it is, a computed one rounded.
+
+    Wrist, rod and fingers are computed, and so are links with something attached.
+    """
+    if body in parameters.links:
+        return body
+    return RigidBody(
+        name=body.name,
+        mass=float(rounded(body.mass)),
+        com=rounded(body.com),
+        inertia=rounded(body.inertia),
+        volume=float(rounded(body.volume)),
+        cob=rounded(body.cob),
+    )
 
 
 def _closed_hinges(jaws: Jaws) -> dict[str, Placement]:

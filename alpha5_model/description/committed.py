@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -31,6 +32,14 @@ _NEEDED = {"manifold3d": "meshes are not drawn", "casadi": "formulas are not gen
 #: Drawn by ``scripts/figures/make_figures.py``, not compared: pixels depend on the
 #: renderer.
 _PICTURE = b"![The arm in its home pose](alpha5.png)"
+
+
+#: A number in a text without its sign, and its digits.
+_NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?!\w)")
+#: Numbers of at least so many digits are computed. Two of them are the same if they
+#: differ by this, relative to their size.
+_COMPUTED_DIGITS = 10
+_SAME = 1e-9
 
 
 @dataclass(frozen=True)
@@ -138,6 +147,8 @@ def stale_files(
 ) -> list[StaleFile]:
     """Compare the committed files with a fresh generation; empty if all agree.
 
+    Computed numbers may differ in their last digits, see `same_content`.
+
     Args:
         repository: Folder that holds ``urdf/``, ``xacro/``, ``config/``, ``meshes/``
             and ``mjcf/``.
@@ -148,13 +159,42 @@ def stale_files(
     for path, content in files.items():
         file = Path(repository) / path
         committed = file.read_bytes() if file.is_file() else None
-        if committed != content:
+        if committed is None or not same_content(committed, content):
             stale.append(StaleFile(path, _diff(path, committed, content)))
     return stale
 
 
+def same_content(one: bytes, other: bytes) -> bool:
+    """Whether two files are the same but for the last digits of computed numbers.
+
+    These differ between processors. Texts and short numbers must be equal.
+    """
+    if one == other:
+        return True
+    try:
+        texts = [one.decode("utf-8"), other.decode("utf-8")]
+    except UnicodeDecodeError:
+        return False
+    words, other_words = (_NUMBER.split(text) for text in texts)
+    numbers, other_numbers = (_NUMBER.findall(text) for text in texts)
+    return words == other_words and all(map(_same_number, numbers, other_numbers))
+
+
+def _same_number(one: str, other: str) -> bool:
+    if one == other:
+        return True
+    is_computed = max(_digits(one), _digits(other)) >= _COMPUTED_DIGITS
+    return is_computed and math.isclose(float(one), float(other), rel_tol=_SAME)
+
+
+def _digits(number: str) -> int:
+    """Count of significant digits."""
+    mantissa = re.split("[eE]", number)[0]
+    return len(mantissa.replace(".", "").strip("0"))
+
+
 def update(repository: str = REPOSITORY_PATH) -> list[Path]:
-    """Write the generated files into the repository; returns the paths that changed."""
+    """Write the stale files of the repository anew; returns their paths."""
     fresh = generated_files()
     changed = {}
     for stale in stale_files(repository, fresh):

@@ -11,14 +11,14 @@ from the link's.
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from alpha5_model._support.spatial import Placement, quaternion_from_rpy
 from alpha5_model.description.bodies import Body
+from alpha5_model.description.digits import DIGITS, rounded
 from alpha5_model.description.mjcf_drag import ellipsoids
 from alpha5_model.description.principal_axes import principal_axes
 from alpha5_model.description.xml import Value, add
@@ -114,19 +114,20 @@ class BodyWriter:
             # brax merges a body without a joint into the world, which must not have an
             # inertial. A box of the same mass and moments takes its place.
             squares = 1.5 / body.mass * (moments.sum() - 2.0 * moments)
+            sizes = [float(rounded(math.sqrt(square))) for square in squares]
             add(
                 element,
                 "geom",
                 contype="0",
                 conaffinity="0",
                 type="box",
-                size=np.sqrt(squares),
+                size=sizes,
                 group="4",
                 **inertial,
             )
             return
         if self._floats(body):
-            moments = moments - INERTIA
+            moments = rounded(moments - INERTIA)
         add(element, "inertial", **inertial, diaginertia=moments)
 
     def _add_drag(self, element: ET.Element, body: Body) -> None:
@@ -150,7 +151,7 @@ class BodyWriter:
             child,
             "inertial",
             pos="0 0 0",
-            mass=body.volume / DILUTION,
+            mass=float(rounded(body.volume / DILUTION)),
             diaginertia=[INERTIA] * 3,
         )
         add(child, "geom", "no_drag")
@@ -226,9 +227,5 @@ def _pose(placement: Placement | Primitive) -> dict[str, Value]:
     turned = any(placement.rpy)
     return {
         "pos": placement.xyz if moved else None,
-        "quat": _without_negative_zeros(w, x, y, z) if turned else None,
+        "quat": rounded([w, x, y, z], largest_digits=DIGITS) if turned else None,
     }
-
-
-def _without_negative_zeros(*numbers: float) -> list[float]:
-    return [number + 0.0 for number in numbers]

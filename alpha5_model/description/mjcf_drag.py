@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.description.digits import rounded
 from alpha5_model.description.xml import Value
 from alpha5_model.numbers.hydrodynamics import DragStrip
 
@@ -55,9 +56,9 @@ def _flat_ellipsoid(
     blunt = strip.along
     slender = (strip.across - _FLATNESS * strip.along) / (1 - _FLATNESS)
     return {
-        "fromto": np.concatenate([middle - half_axis, middle + half_axis]),
-        "size": radius,
-        "fluidcoef": (area_ratio * blunt, area_ratio * slender, 0.0, 0.0, 0.0),
+        "fromto": rounded([middle - half_axis, middle + half_axis]).ravel(),
+        "size": float(rounded(radius)),
+        "fluidcoef": rounded([area_ratio * blunt, area_ratio * slender, 0.0, 0.0, 0.0]),
     }
 
 
@@ -71,7 +72,7 @@ def _needle(strip: DragStrip, start: FloatArray, end: FloatArray) -> dict[str, V
     turning = 15 / 32 * strip.across
     lift = _LIFT * (strip.across - strip.along)
     return {
-        "fromto": np.concatenate([start, end]),
-        "size": radius,
-        "fluidcoef": (0.0, 0.0, area_ratio * turning, area_ratio * lift, 0.0),
+        "fromto": rounded([start, end]).ravel(),
+        "size": float(rounded(radius)),
+        "fluidcoef": rounded([0.0, 0.0, area_ratio * turning, area_ratio * lift, 0.0]),
     }

@@ -22,6 +22,7 @@ from alpha5_model._support.checks import FloatArray, choice, flag
 from alpha5_model._support.spatial import Placement, rpy_from_rotation
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
+from alpha5_model.description.digits import rounded
 from alpha5_model.description.frames import own_mount, tcp_placement
 from alpha5_model.description.sdf_controllers import add_controllers
 from alpha5_model.description.sdf_water import added_mass, drag
@@ -203,7 +204,7 @@ def _model(
 def _carrier(mount: Mount) -> Placement:
     """Pose in base_link of the frame that carries the arm."""
     turned_back = mount.rotation.T
-    x, y, z = (-turned_back @ mount.position).tolist()
+    x, y, z = rounded(-turned_back @ mount.position).tolist()
     return Placement(
         parent="base_link", xyz=(x, y, z), rpy=rpy_from_rotation(turned_back)
     )
@@ -260,9 +261,9 @@ def _buoyancy_box(body: Body, arm: Alpha5Parameters) -> tuple[float, float, floa
         edges = np.ptp(link.bounds, axis=1).tolist()
 
     scale = math.cbrt(body.volume / math.prod(edges))
-    x = scale * edges[0]
-    y = scale * edges[1]
-    return x, y, body.volume / (x * y)
+    x = float(rounded(scale * edges[0]))
+    y = float(rounded(scale * edges[1]))
+    return x, y, float(rounded(body.volume / (x * y)))
 
 
 def _add_joint(model: ET.Element, joint: JointRange, body: Body, version: str) -> None:

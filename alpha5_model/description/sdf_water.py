@@ -20,6 +20,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix
+from alpha5_model.description.digits import rounded
 from alpha5_model.description.xml import Nested
 from alpha5_model.numbers.hydrodynamics import (
     WATER_DENSITY,
@@ -47,7 +48,7 @@ def added_mass(water: BodyHydrodynamics, density: float) -> dict[str, Nested]:
     matrix = water.added_mass * (density / WATER_DENSITY)
     entries: dict[str, Nested] = {}
     for i, j in combinations_with_replacement(range(6), 2):
-        entries[_ADDED[i] + _ADDED[j]] = matrix[i, j]
+        entries[_ADDED[i] + _ADDED[j]] = float(rounded(matrix[i, j]))
     return entries
 
 
@@ -65,7 +66,7 @@ def drag(water: BodyHydrodynamics, density: float) -> dict[str, Nested]:
     coefficients: dict[str, Nested] = {}
     for i, j, k in np.argwhere(sizes > 1e-9 * sizes.max()).tolist():
         name = f"{_FORCE[i]}{_VELOCITY[j]}abs{_VELOCITY[k]}"
-        coefficients[name] = damping[i, j, k]
+        coefficients[name] = float(rounded(damping[i, j, k]))
     return coefficients
 
 

@@ -19,6 +19,7 @@ from alpha5_model._support.spatial import Placement, pose, quaternion_from_rpy
 from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.bodies import Body, arm_bodies
+from alpha5_model.description.digits import rounded
 from alpha5_model.description.frames import own_mount, tcp_placement
 from alpha5_model.description.origin import provenance
 from alpha5_model.description.principal_axes import principal_axes
@@ -212,7 +213,7 @@ class _Writer:
         from pxr import Gf
 
         placement = body.placement
-        x, y, z, w = quaternion_from_rpy(placement.rpy)
+        x, y, z, w = rounded(quaternion_from_rpy(placement.rpy)).tolist()
         joint.CreateBody0Rel().SetTargets([parent])
         joint.CreateBody1Rel().SetTargets([self.path(body.name)])
         joint.CreateLocalPos0Attr(Gf.Vec3f(*placement.xyz))

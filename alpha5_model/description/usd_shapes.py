@@ -10,6 +10,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model.description.bodies import Body
+from alpha5_model.description.digits import quaternion, rounded
 from alpha5_model.geometry.materials import MATERIALS, linear_light, material_of
 from alpha5_model.geometry.primitives import Primitive
 
@@ -143,9 +144,7 @@ def _shape(stage: Any, path: str, shape: Primitive) -> Any:
 def place(prim: Any, placement: FloatArray) -> None:
     """Position and orientation of a prim in its parent, in double precision."""
     from pxr import Gf, UsdGeom
-    from scipy.spatial.transform import Rotation
 
-    x, y, z, w = Rotation.from_matrix(placement[:3, :3]).as_quat(canonical=True)
-    prim.AddTranslateOp().Set(Gf.Vec3d(*(placement[:3, 3] + 0.0).tolist()))
+    prim.AddTranslateOp().Set(Gf.Vec3d(*rounded(placement[:3, 3]).tolist()))
     turn = prim.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
-    turn.Set(Gf.Quatd(*(float(c) + 0.0 for c in (w, x, y, z))))
+    turn.Set(Gf.Quatd(*quaternion(placement[:3, :3])))

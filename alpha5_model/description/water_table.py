@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.description.bodies import Body, arm_bodies
+from alpha5_model.description.digits import rounded
 from alpha5_model.description.origin import provenance
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
@@ -211,5 +212,10 @@ def _drag(
 
 
 def _plain(values: ArrayLike) -> Any:
-    """Lists of numbers, without the noise of rounding."""
-    return (np.round(np.asarray(values, float), _PLACES) + 0.0).tolist()
+    """Lists of numbers, without the noise of rounding.
+
+    The numbers of a matrix have several units, so each is rounded by itself.
+    """
+    places = np.round(np.asarray(values, float), _PLACES)
+    numbers = [float(rounded(number)) for number in places.ravel()]
+    return np.reshape(numbers, places.shape).tolist()

@@ -327,7 +327,7 @@ def shared_turn(
     """
     steps = np.zeros(len(sizes))
     left = turn
-    largest_first = np.argsort(-sizes)
+    largest_first = np.argsort(-sizes, kind="stable")
     for done, k in enumerate(largest_first):
         rest = largest_first[done:]
         share = _shares(sizes[rest])

@@ -220,6 +220,8 @@ def _remainder(link: RigidBody, moving: list[JawBody]) -> JawBody:
         taken_volume += body.volume
         taken_moment += body.volume * moved(_closed_pose(body), body.cob)
     volume = link.volume - taken_volume
+    if not volume > 0.0:
+        raise _no_wrist(link, moving)
     cob = (link.volume * link.cob - taken_moment) / volume
     try:
         return JawBody(

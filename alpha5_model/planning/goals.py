@@ -111,7 +111,7 @@ def other_wrists(
     """The goals of a point for each of `WRISTS` other angles, from near to far."""
     joint = arm.joints[3]
     angles = np.linspace(joint.lower, joint.upper, WRISTS)
-    nearest_first = angles[np.argsort(np.abs(angles - q0[3]))]
+    nearest_first = angles[np.argsort(np.abs(angles - q0[3]), kind="stable")]
     found = []
     for angle in nearest_first:
         solutions = inverse_kinematics(target.value, float(angle), arm=arm)

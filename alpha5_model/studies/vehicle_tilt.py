@@ -152,6 +152,8 @@ class TiltFit:
     def score(self, recordings: Iterable[TiltRecording]) -> FloatArray:
         """Share of the variance in recordings that is explained, (2,).
 
+        It is NaN about an axis about which the vehicle does not tilt.
+
         Those to which nothing was fitted say how good the model is.
 
         Raises:
@@ -163,7 +165,7 @@ class TiltFit:
             tilt = _recorded(recording, self.average)
             left += ((tilt - self.predict(recording)) ** 2).sum(axis=0)
             total += (tilt**2).sum(axis=0)
-        return np.asarray(1 - left / total)
+        return _explained_share(left, total)
 
 
 def fit_tilt(
@@ -452,7 +454,13 @@ def _explained(signals: Sequence[_Signal], answers: Sequence[_Answer]) -> FloatA
         turned = signal.moment[answer.delay] @ _turn(answer.yaw).T
         left += ((signal.tilt - turned * answer.compliance) ** 2).sum(axis=0)
         total += (signal.tilt**2).sum(axis=0)
-    return np.asarray(1 - left / total)
+    return _explained_share(left, total)
+
+
+def _explained_share(left: FloatArray, total: FloatArray) -> FloatArray:
+    """Share of total squares that is not left; NaN if nothing is to be explained."""
+    share = np.divide(left, total, out=np.full_like(total, np.nan), where=total > 0)
+    return np.asarray(1 - share)
 
 
 def _jackknife(without_each: Sequence[FloatArray]) -> FloatArray:

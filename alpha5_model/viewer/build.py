@@ -270,7 +270,7 @@ def _beside(
     low = kinematics.shape.lower[3]
     high = kinematics.shape.upper[3]
     wrists = np.linspace(low, high, _WRISTS)
-    nearest_first = wrists[np.argsort(np.abs(wrists - home[3]))]
+    nearest_first = wrists[np.argsort(np.abs(wrists - home[3]), kind="stable")]
     colliding = None
     for wrist in [home[3], *nearest_first]:
         solutions = kinematics.inverse_kinematics(goal, wrist)

@@ -1,55 +1,113 @@
-"""Dynamics under water against Pinocchio, MuJoCo and roboticstoolbox.
+"""Dynamics against Pinocchio, MuJoCo, roboticstoolbox, CasADi, JAX and MJX.
 
-A target here bounds what the wrapping costs: 0.4 says that this package's call, input
-checks and a result of the caller's own included, takes at most 1 / 0.4 = 2.5 times the
-raw calls below it.
+A call of ours includes input checks and a result of the caller's own. Where Pinocchio
+computes in air, it has less work.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from importlib.util import find_spec
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from benchmarks.timing import Row, measure
+from benchmarks.timing import Row, compare, installed
 
 import alpha5_model as a5
+from alpha5_model.codegen.kernels import choice as kernels
 
 OWN = "alpha5_model"
-PEERS = {"mujoco": "MuJoCo", "roboticstoolbox": "roboticstoolbox-python"}
-#: Bounds of the wrapping, as this package's time over the raw one's.
-WRAPPED, WITH_WATER = 2.5, 3.5
-MOVING, MOVING_BATCH = 10.0, 3.0
+STATES = 100_000
+#: Of which MJX computes so many: it keeps everything that a simulation would need.
+MJX_STATES = 10_000
+#: Of an arm in moving water.
+WET_STATES = 20_000
+WIDTHS = {
+    8: "8 states wide",
+    4: "4 states wide",
+    2: "2 states wide",
+    1: "one state at a time",
+}
+State = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def rows() -> list[Row]:
-    """Measured rows of this section."""
+    """Measured rows of this subject."""
     rng = np.random.default_rng(1)
     q, v, a = (np.ascontiguousarray(x) for x in rng.uniform(0.1, 3.0, (3, 4)))
+    state = (q, v, a)
+    q, v, a = rng.uniform(-3.0, 3.0, (3, STATES, 4))
+    states = (q, v, a)
     return [
-        *_single(q, v, a),
-        *_against_peers(q, v, a),
-        *_moving_water(q, v, a),
-        _loading(),
+        *_kernels(state),
+        *(_casadi(state) if installed("casadi") else []),
+        *_batches(states),
+        *(_jax(states) if installed("jax") else []),
+        *_any_arm(),
+        *_single(state),
+        *_against_peers(state),
+        *_moving_water(state),
     ]
 
 
-def missing() -> list[str]:
-    """Peers that are not installed."""
-    return [name for module, name in PEERS.items() if find_spec(module) is None]
+def _check(name: str, found: Any, expected: Any, tolerance: float) -> None:
+    if np.abs(found - expected).max() > tolerance:
+        raise AssertionError(f"{name} disagrees: {found}")
 
 
-def _single(q: Any, v: Any, a: Any) -> list[Row]:
+# --- single calls ---------------------------------------------------------------------
+
+
+def _kernels(state: State) -> list[Row]:
+    """Single calls of the package's own kernels."""
+    q, v, a = state
+    arm = a5.load(backend="kernels")
+    model, data = arm.model, arm.model.createData()
+    tcp, axes = model.getFrameId("tcp"), pin.LOCAL_WORLD_ALIGNED
+    peers: dict[str, tuple[tuple[Any, ...], Callable[[], Any], str]] = {
+        "inverse_dynamics": (state, lambda: pin.rnea(model, data, q, v, a), "rnea"),
+        "hydrostatic_torque": (
+            (q,),
+            lambda: pin.computeGeneralizedGravity(model, data, q),
+            "computeGeneralizedGravity",
+        ),
+        "mass_matrix": ((q,), lambda: pin.crba(model, data, q), "crba"),
+        "jacobian": (
+            (q,),
+            lambda: pin.computeFrameJacobian(model, data, q, tcp, axes),
+            "computeFrameJacobian",
+        ),
+        "inverse_dynamics_derivatives": (
+            state,
+            lambda: pin.computeRNEADerivatives(model, data, q, v, a),
+            "computeRNEADerivatives",
+        ),
+        "forward_dynamics": (state, lambda: pin.aba(model, data, q, v, a), "aba"),
+    }
+    found = []
+    for name, (given, raw, raw_name) in peers.items():
+        candidates = {
+            f"{OWN}, {kernels.backend()}": partial(getattr(arm, name), *given),
+            f"Pinocchio: {raw_name}, no water": raw,
+        }
+        found += compare(f'{name}, backend="kernels"', candidates)
+    return found
+
+
+def _single(state: State) -> list[Row]:
     """Each method beside the Pinocchio calls that give the same numbers."""
+    q, v, a = state
     arm = a5.load()
     model, data = arm.model, arm.model.createData()
     fluid, fluid_data = arm.fluid_model, arm.fluid_model.createData()
-    tcp = model.getFrameId("tcp")
+    tcp, axes = model.getFrameId("tcp"), pin.LOCAL_WORLD_ALIGNED
     gravity = pin.computeGeneralizedGravity
-    derivative = pin.computeGeneralizedGravityDerivatives
-    axes = pin.LOCAL_WORLD_ALIGNED
+    slope = pin.computeGeneralizedGravityDerivatives
+    link_0 = model.inertias[0]
+    mass = sum(inertia.mass for inertia in model.inertias)
 
     def pose() -> Any:
         pin.forwardKinematics(model, data, q)
@@ -60,19 +118,15 @@ def _single(q: Any, v: Any, a: Any) -> list[Row]:
 
     def derivatives() -> Any:
         dq, dv, da = pin.computeRNEADerivatives(model, data, q, v, a)
-        return dq - derivative(fluid, fluid_data, q), dv.copy(), da.copy()
+        return dq - slope(fluid, fluid_data, q), dv.copy(), da.copy()
 
     def energy() -> Any:
         weight = pin.computePotentialEnergy(model, data, q)
         return weight - pin.computePotentialEnergy(fluid, fluid_data, q)
 
-    link_0 = model.inertias[0]
-    mass = sum(inertia.mass for inertia in model.inertias)
-    moving = mass - link_0.mass
-
     def center() -> Any:
         com = pin.centerOfMass(model, data, q)
-        return (moving * com + link_0.mass * link_0.lever) / mass
+        return ((mass - link_0.mass) * com + link_0.mass * link_0.lever) / mass
 
     def wrench() -> Any:
         pin.rnea(model, data, q, v, a)
@@ -81,151 +135,252 @@ def _single(q: Any, v: Any, a: Any) -> list[Row]:
         weight = model.inertias[0] * -model.gravity - fluid.inertias[0] * -model.gravity
         return -(load + weight)
 
-    cases: list[tuple[str, Callable[[], Any], str, Callable[[], Any], float]] = [
-        (
-            "forward_kinematics",
-            lambda: arm.forward_kinematics(q),
-            "forwardKinematics, updateFramePlacement, copy",
+    peers: dict[str, tuple[tuple[Any, ...], Callable[[], Any], str]] = {
+        "forward_kinematics": (
+            (q,),
             pose,
-            WRAPPED,
+            "forwardKinematics, updateFramePlacement, copy",
         ),
-        (
-            "jacobian",
-            lambda: arm.jacobian(q),
-            "computeFrameJacobian",
+        "jacobian": (
+            (q,),
             lambda: pin.computeFrameJacobian(model, data, q, tcp, axes),
-            WRAPPED,
+            "computeFrameJacobian",
         ),
-        (
-            "mass_matrix",
-            lambda: arm.mass_matrix(q),
-            "crba",
-            lambda: pin.crba(model, data, q),
-            WRAPPED,
-        ),
-        (
-            "coriolis_matrix",
-            lambda: arm.coriolis_matrix(q, v),
-            "computeCoriolisMatrix",
+        "mass_matrix": ((q,), lambda: pin.crba(model, data, q), "crba"),
+        "coriolis_matrix": (
+            (q, v),
             lambda: pin.computeCoriolisMatrix(model, data, q, v),
-            WRAPPED,
+            "computeCoriolisMatrix",
         ),
-        (
-            "gravity_torque",
-            lambda: arm.gravity_torque(q),
-            "computeGeneralizedGravity",
+        "gravity_torque": (
+            (q,),
             lambda: gravity(model, data, q),
-            WRAPPED,
-        ),
-        (
-            "buoyancy_torque",
-            lambda: arm.buoyancy_torque(q),
             "computeGeneralizedGravity",
+        ),
+        "buoyancy_torque": (
+            (q,),
             lambda: gravity(fluid, fluid_data, q),
-            WRAPPED,
+            "computeGeneralizedGravity",
         ),
-        (
-            "hydrostatic_torque",
-            lambda: arm.hydrostatic_torque(q),
-            "computeGeneralizedGravity, no water",
+        "hydrostatic_torque": (
+            (q,),
             lambda: gravity(model, data, q),
-            WITH_WATER,
+            "computeGeneralizedGravity, no water",
         ),
-        (
-            "hydrostatic_torque_derivative",
-            lambda: arm.hydrostatic_torque_derivative(q),
+        "hydrostatic_torque_derivative": (
+            (q,),
+            lambda: slope(model, data, q),
             "computeGeneralizedGravityDerivatives, no water",
-            lambda: derivative(model, data, q),
-            WITH_WATER,
         ),
-        (
-            "nonlinear_effects",
-            lambda: arm.nonlinear_effects(q, v),
-            "nonLinearEffects minus buoyancy",
-            effects,
-            WRAPPED,
-        ),
-        (
-            "inverse_dynamics",
-            lambda: arm.inverse_dynamics(q, v, a),
-            "rnea, no water",
+        "nonlinear_effects": ((q, v), effects, "nonLinearEffects minus buoyancy"),
+        "inverse_dynamics": (
+            state,
             lambda: pin.rnea(model, data, q, v, a),
-            WITH_WATER,
+            "rnea, no water",
         ),
-        (
-            "forward_dynamics",
-            lambda: arm.forward_dynamics(q, v, a),
-            "aba, no water",
+        "forward_dynamics": (
+            state,
             lambda: pin.aba(model, data, q, v, a),
-            WRAPPED,
+            "aba, no water",
         ),
-        (
-            "inverse_dynamics_derivatives",
-            lambda: arm.inverse_dynamics_derivatives(q, v, a),
-            "computeRNEADerivatives minus buoyancy, copies",
+        "inverse_dynamics_derivatives": (
+            state,
             derivatives,
-            WRAPPED,
+            "computeRNEADerivatives minus buoyancy, copies",
         ),
-        (
-            "kinetic_energy",
-            lambda: arm.kinetic_energy(q, v),
-            "computeKineticEnergy",
+        "kinetic_energy": (
+            (q, v),
             lambda: pin.computeKineticEnergy(model, data, q, v),
-            WRAPPED,
+            "computeKineticEnergy",
         ),
-        (
-            "potential_energy",
-            lambda: arm.potential_energy(q),
-            "computePotentialEnergy, arm and fluid",
+        "potential_energy": (
+            (q,),
             energy,
-            WRAPPED,
+            "computePotentialEnergy, arm and fluid",
         ),
-        (
-            "center_of_mass",
-            lambda: arm.center_of_mass(q),
-            "centerOfMass and link_0",
-            center,
-            WRAPPED,
-        ),
-        (
-            "base_wrench",
-            lambda: arm.base_wrench(q, v, a),
-            "rnea of arm and fluid, last step to the base",
-            wrench,
-            WRAPPED,
-        ),
-    ]
-    out = []
-    for name, ours, raw_name, raw, bound in cases:
-        times = measure({OWN: ours, "raw": raw})
-        out += _rows(name, times, {"raw": f"Pinocchio: {raw_name}"}, {"raw": 1 / bound})
-    return out
-
-
-def _against_peers(q: Any, v: Any, a: Any) -> list[Row]:
-    """Inverse dynamics with water, by everybody who can."""
-    arm = a5.load()
-    functions: dict[str, Callable[[], Any]] = {
-        OWN: lambda: arm.inverse_dynamics(q, v, a),
-        "Pinocchio, fext made in Python": _fext(arm, q, v, a),
+        "center_of_mass": ((q,), center, "centerOfMass and link_0"),
+        "base_wrench": (state, wrench, "rnea of arm and fluid, last step to the base"),
     }
-    if find_spec("mujoco"):
-        functions["MuJoCo, native buoyancy"] = _mujoco(arm, q, v, a)
-    for name, function in functions.items():
-        if np.abs(function() - arm.inverse_dynamics(q, v, a)).max() > 1e-9:
-            raise AssertionError(f"{name} disagrees: {function()}")
-    if find_spec("roboticstoolbox"):
-        dry = _roboticstoolbox(q, v, a)
-        if np.abs(dry() - a5.load(a5.AIR).inverse_dynamics(q, v, a)).max() > 1e-9:
-            raise AssertionError(f"roboticstoolbox disagrees: {dry()}")
-        functions["roboticstoolbox rne (C), no water"] = dry
-    return _rows("inverse dynamics under water", measure(functions), {}, {})
+    found = []
+    for name, (given, raw, raw_name) in peers.items():
+        ours = partial(getattr(arm, name), *given)
+        found += compare(name, {OWN: ours, f"Pinocchio: {raw_name}": raw})
+    return found
 
 
-def _fext(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
-    """What one writes without this package: a wrench for each body, then RNEA with
-    them.
+def _casadi(state: State) -> list[Row]:
+    """A CasADi Function, called through its buffers."""
+    from alpha5_model.casadi import load
+
+    q, v, a = state
+    arm = a5.load()
+    model, data = arm.model, arm.model.createData()
+    candidates: dict[str, Callable[[], object]] = {}
+    kept = []  # a buffer holds no reference to what it writes into
+    for compiled in (True, False)[kernels.backend() == "numpy" :]:
+        buffer, run = load(arm, compiled=compiled).inverse_dynamics.buffer()
+        tau = np.zeros(4)
+        for i, x in enumerate(state):
+            buffer.set_arg(i, memoryview(x))
+        buffer.set_res(0, memoryview(tau))
+        kept.append((buffer, tau))
+        run()
+        _check("CasADi", tau, arm.inverse_dynamics(q, v, a), 1e-12)
+        how = "compiled" if compiled else "interpreted"
+        candidates[f"alpha5_model.casadi, buffered, {how}"] = run
+    candidates["Pinocchio: rnea, no water"] = lambda: pin.rnea(model, data, q, v, a)
+    return compare("inverse_dynamics, one call of a CasADi Function", candidates)
+
+
+# --- batches --------------------------------------------------------------------------
+
+
+def _batches(states: State) -> list[Row]:
+    """On one thread, at every width that this processor has, and without a compiler."""
+    q, v, a = states
+    arm = a5.load()
+    pool = pin.ModelPool(arm.model, 1)
+    found = []
+    for name, ours, raw in (
+        ("rnea", arm.inverse_dynamics_batch, pin.rneaInParallel),
+        ("aba", arm.forward_dynamics_batch, pin.abaInParallel),
+    ):
+        candidates: dict[str, Callable[[], object]] = {}
+        if kernels.backend() != "numpy":
+            for width, text in WIDTHS.items():
+                unit = kernels.module().width(width)
+                label = f"alpha5_model, compiled ({unit}, {text})"
+                candidates[label] = partial(_at_width, width, ours, states)
+        without = "alpha5_model, numpy"
+        peer = f"Pinocchio: {name}InParallel, no water"
+        candidates[without] = partial(_without_compiler, ours, states)
+        candidates[peer] = partial(raw, 1, pool, q.T, v.T, a.T)
+        work = f"{ours.__name__}, {STATES} states, 1 thread"
+        rows = compare(work, candidates, STATES)
+        found += rows
+        if name == "rnea":
+            work += ", without a compiler"
+            found += [replace(row, work=work) for row in rows[-2:]]
+    if kernels.backend() != "numpy":
+        kernels.module().width(max(WIDTHS))
+    return found
+
+
+def _at_width(width: int, batch: Callable[..., Any], states: State) -> Any:
+    kernels.module().width(width)
+    return batch(*states, threads=1)
+
+
+def _without_compiler(batch: Callable[..., Any], states: State) -> Any:
+    before = os.environ.get("ALPHA5_KERNELS")
+    os.environ["ALPHA5_KERNELS"] = "numpy"
+    kernels.module.cache_clear()
+    try:
+        return batch(*states, threads=1)
+    finally:
+        os.environ.pop("ALPHA5_KERNELS")
+        if before is not None:
+            os.environ["ALPHA5_KERNELS"] = before
+        kernels.module.cache_clear()
+
+
+def _jax(states: State) -> list[Row]:
+    """Mapped over the states, on the processor, in double precision."""
+    import jax
+
+    from alpha5_model.jax import load
+
+    arm = a5.load()
+    pool = pin.ModelPool(arm.model, 1)
+    with jax.enable_x64(True), jax.default_device(jax.devices("cpu")[0]):
+        given = [jax.numpy.asarray(x) for x in states]
+        ours = jax.jit(jax.vmap(load(arm).inverse_dynamics))
+        expected = arm.inverse_dynamics_batch(*states, threads=1)
+        _check("JAX", np.asarray(ours(*given)), expected, 1e-11)
+        units = {
+            "alpha5_model.jax, vmap, double": STATES,
+            "Pinocchio: rneaInParallel, 1 thread, no water": STATES,
+        }
+        calls: list[Callable[[], object]] = [
+            lambda: ours(*given).block_until_ready(),
+            lambda: pin.rneaInParallel(1, pool, *(x.T for x in states)),
+        ]
+        if installed("mujoco.mjx"):
+            few = [0.3 + 0.3 * jax.numpy.abs(x[:MJX_STATES]) for x in given]
+            dry = a5.load(a5.AIR).inverse_dynamics_batch(*map(np.asarray, few))
+            mjx = _mjx()
+            _check("MJX", np.asarray(mjx(*few)), dry, 1e-9)
+            units[f"MJX on our MJCF, {MJX_STATES} states, no water"] = MJX_STATES
+            calls.append(lambda: mjx(*few).block_until_ready())
+        candidates = dict(zip(units, calls, strict=True))
+        work = f"inverse dynamics in JAX, {STATES} states, CPU"
+        return compare(work, candidates, units, rounds=5)
+
+
+def _mjx() -> Any:
+    """Inverse dynamics of the exported MuJoCo model, mapped over states that are within
+    the limits.
     """
+    import jax
+    import mujoco
+    from mujoco import mjx
+
+    from alpha5_model.description.mjcf import MjcfOptions, mjcf
+
+    text = mjcf(MjcfOptions(collision="none", fluid_density=0.0))
+    tree = mjx.put_model(mujoco.MjModel.from_xml_string(text))
+    empty = mjx.make_data(tree)
+
+    def one(q: Any, v: Any, a: Any) -> Any:
+        return mjx.inverse(tree, empty.replace(qpos=q, qvel=v, qacc=a)).qfrc_inverse
+
+    return jax.jit(jax.vmap(one))
+
+
+def _any_arm() -> list[Row]:
+    """An arm of one's own in place of the catalogue's."""
+    printed = a5.parameters()
+    dh = list(printed.dh)
+    dh[1] = replace(dh[1], a=dh[1].a + 0.01)
+    arms = {
+        "catalogue's arm": a5.load(),
+        "own lengths": a5.load(arm=replace(printed, dh=tuple(dh))),
+    }
+    q, v, a = np.random.default_rng(7).uniform(0.3, 2.0, (3, STATES, 4))
+    calls = {
+        name: partial(arm.inverse_dynamics_batch, q, v, a) for name, arm in arms.items()
+    }
+    return compare(
+        "inverse dynamics of any arm: 100 000 states", calls, STATES, rounds=41
+    )
+
+
+# --- under water ----------------------------------------------------------------------
+
+
+def _against_peers(state: State) -> list[Row]:
+    """Inverse dynamics with water, by everybody who can."""
+    q, v, a = state
+    arm = a5.load()
+    candidates: dict[str, Callable[[], Any]] = {
+        OWN: lambda: arm.inverse_dynamics(q, v, a),
+        "Pinocchio, fext made in Python": _fext(arm, state),
+    }
+    if installed("mujoco"):
+        candidates["MuJoCo, native buoyancy"] = _mujoco(arm, state)
+    for name, function in candidates.items():
+        _check(name, function(), arm.inverse_dynamics(q, v, a), 1e-9)
+    if installed("roboticstoolbox"):
+        dry = _roboticstoolbox(state)
+        expected = a5.load(a5.AIR).inverse_dynamics(q, v, a)
+        _check("roboticstoolbox", dry(), expected, 1e-9)
+        candidates["roboticstoolbox rne (C), no water"] = dry
+    return compare("inverse dynamics under water", candidates)
+
+
+def _fext(arm: Any, state: State) -> Callable[[], Any]:
+    """What one writes without this package: a wrench for each body, then RNEA."""
+    q, v, a = state
     model, data = arm.model, arm.model.createData()
     volumes = [
         (model.getJointId(b.joint), b.volume, np.array(b.cob))
@@ -244,7 +399,7 @@ def _fext(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
     return function
 
 
-def _mujoco(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
+def _mujoco(arm: Any, state: State) -> Callable[[], Any]:
     """The URDF with a weightless body at each centre of buoyancy, which gravcomp lifts
     by rho V g.
     """
@@ -252,10 +407,11 @@ def _mujoco(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
 
     from alpha5_model.description.urdf import Variant, urdf
 
-    switch = (
-        '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
+    q, v, a = state
+    switch = '<compiler fusestatic="false" discardvisual="true"/>'
+    text = urdf(Variant(collision="none")).replace(
+        "</robot>", f"<mujoco>{switch}</mujoco></robot>"
     )
-    text = urdf(Variant(collision="none")).replace("</robot>", switch)
     spec = mujoco.MjSpec.from_string(text)
     for body in arm.displacements:
         if body.body != "link_0":
@@ -279,13 +435,14 @@ def _mujoco(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
     return function
 
 
-def _roboticstoolbox(q: Any, v: Any, a: Any) -> Callable[[], Any]:
+def _roboticstoolbox(state: State) -> Callable[[], Any]:
     """The arm as a DHRobot: inertial parameters moved from the inertial frames to the
     DH frames.
     """
     from roboticstoolbox import DHRobot, RevoluteDH
 
-    p, links = a5.parameters(), []
+    p = a5.parameters()
+    links = []
     for row, link in zip(p.dh[:4], p.links[1:], strict=True):
         c, s = np.cos(row.alpha), np.sin(row.alpha)
         turn = np.array([[1, 0, 0], [0, c, s], [0, -s, c]])  # inertial axes to DH axes
@@ -303,53 +460,25 @@ def _roboticstoolbox(q: Any, v: Any, a: Any) -> Callable[[], Any]:
             )
         )
     robot = DHRobot(links, gravity=[0.0, 0.0, -9.81])
-    return lambda: robot.rne(q, v, a)
+    return lambda: robot.rne(*state)
 
 
-def _moving_water(q: Any, v: Any, a: Any) -> list[Row]:
+def _moving_water(state: State) -> list[Row]:
     """Added mass, drag and a current, beside the same without."""
     arm = a5.load()
     wet = arm.with_hydrodynamics((0.3, -0.5, 0.7))
-    model, data, n = arm.model, arm.model.createData(), 20_000
-    many = [np.tile(x, (n, 1)) for x in (q, v, a)]
+    model, data = arm.model, arm.model.createData()
+    many = [np.tile(x, (WET_STATES, 1)) for x in state]
     one = {
-        OWN: lambda: wet.inverse_dynamics(q, v, a),
-        "raw": lambda: pin.rnea(model, data, q, v, a),
+        OWN: lambda: wet.inverse_dynamics(*state),
+        "Pinocchio: rnea, no water": lambda: pin.rnea(model, data, *state),
     }
     batch = {
         OWN: lambda: wet.inverse_dynamics_batch(*many, threads=1),
-        "raw": lambda: arm.inverse_dynamics_batch(*many, threads=1),
+        "the same without moving water": (
+            lambda: arm.inverse_dynamics_batch(*many, threads=1)
+        ),
     }
     work = "inverse_dynamics in a current"
-    return [
-        *_rows(
-            work,
-            measure(one),
-            {"raw": "Pinocchio: rnea, no water"},
-            {"raw": 1 / MOVING},
-        ),
-        *_rows(
-            f"{work}, batch of {n}, 1 thread",
-            measure(batch, per_call=n),
-            {"raw": "the same without moving water"},
-            {"raw": 1 / MOVING_BATCH},
-        ),
-    ]
-
-
-def _loading() -> Row:
-    return Row(
-        "load()", OWN, measure({OWN: a5.load})[OWN], setup="after the first call"
-    )
-
-
-def _rows(
-    work: str,
-    times: Mapping[str, float],
-    names: Mapping[str, str],
-    targets: Mapping[str, float],
-) -> list[Row]:
-    return [
-        Row(work, names.get(name, name), seconds, target=targets.get(name))
-        for name, seconds in times.items()
-    ]
+    batches = f"{work}, batch of {WET_STATES}, 1 thread"
+    return [*compare(work, one), *compare(batches, batch, WET_STATES)]

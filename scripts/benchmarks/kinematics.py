@@ -2,8 +2,8 @@
 
 Every candidate gets the same targets, the tcp positions (for EAIK: the whole poses) of
 random joint positions within the limits. An iterative solver starts once, from the
-middle of the ranges. A target counts as solved where forward kinematics comes within
-1e-6 m of it; where a candidate knows joint limits, within the limits.
+middle of the ranges. A target counts as solved if forward kinematics comes within
+1e-6 m of it; if a candidate knows joint limits, within the limits.
 """
 
 from __future__ import annotations
@@ -11,35 +11,28 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
-from importlib.util import find_spec
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
-from benchmarks.timing import Row, measure
+from benchmarks.timing import Row, compare, installed
 
 import alpha5_model as a5
+from alpha5_model.numbers.tool import ToolPose
 
-ONE, BATCH, IMPORT = "IK of one position", "IK of 100 000 positions", "import"
 SOLVED = 1e-6
 #: Targets of one timed call: enough to average over easy and hard ones.
 COUNT = 50
+MANY = 100_000
 STEPS = 200
-
-PEERS = {
-    "EAIK": "eaik",
-    "roboticstoolbox-python": "roboticstoolbox",
-    "pin-pink": "pink",
-}
-
-
-def missing() -> list[str]:
-    """Peers that are not installed."""
-    return [name for name, module in PEERS.items() if find_spec(module) is None]
+#: Beside the wrist axis [m].
+TOOL = ToolPose(position=np.array([0.03, 0.04, -0.21]), rotation=np.eye(3))
 
 
 def rows() -> list[Row]:
-    """Measured rows of this section."""
-    return [*_one(), *_batch(), *_imports()]
+    """Measured rows of this subject."""
+    return [*_one(), *_batch(), *_imports(), *_any_arm()]
 
 
 def _sample(count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -50,49 +43,33 @@ def _sample(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _one() -> list[Row]:
+    """Each target in a call of its own."""
     _, poses = _sample(COUNT)
     targets = [np.ascontiguousarray(pose[:3, 3]) for pose in poses]
-    solvers: dict[str, tuple[Callable[[int], Any], str]] = {
-        "alpha5-model": (
-            lambda i: a5.inverse_kinematics(targets[i]),
-            "a5.inverse_kinematics: four branches, wrapped, with flags",
-        )
+    solvers: dict[str, Callable[[int], Any]] = {
+        # four branches, wrapped, with flags
+        "alpha5-model": lambda i: a5.inverse_kinematics(targets[i])
     }
-    if find_spec("eaik"):
+    if installed("eaik"):
+        # DhRobot from Table 1, whole pose, solutions read; knows no joint limits
         robot, frames = _eaik(poses)
-        solvers["EAIK"] = (
-            lambda i: robot.IK(frames[i]).Q,
-            "DhRobot from Table 1, whole pose, solutions read; knows no joint limits",
-        )
-    solvers["Pinocchio CLIK"] = (
-        _clik(targets),
-        "damped least squares on the tcp's position, damping 1e-6, "
-        f"at most {STEPS} steps, clipped to the limits",
-    )
-    if find_spec("roboticstoolbox"):
-        solvers["roboticstoolbox"] = (
-            _toolbox(targets),
-            "DHRobot from Table 1, ik_LM (C++), position only, tol 1e-12, "
-            "30 iterations, no random restarts, joint limits checked",
-        )
-    if find_spec("pink"):
-        solvers["pin-pink"] = (
-            _pink(targets),
-            "FrameTask on the tcp's position, ConfigurationLimit, DAQP, "
-            f"at most {STEPS} steps",
-        )
-    chosen = range(COUNT)
-    seconds = measure(
-        {name: lambda f=f: [f(i) for i in chosen] for name, (f, _) in solvers.items()},
-        per_call=COUNT,
+        solvers["EAIK"] = lambda i: robot.IK(frames[i]).Q
+    solvers["Pinocchio CLIK"] = _clik(targets)
+    if installed("roboticstoolbox"):
+        solvers["roboticstoolbox"] = _toolbox(targets)
+    if installed("pink"):
+        solvers["pin-pink"] = _pink(targets)
+    return compare(
+        "IK of one position",
+        {name: partial(_all, solve) for name, solve in solvers.items()},
+        COUNT,
         rounds=5,
+        success={name: _success(name, f, poses) for name, f in solvers.items()},
     )
-    success = {name: _success(name, f, poses) for name, (f, _) in solvers.items()}
-    wanted = {"EAIK": 4.0}
-    return [
-        Row(ONE, name, seconds[name], success[name], setup, wanted.get(name))
-        for name, (_, setup) in solvers.items()
-    ]
+
+
+def _all(solve: Callable[[int], Any]) -> list[Any]:
+    return [solve(i) for i in range(COUNT)]
 
 
 def _success(name: str, solve: Callable[[int], Any], poses: np.ndarray) -> float:
@@ -130,6 +107,7 @@ def _eaik(poses: np.ndarray) -> tuple[Any, list[np.ndarray]]:
 
 
 def _clik(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
+    """Damped least squares on the tcp's position, clipped to the limits."""
     import pinocchio as pin
 
     model = a5.load().model
@@ -153,6 +131,7 @@ def _clik(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
 
 
 def _toolbox(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
+    """DHRobot from Table 1, Levenberg-Marquardt in C++, position only, no restarts."""
     import roboticstoolbox as rtb
     from spatialmath import SE3
 
@@ -187,6 +166,7 @@ def _toolbox(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
 
 
 def _pink(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
+    """FrameTask on the tcp's position, ConfigurationLimit, DAQP."""
     import warnings
 
     with warnings.catch_warnings():
@@ -218,40 +198,55 @@ def _pink(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
 
 
 def _batch() -> list[Row]:
-    count = 100_000
-    _, poses = _sample(count)
+    """Ours on one core; EAIK's whole poses on four threads."""
+    _, poses = _sample(MANY)
     targets = np.ascontiguousarray(poses[:, :3, 3])
-    functions: dict[str, Callable[[], object]] = {
+    candidates: dict[str, Callable[[], object]] = {
         "alpha5-model": lambda: a5.inverse_kinematics(targets)
     }
-    if find_spec("eaik"):
+    if installed("eaik"):
         robot, _ = _eaik(poses[:1])
-        frames = np.ascontiguousarray(
-            poses @ np.linalg.inv(a5.dh.DHChain.alpha5().tool)
-        )
-        functions["EAIK batched"] = lambda: robot.IK_batched(frames)
-    seconds = measure(functions, per_call=count)
-    setups = {
-        "alpha5-model": "four branches, wrapped, with flags, on one core",
-        "EAIK batched": "IK_batched, four threads, whole poses",
-    }
-    wanted = {"EAIK batched": 50.0}
-    return [
-        Row(BATCH, name, seconds[name], None, setups[name], wanted.get(name))
-        for name in seconds
-    ]
+        tool = a5.dh.DHChain.alpha5().tool
+        frames = np.ascontiguousarray(poses @ np.linalg.inv(tool))
+        candidates["EAIK batched"] = lambda: robot.IK_batched(frames)
+    return compare("IK of 100 000 positions", candidates, MANY)
 
 
 def _imports() -> list[Row]:
-    def run(module: str) -> Callable[[], object]:
-        command = [sys.executable, "-c", f"import {module}"]
-        return lambda: subprocess.run(command, check=True)
+    """In new processes."""
+    modules = ["alpha5_model.kinematics.ik", "numpy"]
+    if installed("roboticstoolbox"):
+        modules.append("roboticstoolbox")
+    commands = {name: [sys.executable, "-c", f"import {name}"] for name in modules}
+    calls = {
+        name: partial(subprocess.run, command, check=True)
+        for name, command in commands.items()
+    }
+    return compare("import", calls, rounds=11)
 
-    modules = {"alpha5_model.kinematics.ik": None, "numpy": 1 / 1.3}
-    if find_spec("roboticstoolbox"):
-        modules["roboticstoolbox"] = None
-    seconds = measure({module: run(module) for module in modules}, rounds=11)
-    return [
-        Row(IMPORT, module, seconds[module], target=modules[module])
-        for module in modules
-    ]
+
+def _any_arm() -> list[Row]:
+    """Arms of one's own beside the catalogue's, which has its numbers as constants."""
+    printed = a5.parameters()
+    dh = list(printed.dh)
+    dh[1] = replace(dh[1], a=dh[1].a + 0.01)
+    arms = {
+        "catalogue's arm": None,
+        "own lengths": replace(printed, dh=tuple(dh)),
+        "tool beside the axis": replace(printed, tool=TOOL),
+    }
+    found = []
+    for work, count in (("one target", 1), ("100 000 targets", MANY)):
+        calls: dict[str, Callable[[], object]] = {}
+        success = {}
+        for name, arm in arms.items():
+            chain = a5.dh.DHChain.alpha5(arm=arm)
+            q, _ = _sample(count)
+            target = np.ascontiguousarray(chain.forward_kinematics(q)[:, :3, 3])
+            wrist = q[:, 3].copy()
+            solved = a5.inverse_kinematics(target, wrist, arm=arm)
+            success[name] = float(solved.within_limits.any(axis=-1).mean())
+            given = (target, wrist) if count > 1 else (target[0], float(wrist[0]))
+            calls[name] = partial(a5.inverse_kinematics, *given, arm=arm)
+        found += compare(f"IK of any arm: {work}", calls, count, 41, success)
+    return found

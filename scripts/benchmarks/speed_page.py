@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from benchmarks.timing import Row, duration
+from benchmarks.timing import Row
 from conformance.conformance import insert
 
 import alpha5_model as a5
@@ -119,6 +119,14 @@ def processor() -> str:
             if name.strip() == "model name":
                 return value.strip()
     return platform.machine()
+
+
+def duration(seconds: float) -> str:
+    """A time with three digits and the unit that suits it."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
 
 
 def table(found: Sequence[Comparison]) -> str:

@@ -28,6 +28,7 @@ def filled(path: Path, factor: float = 1.0) -> None:
     path.write_text(text, "utf-8")
 
 
+@pytest.mark.slow
 def test_a_plan_is_filled_in_and_fitted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

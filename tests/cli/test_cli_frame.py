@@ -64,19 +64,6 @@ def test_a_full_disk_is_one_line_and_status_2():
 
 
 @pytest.mark.parametrize(
-    "arguments",
-    [("workspace",), TORQUE, ("ik", "0.25", "0.1", "0.1")],
-    ids=lambda arguments: arguments[0],
-)
-def test_tables_fit_80_columns(monkeypatch, capsys, arguments):
-    monkeypatch.setenv("COLUMNS", "80")
-    assert main(arguments) == 0
-    out = capsys.readouterr().out
-    assert max(map(len, out.splitlines())) <= 80
-    assert "…" not in out
-
-
-@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         ((*TORQUE, "--fluid", "1e308"), "fluid"),

@@ -19,6 +19,7 @@ from alpha5_model.description import urdf as variants
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
 
 
+@pytest.mark.slow
 def test_the_demo_prints_what_it_made() -> None:
     folder, said = demo_run()
     for name in (

@@ -126,6 +126,7 @@ def test_a_wrong_file_is_one_line(
     assert said.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_the_workspace_is_drawn_and_tried_for_collision(
     capsys: Any, tmp_path: Path
 ) -> None:

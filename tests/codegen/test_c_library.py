@@ -18,7 +18,6 @@ from dynamics_cases import TILTED
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.codegen.arm_functions import SUMMARIES
 from alpha5_model.codegen.c_library import COptions, c_files
 
 STRICT = [
@@ -94,7 +93,7 @@ def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.tools
 @pytest.mark.parametrize("build", BUILDS)
 def test_it_compiles_and_passes(build: str, tmp_path: Path) -> None:
     compiler, options, flags = BUILDS[build]
@@ -106,6 +105,7 @@ def test_it_compiles_and_passes(build: str, tmp_path: Path) -> None:
     assert passed == checks > 1000
 
 
+@pytest.mark.tools
 def test_the_program_sees_a_wrong_number(tmp_path: Path) -> None:
     """It finds torques of another fluid and a wrong joint limit."""
     written(tmp_path, COptions())
@@ -119,6 +119,7 @@ def test_the_program_sees_a_wrong_number(tmp_path: Path) -> None:
     assert "mass_matrix" not in done.stdout
 
 
+@pytest.mark.tools
 def test_cmake_builds_and_tests_it(tmp_path: Path) -> None:
     if not (shutil.which("cmake") and shutil.which("ctest")):
         pytest.skip("there is no cmake")
@@ -136,7 +137,10 @@ def test_cmake_builds_and_tests_it(tmp_path: Path) -> None:
     assert "100% tests passed" in done.stdout
 
 
+@pytest.mark.tools
 def test_the_header_says_names_shapes_and_units() -> None:
+    from alpha5_model.codegen.arm_functions import SUMMARIES
+
     header = c_files(COptions(parameters="struct", fluid_density=1000.0))[
         "alpha5.h"
     ].decode()
@@ -153,7 +157,10 @@ def test_the_header_says_names_shapes_and_units() -> None:
     assert all(name.startswith("alpha5_") for name in public)
 
 
+@pytest.mark.tools
 def test_the_source_needs_nothing_but_libm() -> None:
+    from alpha5_model.codegen.arm_functions import SUMMARIES
+
     source = c_files()["alpha5.c"].decode()
     assert re.findall(r"#include (\S+)", source) == ['"alpha5.h"', "<math.h>"]
     called = set(re.findall(r"\b([a-z]\w*)\(", source)) - {
@@ -203,12 +210,14 @@ def test_without_casadi_it_says_what_to_install(
 OFF = {"double": 1e-7, "float": 1e-2}
 
 
-@pytest.mark.slow
+@pytest.mark.tools
 @pytest.mark.parametrize("real", OFF)
 def test_the_program_sees_that_each_function_is_a_little_off(
     real: str, tmp_path: Path
 ) -> None:
     """Poses that are off are seen at every target with a solution, at edges, too."""
+    from alpha5_model.codegen.arm_functions import SUMMARIES
+
     options = COptions(real=real, parameters="struct")
     written(tmp_path, options)
     source = (tmp_path / "alpha5.c").read_text()
@@ -240,6 +249,7 @@ def targets(options: COptions) -> list[dict[str, Any]]:
     return [dict(zip(names, row, strict=True)) for row in rows]
 
 
+@pytest.mark.tools
 @pytest.mark.parametrize("arm", [None, own.RECORDS[2]], ids=["catalogue", "own tool"])
 def test_the_targets_are_of_every_kind(arm: a5.Alpha5Parameters | None) -> None:
     joints = (arm or a5.parameters()).joints[:4]
@@ -314,6 +324,7 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.tools
 @pytest.mark.parametrize("defect", DEFECTS)
 def test_the_program_sees_a_wrong_solution(defect: str, objects: Path) -> None:
     (objects / "wrapper.c").write_text(WRAPPER % defect)

@@ -5,41 +5,50 @@ from __future__ import annotations
 import pickle
 import sys
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import casadi
 import numpy as np
 import pytest
+from compiled_kernels import compiled_kernels
 from dynamics_cases import PAYLOAD
 from ik_targets import ordinary
 from product_cases import ARMS, DYNAMICS, states
 
 import alpha5_model as a5
-from alpha5_model.casadi import load
-from alpha5_model.codegen.c_library.self_test import answer
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.errors import MissingDependencyError
+
+if TYPE_CHECKING:
+    import casadi
 
 
 def called(function: casadi.Function, *inputs: object) -> list[np.ndarray]:
     """Outputs as arrays, columns as vectors."""
+    import casadi
+
     found = function.call([casadi.DM(np.asarray(x)) for x in inputs])
     return [np.array(x)[:, 0] if x.is_column() else np.array(x) for x in found]
 
 
-needs_compiled = pytest.mark.skipif(
-    kernels.backend() == "numpy", reason="kernels run in NumPy"
-)
-KINDS = [False, pytest.param(True, marks=needs_compiled)]
+pytestmark = pytest.mark.tools
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("compiled", KINDS)
+@pytest.fixture(params=[False, True], ids=["interpreted", "compiled"])
+def compiled(request: pytest.FixtureRequest) -> bool:
+    """Whether the Functions call the compiled kernels."""
+    if request.param:
+        compiled_kernels()
+    return bool(request.param)
+
+
 @pytest.mark.parametrize("fold", [True, False])
 @pytest.mark.parametrize("name", ARMS)
 def test_every_function_gives_what_pinocchio_gives(
     name: str, fold: bool, compiled: bool
 ) -> None:
+    from alpha5_model.casadi import load
+    from alpha5_model.codegen.c_library.self_test import answer
+
     arm = ARMS[name]()
     functions = load(arm, fold=fold, compiled=compiled)
     rest = [] if fold else [functions.parameters]
@@ -56,8 +65,9 @@ def test_every_function_gives_what_pinocchio_gives(
                 ), method
 
 
-@pytest.mark.parametrize("compiled", KINDS)
 def test_casadis_own_derivatives_are_pinocchios(compiled: bool) -> None:
+    from alpha5_model.casadi import load
+
     arm = a5.load()
     functions = load(compiled=compiled)
     (state,) = states(2, seed=2)[1:]
@@ -82,6 +92,10 @@ def test_casadis_own_derivatives_are_pinocchios(compiled: bool) -> None:
 
 def test_a_payload_is_an_input_too() -> None:
     """The torque is linear in the payload's mass, and has a derivative by it."""
+    import casadi
+
+    from alpha5_model.casadi import load
+
     functions = load(fold=False)
     arm = a5.load()
     mass = casadi.SX.sym("mass")
@@ -97,11 +111,12 @@ def test_a_payload_is_an_input_too() -> None:
     np.testing.assert_allclose(slope, (found - zero) / PAYLOAD["mass"], atol=1e-12)
 
 
-@pytest.mark.slow
-@needs_compiled
 @pytest.mark.parametrize("fold", [True, False])
 def test_compiled_functions_have_the_interpreted_ones_derivatives(fold: bool) -> None:
     """First and second derivatives inside expressions of MX, even without a kernel."""
+    compiled_kernels()
+    from alpha5_model.casadi import load
+
     options = {"fluid_density": 1000.0, "gravity": (0.3, -1.0, -9.7), "fold": fold}
     interpreted = load(**options)
     compiled = load(**options, compiled=True)
@@ -118,6 +133,8 @@ def test_compiled_functions_have_the_interpreted_ones_derivatives(fold: bool) ->
 
 def with_derivatives(functions: Any, name: str) -> casadi.Function:
     """A Function's sum of squares, with its gradient and Hessian in the first input."""
+    import casadi
+
     function = getattr(functions, name)
     names = function.name_in()
     x = [casadi.MX.sym(n, function.size1_in(i)) for i, n in enumerate(names)]
@@ -127,9 +144,13 @@ def with_derivatives(functions: Any, name: str) -> casadi.Function:
     return casadi.Function("f", x, [squares, gradient, hessian])
 
 
-@needs_compiled
 def test_a_solver_takes_compiled_functions() -> None:
     """IPOPT finds the same least holding torque with compiled and other functions."""
+    compiled_kernels()
+    import casadi
+
+    from alpha5_model.casadi import load
+
     found = []
     for compiled in (False, True):
         opti = casadi.Opti()
@@ -144,8 +165,10 @@ def test_a_solver_takes_compiled_functions() -> None:
     assert found[1] == pytest.approx(found[0], abs=1e-12)
 
 
-@needs_compiled
 def test_compiled_functions_make_nan_of_what_they_cannot_compute() -> None:
+    compiled_kernels()
+    from alpha5_model.casadi import load
+
     for name in ("inverse_dynamics", "jacobian"):
         function = getattr(load(compiled=True), name)
         (found,) = called(function, *[np.full(4, np.nan)] * function.n_in())
@@ -155,6 +178,8 @@ def test_compiled_functions_make_nan_of_what_they_cannot_compute() -> None:
 def test_without_compiled_kernels_they_are_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    from alpha5_model.casadi import load
+
     monkeypatch.setattr(kernels, "backend", lambda: "numpy")
     with pytest.raises(
         MissingDependencyError, match=r"compiled=True.*_compiled.*compiled=False"
@@ -163,6 +188,8 @@ def test_without_compiled_kernels_they_are_refused(
 
 
 def test_inverse_kinematics_with_its_flags() -> None:
+    from alpha5_model.casadi import load
+
     solve = load().inverse_kinematics
     position, wrist = ordinary(60, 4)
     expected = a5.inverse_kinematics(position, wrist)
@@ -174,8 +201,9 @@ def test_inverse_kinematics_with_its_flags() -> None:
         assert singular == expected.singular[i]
 
 
-@pytest.mark.parametrize("compiled", KINDS)
 def test_names_shapes_and_units_are_documented(compiled: bool) -> None:
+    from alpha5_model.casadi import load
+
     functions = load(compiled=compiled)
     assert functions.inverse_dynamics.__doc__.startswith("Joint torque for a motion")
     for line in (
@@ -195,8 +223,9 @@ def test_names_shapes_and_units_are_documented(compiled: bool) -> None:
     )
 
 
-@pytest.mark.parametrize("compiled", KINDS)
 def test_a_buffered_call_gives_the_same(compiled: bool) -> None:
+    from alpha5_model.casadi import load
+
     function = load(compiled=compiled).inverse_dynamics
     state = states(2, seed=5)[1]
     buffer, evaluate = function.buffer()
@@ -210,6 +239,8 @@ def test_a_buffered_call_gives_the_same(compiled: bool) -> None:
 
 @pytest.mark.parametrize("options", [{"floating_base": True}, {"gripper": "jaws"}])
 def test_arms_that_it_has_no_equations_for_are_refused(options: dict) -> None:
+    from alpha5_model.casadi import load
+
     with pytest.raises(a5.Alpha5Error, match="fixed base with its jaws locked"):
         load(**options)
     with pytest.raises(a5.Alpha5Error, match="arm"):

@@ -26,7 +26,6 @@ from collision_scenes import (
     solutions,
     table,
 )
-from scipy.spatial.transform import Rotation
 
 # --- distances --------------------------------------------------------------------
 
@@ -60,6 +59,8 @@ def by_coal(one: np.ndarray, other: np.ndarray) -> float:
 
 def turns(rng: np.random.Generator, count: int) -> list[Any]:
     """Random ones, quarter turns and ones that are off by less than is measured."""
+    from scipy.spatial.transform import Rotation
+
     none = Rotation.identity()
     quarters = Rotation.from_euler("XYZ", [90, 0, 90], degrees=True)
     small = Rotation.from_rotvec(rng.normal(scale=1e-5, size=3))
@@ -71,6 +72,8 @@ def test_no_plane_separates_shapes_by_more_than_their_distance(
     kinds: tuple[int, int],
 ) -> None:
     """The distance is that of its points, and all of both shapes lies beyond them."""
+    from scipy.spatial.transform import Rotation
+
     rng = np.random.default_rng(kinds[0] + 2 * kinds[1])
     separated = 0
     for turn in turns(rng, 90):
@@ -104,6 +107,8 @@ def test_no_plane_separates_shapes_by_more_than_their_distance(
 
 def test_of_several_bodies_and_shapes_the_nearest_are_found() -> None:
     """Five bodies of three shapes each, all pairs, one by one and by brute force."""
+    from scipy.spatial.transform import Rotation
+
     rng = np.random.default_rng(5)
     bodies = chain(5)
     bodies[1:, 1:] = [
@@ -303,3 +308,101 @@ def test_the_best_solution_is_the_nearest_that_may_be_taken() -> None:
                 assert found.tolist() == q[cost.argmin()].tolist()
         blocked += int(np.isfinite(travel).any() and travel.argmin() != free.argmin())
     assert blocked > 50
+
+
+def test_what_is_not_plainly_their_input_is_not_computed() -> None:
+    """No memory beside an array is read or written."""
+    scene = scene_of(*cubes(), [(0, 1)])
+    two = np.zeros((2, 1))
+    flags = np.zeros(2, np.bool_)
+    out = np.zeros(2, np.bool_)
+    frozen = np.zeros(2)
+    frozen.flags.writeable = False
+    plain: dict[str, list[Any]] = {
+        "self_collision_rows": [two, 0.0, flags, out],
+        "nearest_bodies_rows": [two, np.zeros((2, 9))],
+        "free_shares": [np.ones((1, 1)), two, two, 0.0, np.zeros(2)],
+    }
+    unfit: dict[str, list[tuple[int, Any]]] = {
+        "self_collision_rows": [
+            (0, two.tolist()),
+            (0, np.zeros((3, 1))),
+            (0, np.zeros((4, 1))[::2]),
+            (1, np.nan),
+            (2, np.zeros(3, np.bool_)),
+            (3, np.zeros(1, np.bool_)),
+            (3, np.zeros(2, np.int8)),
+        ],
+        "nearest_bodies_rows": [
+            (0, np.array([[0.0], [np.nan]])),
+            (1, np.zeros(17)),
+            (1, np.zeros((2, 9), np.float32)),
+        ],
+        "free_shares": [
+            (0, np.ones((1, 2))),
+            (1, np.zeros((3, 1))),
+            (2, np.array([[0.0], [np.inf]])),
+            (3, -1e-9),
+            (4, np.zeros(3)),
+            (4, frozen),
+        ],
+    }
+    for name, arguments in plain.items():
+        function = getattr(compiled, name)
+        assert function(scene, *arguments) is True
+        for place, value in unfit[name]:
+            changed = [*arguments]
+            changed[place] = value
+            assert function(scene, *changed) is False, (name, place, value)
+        with pytest.raises(TypeError):
+            function(scene, *arguments[:-1])
+        with pytest.raises(ValueError, match="PyCapsule"):
+            function(None, *arguments)
+    for angles in ([0.0], np.zeros(2), np.zeros(1, np.float32), np.full(1, np.nan)):
+        assert compiled.self_collision(scene, angles, 0.0) is None
+
+
+def test_scenes_that_do_not_fit_are_refused() -> None:
+    """At most eight bodies, 64 pairs and four tables, and each number in its range."""
+    ends = [shape(0, [0.1] * 3), shape(7, [0.1] * 3)]
+    many = [(0, 7)] * 64
+    never = table(np.full(1, FREE, np.uint8), pairs=range(64))
+    scene_of(chain(8), ends, many, *never * 4)
+    bodies, shapes = cubes()
+    backwards = bodies.copy()
+    backwards[1, 0] = 1.0
+    elsewhere = np.array(shapes)
+    elsewhere[1, 0] = 2.0
+    for wrong in (
+        (chain(9), ends, many),
+        (chain(0), [], []),
+        (chain(8), ends, [*many, (0, 7)]),
+        (chain(8), ends, many, *never * 5),
+        (chain(8), ends, many, never[0], b""),
+        (backwards, shapes, [(0, 1)]),
+        (bodies, elsewhere, [(0, 1)]),
+        (bodies, shapes, [(0, 2)]),
+        (bodies, shapes, [(-1, 1)]),
+    ):
+        with pytest.raises(ValueError, match="scene"):
+            scene_of(*wrong)
+
+
+def test_no_best_solution_is_made_of_what_is_not_plainly_one() -> None:
+    q = np.linspace(0.0, 1.0, 16).reshape(4, 4)
+    ends = [shape(0, [0.1] * 3), shape(4, [0.1] * 3)]
+    scene = scene_of(chain(5), ends, [(0, 4)])
+    plain = solutions(q, [1] * 4)
+    assert compiled.best_solution(scene, plain, np.zeros(4), True).tolist() == [*q[0]]
+    for found, near in (
+        (plain[:4], np.zeros(4)),
+        (solutions(q.astype(np.float32), [1] * 4), np.zeros(4)),
+        (solutions(q[:3], [1] * 4), np.zeros(4)),
+        (solutions(q, [1] * 3), np.zeros(4)),
+        (solutions(q, [0] * 4), np.zeros(4)),
+        (solutions(q, [1] * 4, singular=True), np.zeros(4)),
+        (plain, np.zeros(3)),
+        (plain, [0.0, 0.0, 0.0, np.nan]),
+        (plain, [0.0, 0.0, 0.0, 10**400]),
+    ):
+        assert compiled.best_solution(scene, found, near, True) is None

@@ -14,6 +14,7 @@ from reference import LOWER, UPPER
 from alpha5_model.cli import main
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+pytestmark = pytest.mark.tools
 PROGRAM = r"""
 #include <cstdio>
 #include "nearest_ik.hpp"

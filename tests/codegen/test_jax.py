@@ -6,9 +6,8 @@ import sys
 from collections.abc import Iterator
 from importlib import import_module
 from inspect import signature
+from typing import TYPE_CHECKING
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from dynamics_cases import PAYLOAD
@@ -16,13 +15,21 @@ from ik_targets import EDGES, at_edge, ordinary
 from product_cases import ARMS, DYNAMICS, states
 
 import alpha5_model as a5
-from alpha5_model.codegen.c_library.self_test import answer
 from alpha5_model.errors import MissingDependencyError, ShapeError
-from alpha5_model.jax import JaxArm, Solutions, inverse_kinematics, load
+
+if TYPE_CHECKING:
+    import jax
+
+    from alpha5_model.jax import Solutions
+
+
+pytestmark = pytest.mark.tools
 
 
 @pytest.fixture(autouse=True)
 def double() -> Iterator[None]:
+    import jax
+
     with jax.enable_x64(True):
         yield
 
@@ -33,9 +40,11 @@ def largest(found: object, expected: object) -> float:
     return float(np.abs(np.asarray(found) - want).max() / max(1.0, np.abs(want).max()))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sea", "payload, tilted"])
 def test_every_method_gives_what_pinocchio_gives(name: str) -> None:
+    from alpha5_model.codegen.c_library.self_test import answer
+    from alpha5_model.jax import load
+
     arm = ARMS[name]()
     ours = load(arm)
     for state in states(2, seed=6):
@@ -50,6 +59,10 @@ def test_every_method_gives_what_pinocchio_gives(name: str) -> None:
 
 
 def test_compiled_over_a_batch() -> None:
+    import jax
+
+    from alpha5_model.jax import load
+
     arm = a5.load()
     ours = load()
     q, v, a = (np.array([s[n] for s in states(50, seed=7)]) for n in "qva")
@@ -57,8 +70,11 @@ def test_compiled_over_a_batch() -> None:
     assert largest(tau, arm.inverse_dynamics_batch(q, v, a)) < 1e-12
 
 
-@pytest.mark.slow
 def test_jaxs_own_derivatives_are_pinocchios() -> None:
+    import jax
+
+    from alpha5_model.jax import load
+
     arm = a5.load()
     ours = load()
     q, v, _, tau = states(2, seed=8)[1].values()
@@ -70,8 +86,12 @@ def test_jaxs_own_derivatives_are_pinocchios() -> None:
     assert largest(row, arm.hydrostatic_torque_derivative(q)[1]) < 1e-9
 
 
-@pytest.mark.slow
 def test_a_payload_and_its_gradient() -> None:
+    import jax
+    import jax.numpy as jnp
+
+    from alpha5_model.jax import load
+
     arm = a5.load()
     ours = load()
     q = states(2, seed=9)[1]["q"]
@@ -94,6 +114,11 @@ def test_a_payload_and_its_gradient() -> None:
 
 def test_an_arm_goes_through_transformations() -> None:
     """A function is compiled once for the parameters of any arm."""
+    import jax
+    import jax.numpy as jnp
+
+    from alpha5_model.jax import JaxArm, load
+
     q = states(2, seed=10)[1]["q"]
     holding = jax.jit(lambda arm, q: arm.hydrostatic_torque(q))
     for density in (a5.SEA_WATER, a5.AIR):
@@ -109,6 +134,8 @@ def test_an_arm_goes_through_transformations() -> None:
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64])
 def test_the_precision_is_that_of_what_is_given(kind: type) -> None:
+    from alpha5_model.jax import load
+
     q = states(2, seed=11)[1]["q"]
     tau = load().with_payload(0.0).hydrostatic_torque(q.astype(kind))
     assert tau.dtype == kind
@@ -117,6 +144,10 @@ def test_the_precision_is_that_of_what_is_given(kind: type) -> None:
 
 
 def test_single_precision_is_jaxs_default() -> None:
+    import jax
+
+    from alpha5_model.jax import inverse_kinematics, load
+
     q = states(2, seed=12)[1]["q"]
     with jax.enable_x64(False):
         tau = load().hydrostatic_torque(q)
@@ -130,8 +161,11 @@ def test_single_precision_is_jaxs_default() -> None:
     assert stretched.exists[0]
 
 
-@pytest.mark.slow
 def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
+    import jax
+
+    from alpha5_model.jax import inverse_kinematics
+
     gap = np.random.default_rng(1).choice(
         [0.0, 5e-11, -5e-11, 2e-10, -2e-10, 2e-9, -2e-9], 40
     )
@@ -165,10 +199,13 @@ def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
         )
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("single", [False, True])
-@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize(("single", "compiled"), [(False, True), (True, False)])
 def test_what_is_not_reached_has_no_gradient(single: bool, compiled: bool) -> None:
+    import jax
+    import jax.numpy as jnp
+
+    from alpha5_model.jax import inverse_kinematics
+
     far = np.array([9.0, 0.1, 0.2])
     one_elbow = np.array([0.3, 0.1, 0.05])
     expected = a5.inverse_kinematics(one_elbow).exists
@@ -203,6 +240,8 @@ def test_what_is_not_reached_has_no_gradient(single: bool, compiled: bool) -> No
 
 
 def test_wrong_input_is_told() -> None:
+    from alpha5_model.jax import load
+
     with pytest.raises(ShapeError, match=r"shape \(4,\)"):
         load().inverse_dynamics(np.zeros(5), np.zeros(4), np.zeros(4))
     with pytest.raises(ShapeError, match=r"shape \(1,\)"):

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from compiled_kernels import compiled_kernels
 from own_arm import random_arm, tips, within
 
 import alpha5_model as a5
@@ -23,6 +24,7 @@ ON_AXIS = random_arm(np.random.default_rng(31), off_axis=False)
 OFF_AXIS = random_arm(np.random.default_rng(32), off_axis=True)
 ARMS = {"on the axis": ON_AXIS, "beside it": OFF_AXIS}
 COUNT = 200
+pytestmark = pytest.mark.tools
 
 
 def targets(arm: Alpha5Parameters) -> tuple[np.ndarray, np.ndarray]:
@@ -85,8 +87,8 @@ def test_an_arm_with_its_own_limits_keeps_them_in_casadi(compiled: bool) -> None
     from alpha5_model.casadi import load
     from alpha5_model.dynamics.load import arm_of
 
-    if compiled and a5.backend() == "numpy":
-        pytest.skip("the kernels run in NumPy")
+    if compiled:
+        compiled_kernels()
     record = a5.parameters()
     elbow = dataclasses.replace(record.joints[2], upper=1.0)
     joints = (*record.joints[:2], elbow, *record.joints[3:])
@@ -101,7 +103,6 @@ def test_an_arm_with_its_own_limits_keeps_them_in_casadi(compiled: bool) -> None
         assert (np.array(within_limits)[:, 0] == expected.within_limits[i]).all()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_jax_with_derivatives(name: str) -> None:
     jax = pytest.importorskip("jax")
@@ -135,7 +136,6 @@ def test_jax_with_derivatives(name: str) -> None:
         np.testing.assert_allclose(jacobian @ turned, 0.0, atol=1e-6 * scale)
 
 
-@pytest.mark.slow
 def test_jax_in_single_precision() -> None:
     jax = pytest.importorskip("jax")
     from alpha5_model.jax import inverse_kinematics

@@ -5,19 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import casadi
 import numpy as np
 import pytest
 from fk import tip
 from ik_reference import solved
 from ik_targets import EDGES, at_edge, ordinary
+from loops import each
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.codegen.casadi_functions import folded
-from alpha5_model.codegen.closed_form_ik import inverse_kinematics
-from alpha5_model.codegen.instructions import TRUTHS, program
-from alpha5_model.codegen.python_code import python_source
 from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
 
@@ -28,6 +24,11 @@ def solve(
     position: np.ndarray, wrist: np.ndarray, tolerances: Any = DOUBLE
 ) -> list[np.ndarray]:
     """q (N, 4, 4), exists and within_limits (N, 4), singular (N,)."""
+    import casadi
+
+    from alpha5_model.codegen.casadi_functions import folded
+    from alpha5_model.codegen.closed_form_ik import inverse_kinematics
+
     count = len(position)
     function = folded(inverse_kinematics(PLANE), tolerances=tolerances).map(count)
     found = (
@@ -51,7 +52,7 @@ def test_four_branches_put_the_tcp_on_the_target() -> None:
     np.testing.assert_array_equal(within, inside)
 
 
-@pytest.mark.parametrize("edge", [None, *EDGES])
+@each("edge", [None, *EDGES])
 def test_it_is_as_the_second_route_has_it(edge: str | None) -> None:
     count = 4000
     if edge is None:
@@ -115,6 +116,11 @@ def test_looser_tolerances_forgive_more() -> None:
 
 
 def test_folding_leaves_the_function_and_takes_the_input_away() -> None:
+    import casadi
+
+    from alpha5_model.codegen.casadi_functions import folded
+    from alpha5_model.codegen.instructions import program
+
     x = casadi.SX.sym("x", 2)
     y = casadi.SX.sym("y")
     function = casadi.Function("f", [x, y], [casadi.sin(y) * x + y], ["x", "y"], ["z"])
@@ -126,6 +132,11 @@ def test_folding_leaves_the_function_and_takes_the_input_away() -> None:
 
 
 def test_decisions_as_statements() -> None:
+    import casadi
+
+    from alpha5_model.codegen.instructions import TRUTHS, program
+    from alpha5_model.codegen.python_code import python_source
+
     x = casadi.SX.sym("x")
     y = casadi.SX.sym("y")
     less = x < y
@@ -171,4 +182,8 @@ def test_what_is_not_a_number_is_within_no_limits(wrist: float) -> None:
 
 
 def test_it_is_short() -> None:
+    from alpha5_model.codegen.casadi_functions import folded
+    from alpha5_model.codegen.closed_form_ik import inverse_kinematics
+    from alpha5_model.codegen.instructions import program
+
     assert program(folded(inverse_kinematics(PLANE), tolerances=DOUBLE)).flops < 235

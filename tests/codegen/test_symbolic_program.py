@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-import casadi
 import numpy as np
 import pytest
 
-from alpha5_model.codegen.arm_functions import functions, products
-from alpha5_model.codegen.instructions import OPERATIONS as KNOWN
-from alpha5_model.codegen.instructions import Program, Step, _selecting, program
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import parameters
+
+if TYPE_CHECKING:
+    import casadi
+
+    from alpha5_model.codegen.instructions import Program
+
 
 OPERATIONS = {
     "add": lambda x, y: x + y,
@@ -62,6 +65,10 @@ def run(of: Program, *inputs: np.ndarray) -> list[np.ndarray]:
 
 
 def against_casadi(function: casadi.Function, rng: np.random.Generator) -> None:
+    import casadi
+
+    from alpha5_model.codegen.instructions import program
+
     one = program(function)
     inputs = [rng.uniform(0.1, 1.5, slot.shape) for slot in one.inputs]
     expected = function.call([casadi.DM(x) for x in inputs])
@@ -76,6 +83,11 @@ def against_casadi(function: casadi.Function, rng: np.random.Generator) -> None:
 
 
 def test_every_operation_gives_what_casadi_computes() -> None:
+    import casadi
+
+    from alpha5_model.codegen.instructions import OPERATIONS as KNOWN
+    from alpha5_model.codegen.instructions import program
+
     assert {*OPERATIONS, *DECISIONS} == {*KNOWN, "if_else"}
     x = casadi.SX.sym("x", 2)
     y = casadi.SX.sym("y", 2, 3)
@@ -108,12 +120,18 @@ def test_every_operation_gives_what_casadi_computes() -> None:
     against_casadi(function, np.random.default_rng(1))
 
 
-@pytest.mark.parametrize("name", functions(parameters()))
-def test_the_arms_functions_give_what_casadi_computes(name: str) -> None:
-    against_casadi(functions(parameters())[name], np.random.default_rng(2))
+def test_the_arms_functions_give_what_casadi_computes() -> None:
+    from alpha5_model.codegen.arm_functions import functions
+
+    for function in functions(parameters()).values():
+        against_casadi(function, np.random.default_rng(2))
 
 
 def test_equal_expressions_are_computed_once_and_sine_stands_beside_cosine() -> None:
+    import casadi
+
+    from alpha5_model.codegen.instructions import program
+
     x = casadi.SX.sym("x", 2)
     a = x[0]
     b = x[1]
@@ -137,6 +155,8 @@ def test_equal_expressions_are_computed_once_and_sine_stands_beside_cosine() -> 
 def test_a_sum_is_a_selection_if_one_condition_is_the_others_opposite(
     opposite: str,
 ) -> None:
+    from alpha5_model.codegen.instructions import Step, _selecting
+
     steps = [
         Step(op="input", result=0, arguments=(0, 0)),
         Step(op=opposite, result=1, arguments=(0,)),
@@ -149,6 +169,10 @@ def test_a_sum_is_a_selection_if_one_condition_is_the_others_opposite(
 
 
 def test_what_no_emitter_knows_is_refused() -> None:
+    import casadi
+
+    from alpha5_model.codegen.instructions import program
+
     x = casadi.SX.sym("x", 2)
     for out, message in (
         (casadi.erf(x), "instruction"),
@@ -159,6 +183,9 @@ def test_what_no_emitter_knows_is_refused() -> None:
 
 
 def test_slots_are_named_with_shape_unit_and_meaning() -> None:
+    from alpha5_model.codegen.arm_functions import functions, products
+    from alpha5_model.codegen.instructions import program
+
     one = program(functions(parameters())["inverse_dynamics"])
     assert [slot.name for slot in one.inputs] == ["q", "v", "a", "parameters"]
     assert [slot.shape for slot in one.outputs] == [(4,)]

@@ -9,17 +9,20 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from coal_reference import CoalReference
+from compiled_kernels import compiled_kernels
 from fk import sample
 from own_arm import random_arm, within
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
+from alpha5_model._support.spatial import pose
 from alpha5_model.collision import self_collision as module
-from alpha5_model.collision.bodies import collision_bodies
-from alpha5_model.collision.cells import FREE, HIT, UNDECIDED
-from alpha5_model.collision.cells_file import committed_cells, packed
-from alpha5_model.collision.coal_scene import CoalScene
+from alpha5_model.collision.bodies import Body, collision_bodies
+from alpha5_model.collision.cells import FREE, HIT, UNDECIDED, _cylinders_around
+from alpha5_model.collision.cells_file import committed_cells
 from alpha5_model.collision.self_collision import SelfCollision, self_collision
+from alpha5_model.collision.spheres import signed_distances, surface_places
+from alpha5_model.geometry.primitives import Primitive
 
 #: coal's distances are right to this [m].
 COAL = 1e-6
@@ -37,6 +40,7 @@ def scene() -> SelfCollision:
 
 @pytest.fixture
 def without_tables(monkeypatch: pytest.MonkeyPatch) -> SelfCollision:
+    compiled_kernels()
     monkeypatch.setattr(module, "committed_cells", lambda bodies: ())
     exact = SelfCollision(collision_bodies(a5.parameters()))
     assert not exact.touches(np.ones((1, 4)))[0]
@@ -45,6 +49,7 @@ def without_tables(monkeypatch: pytest.MonkeyPatch) -> SelfCollision:
 
 @pytest.fixture
 def without_compiler(monkeypatch: pytest.MonkeyPatch) -> SelfCollision:
+    compiled_kernels()
     monkeypatch.setattr(module, "is_compiled", lambda: False)
     return SelfCollision(collision_bodies(a5.parameters()))
 
@@ -68,10 +73,10 @@ def test_random_positions_and_those_at_the_limits(locked: CoalReference) -> None
     edges[np.arange(200), np.arange(200) % 4] = np.where(
         np.arange(200) % 8 < 4, LOWER[np.arange(200) % 4], UPPER[np.arange(200) % 4]
     )
-    q = np.concatenate([sample(700, seed=1), corners, edges])
+    q = np.concatenate([sample(300, seed=1), corners, edges])
     expected = np.array([locked.distance(row) for row in q])
     clear = np.abs(expected) > COAL
-    assert clear.sum() > 800
+    assert clear.sum() > 450
     assert np.array_equal(arm.in_collision(q)[clear], expected[clear] < 0.0)
     assert np.abs(arm.collision_distance(q) - expected).max() < 1.1 * COAL
     for margin in (0.002, 0.02):
@@ -81,8 +86,8 @@ def test_random_positions_and_those_at_the_limits(locked: CoalReference) -> None
 
 
 def test_positions_bisected_to_contact(locked: CoalReference) -> None:
-    q = bisected(a5.load(), sample(2500, seed=3))
-    assert len(q) > 300
+    q = bisected(a5.load(), sample(900, seed=3))
+    assert len(q) > 100
     assert max(abs(locked.distance(row)) for row in q[::3]) < 1.1 * COAL
 
 
@@ -137,6 +142,34 @@ def test_the_tables_say_what_the_exact_test_says(
     assert 0.0 < undecided[:200_000].mean() < 0.02
 
 
+def test_cylinders_about_the_axis_enclose_each_shape_at_every_angle() -> None:
+    """A lemma of the proved tables, which no public name shows."""
+    shapes = (
+        Primitive("box", (0.04, 0.02, 0.06), (0.01, -0.02, 0.03), (0.3, -0.2, 0.5)),
+        Primitive("cylinder", (0.02, 0.05), (0.0, 0.01, -0.02), (0.4, 0.1, 0.0)),
+        Primitive("cylinder", (0.02, 0.05), (0.0, 0.0, -0.02), (0.0, 0.0, 1.0)),
+    )
+    around = _cylinders_around(
+        Body(name="link_4", parent=3, placement=np.eye(4), shapes=shapes)
+    )
+    for shape, cylinder in zip(shapes, around, strict=True):
+        assert cylinder.kind == "cylinder"
+        assert cylinder.xyz[:2] == (0.0, 0.0)
+        assert not any(cylinder.rpy)
+        places = surface_places(shape)
+        for angle in (0.0, 1.0, 2.5, 4.0):
+            turn = pose((0.0, 0.0, 0.0), (0.0, 0.0, angle))[:3, :3]
+            outside = signed_distances(cylinder, places @ turn.T)
+            assert outside.max() < 1e-12
+        # And no more than that, but for the polygon that encloses a circle.
+        radius, length = cylinder.size
+        reach = np.hypot(places[:, 0], places[:, 1]).max()
+        assert radius == pytest.approx(reach, rel=0.02)
+        assert length == pytest.approx(np.ptp(places[:, 2]), rel=0.02)
+    radius, length = around[2].size
+    assert length == pytest.approx(0.05)
+
+
 def test_a_table_that_is_wrong_would_be_noticed(
     scene: SelfCollision, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -154,19 +187,18 @@ def test_a_table_that_is_wrong_would_be_noticed(
     assert deceived.touches(q) != scene.touches(q)
 
 
-@pytest.mark.parametrize("left", range(4))
 def test_a_pair_without_a_table_is_tested(
     scene: SelfCollision,
     without_tables: SelfCollision,
     monkeypatch: pytest.MonkeyPatch,
-    left: int,
 ) -> None:
-    tables = list(committed_cells(scene.bodies))
-    del tables[left]
-    monkeypatch.setattr(module, "committed_cells", lambda bodies: tuple(tables))
+    tables = committed_cells(scene.bodies)
     q = sample(20_000, seed=9)
-    fewer = SelfCollision(scene.bodies)
-    assert np.array_equal(fewer.touches(q), without_tables.touches(q))
+    expected = without_tables.touches(q)
+    for left in range(len(tables)):
+        others = tables[:left] + tables[left + 1 :]
+        monkeypatch.setattr(module, "committed_cells", lambda bodies, of=others: of)
+        assert np.array_equal(SelfCollision(scene.bodies).touches(q), expected), left
 
 
 def test_beyond_its_ranges_a_table_does_not_answer(
@@ -184,7 +216,7 @@ def test_beyond_its_ranges_a_table_does_not_answer(
 
 def test_without_a_compiler(without_compiler: SelfCollision) -> None:
     compiled = self_collision(a5.parameters())
-    q = np.concatenate([sample(3000, seed=8), [[np.nan, 1, 1, 1]]])
+    q = np.concatenate([sample(1000, seed=8), [[np.nan, 1, 1, 1]]])
     assert np.array_equal(without_compiler.touches(q), compiled.touches(q))
     asked = np.arange(len(q)) % 2 == 0
     few = without_compiler.touches(q, asked=asked)
@@ -268,6 +300,7 @@ def test_lines_that_are_proved_free_are(
 
 
 def test_a_margin_of_a_line_is_kept(scene: SelfCollision) -> None:
+    compiled_kernels()
     start, end = sample(60, seed=14), sample(60, seed=15)
     wide = scene.free_shares(start, end, 0.01)
     assert (wide <= scene.free_shares(start, end) + 1e-12).all()
@@ -286,18 +319,20 @@ def test_the_gradient_by_finite_differences(gripper: str) -> None:
     limits = arm.limits
     q = rng.uniform(limits.lower, limits.upper, (120, len(limits.lower)))
     distance = arm.collision_distance(q)
+    # Without compiled kernels coal answers, whose distances are off by a micrometre.
+    h, tolerance = (1e-5, 1e-4) if module.is_compiled() else (1e-3, 3e-3)
     agreed = 0
     for row in q[distance > 1e-3]:
         gradient = arm.collision_distance_gradient(row)
-        steps = 1e-5 * np.eye(arm.model.nv)
+        steps = h * np.eye(arm.model.nv)
         found = [
             arm.collision_distance(pin.integrate(arm.model, row, step))
             - arm.collision_distance(pin.integrate(arm.model, row, -step))
             for step in steps
         ]
-        agreed += np.allclose(np.array(found) / 2e-5, gradient, atol=1e-4)
+        agreed += np.allclose(np.array(found) / (2 * h), gradient, atol=tolerance)
     # At a kink two sides differ; there are few.
-    assert agreed > 0.95 * (distance > 1e-3).sum()
+    assert agreed > 0.9 * (distance > 1e-3).sum()
 
 
 def test_deep_in_contact_the_gradient_points_out() -> None:
@@ -348,44 +383,3 @@ def test_wrong_input_is_refused_in_one_line() -> None:
     afloat = a5.load(floating_base=True)
     with pytest.raises(ValueError, match="unit quaternion"):
         afloat.in_collision(np.ones((2, 11)))
-
-
-def test_the_quick_function_answers_for_plain_angles_only(scene: SelfCollision) -> None:
-    quick = scene.one()
-    rows = sample(200, 5)
-    answers = scene.touches(rows).tolist() if module.is_compiled() else [None] * 200
-    assert [quick(row, 0.0) for row in rows] == answers
-    for angles in (rows[0].tolist(), np.append(rows[0], [0.0, 0.0]), rows[0][:3]):
-        assert quick(angles, 0.0) is None
-    assert quick(np.array([np.nan, 0.0, 0.0, 0.0]), 0.0) is None
-
-
-@pytest.mark.parametrize("count", range(1, 10))
-def test_four_codes_are_in_a_byte_the_first_in_its_lowest_bits(count: int) -> None:
-    codes = np.random.default_rng(count).integers(0, 3, count).astype(np.uint8)
-    bits = np.unpackbits(np.frombuffer(packed(codes), np.uint8), bitorder="little")
-    found = bits[::2] + 2 * bits[1::2]
-    assert found[:count].tolist() == codes.tolist()
-    assert len(found) == -(-count // 4) * 4
-    assert not found[count:].any()
-
-
-def test_coal_is_asked_by_the_smallest_balls_around_the_shapes() -> None:
-    """Larger ones would ask it more often, for the same answers."""
-    bodies = collision_bodies(a5.parameters(), "jaws")
-    scene = CoalScene(bodies)
-    kinds = set()
-    for (_, shape), radius in zip(bodies.shapes, scene._radius, strict=True):
-        kinds.add(shape.kind)
-        if shape.kind == "box":
-            farthest = np.linalg.norm(shape.size) / 2
-        else:
-            farthest = np.hypot(shape.size[0], shape.size[1] / 2)
-        assert radius == pytest.approx(farthest, rel=1e-12)
-    assert kinds == {"box", "cylinder"}
-    q = np.random.default_rng(21).uniform(-3.0, 3.0, 6)
-    poses = scene._poses(q)
-    apart = scene._least_distances(poses)
-    for (one, other), bound in zip(scene._pairs, apart, strict=True):
-        centres = np.linalg.norm(poses[one, :3, 3] - poses[other, :3, 3])
-        assert bound + scene._radius[[one, other]].sum() == pytest.approx(centres)

@@ -29,11 +29,14 @@ from alpha5_model.numbers.parameters import parameters
 WIDER = 1.01
 #: Angles of all joints, all the way round.
 SAMPLES = 250
-#: Arm -> its bodies.
-BODIES = {
-    "jaws": collision_bodies(parameters(), "jaws"),
-    "own": collision_bodies(random_arm(np.random.default_rng(2), off_axis=False)),
-}
+ARMS = ("jaws", "own")
+
+
+@cache
+def bodies_of(arm: str) -> CollisionBodies:
+    if arm == "jaws":
+        return collision_bodies(parameters(), "jaws")
+    return collision_bodies(random_arm(np.random.default_rng(2), off_axis=False))
 
 
 def rim(shape: Primitive) -> np.ndarray:
@@ -54,7 +57,7 @@ def rim(shape: Primitive) -> np.ndarray:
 @cache
 def from_axes(arm: str) -> dict[tuple[int, int], np.ndarray]:
     """Number of a shape and of a joint -> least and largest distance of its rim."""
-    bodies = BODIES[arm]
+    bodies = bodies_of(arm)
     joints = range(1, len(bodies.bodies))
     rims = [(body, rim(shape)) for body, shape in bodies.shapes]
     found = {}
@@ -77,7 +80,7 @@ def shapes_of(bodies: CollisionBodies, body: int) -> list[int]:
 
 def farthest(arm: str, body: int, joint: int) -> float:
     found = from_axes(arm)
-    reaches = [found[shape, joint][1] for shape in shapes_of(BODIES[arm], body)]
+    reaches = [found[shape, joint][1] for shape in shapes_of(bodies_of(arm), body)]
     return float(max(reaches))
 
 
@@ -86,9 +89,9 @@ def is_hardly_above(bound: float, sampled: float) -> bool:
     return sampled * (1.0 - 1e-9) <= bound <= WIDER * sampled
 
 
-@pytest.mark.parametrize("arm", BODIES)
+@pytest.mark.parametrize("arm", ARMS)
 def test_rates_of_bodies_are_the_farthest_points(arm: str) -> None:
-    bodies = BODIES[arm]
+    bodies = bodies_of(arm)
     for one, other in bodies.pairs:
         rates = distance_rates(bodies, (one, other))
         between = joints_between(bodies, (one, other))
@@ -99,10 +102,11 @@ def test_rates_of_bodies_are_the_farthest_points(arm: str) -> None:
             assert is_hardly_above(rates[joint - 1], seen)
 
 
-@pytest.mark.parametrize("arm", BODIES)
+@pytest.mark.slow
+@pytest.mark.parametrize("arm", ARMS)
 def test_rates_of_shapes_are_their_farthest_points(arm: str) -> None:
     """But for a cylinder about the axis, which is the same at every angle."""
-    bodies = BODIES[arm]
+    bodies = bodies_of(arm)
     still = 0
     # Of one finger is enough.
     pairs = [pair for pair in bodies.pairs if pair[1] != 6]
@@ -119,9 +123,9 @@ def test_rates_of_shapes_are_their_farthest_points(arm: str) -> None:
 
 def turning(arm: str, body: int, joint: int) -> np.ndarray:
     """How far the shapes of a body reach from a joint that turns them, else 0."""
-    shapes = BODIES[arm].shapes
+    shapes = bodies_of(arm).shapes
     reaches = []
-    for shape in shapes_of(BODIES[arm], body):
+    for shape in shapes_of(bodies_of(arm), body):
         least, most = from_axes(arm)[shape, joint]
         is_round = shapes[shape][1].kind == "cylinder" and most - least < 1e-9
         reaches.append(0.0 if is_round else most)
@@ -142,7 +146,7 @@ def turning(arm: str, body: int, joint: int) -> np.ndarray:
 def test_only_a_cylinder_about_the_axis_stays_where_it_is(
     xyz: tuple[float, ...], rpy: tuple[float, ...], stays: bool
 ) -> None:
-    bodies = BODIES["own"]
+    bodies = bodies_of("own")
     for kind, size in (("cylinder", (0.02, 0.1)), ("box", (0.02, 0.02, 0.1))):
         shape = Primitive(kind, size, xyz, rpy)
         wrist = replace(bodies.bodies[4], shapes=(shape,))

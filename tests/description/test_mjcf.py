@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from lazily import Lazy
 from PIL import Image
 from reference import LOWER, UPPER, configurations
 from scipy.spatial.transform import Rotation
@@ -29,7 +30,7 @@ from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import parameters
 
-mujoco = pytest.importorskip("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
+mujoco = Lazy("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
 
 
 def compiled(text: str, *disabled: str):
@@ -300,14 +301,15 @@ def test_pinocchios_own_reader_makes_the_arm_of_the_urdf(
     links = ["tcp", *(f"link_{i}" for i in range(5))]
     links += ["finger_1", "finger_2"] if gripper == "jaws" else []
     rng = np.random.default_rng(5)
-    for _ in range(100):
+    for _ in range(25):
         q, v = rng.uniform(-3, 3, (2, ours.nq))
         pin.framesForwardKinematics(theirs, data, q)
         pin.framesForwardKinematics(ours, own, q)
         for name in links:
             found = data.oMf[theirs.getFrameId(name)].homogeneous
             wanted = own.oMf[ours.getFrameId(name)].homogeneous
-            assert np.abs(found - wanted).max() < 1e-14
+            # Quaternions have 12 digits.
+            assert np.abs(found - wanted).max() < 1e-12
         assert np.abs(pin.crba(theirs, data, q) - pin.crba(ours, own, q)).max() < 1e-12
         torques = (
             pin.nonLinearEffects(m, d, q, v) for m, d in ((theirs, data), (ours, own))
@@ -319,7 +321,7 @@ def test_pinocchios_own_reader_makes_the_arm_of_the_urdf(
 def test_quaternions_are_to_mujoco_what_angles_about_fixed_axes_are(
     gripper, monkeypatch
 ):
-    """Every array of the compiled model has the same bits."""
+    """Every array of the compiled model, to the 12 digits of the quaternions."""
     options = MjcfOptions(gripper=gripper, hydrodynamics=True)
     by_quaternions = mjcf(options)
     assert "euler" not in by_quaternions
@@ -332,18 +334,19 @@ def test_quaternions_are_to_mujoco_what_angles_about_fixed_axes_are(
     turned = mjcf(options).replace("<compiler ", '<compiler eulerseq="XYZ" ')
     assert turned.count("euler=") > 30
     one, other = (arrays(compiled(text)[0]) for text in (by_quaternions, turned))
-    assert one == other
     assert len(one) > 300
+    for name, values in one.items():
+        np.testing.assert_allclose(
+            values, other[name], rtol=1e-8, atol=1e-11, err_msg=name
+        )
 
 
-def arrays(model) -> dict[str, bytes]:
+def arrays(model) -> dict[str, np.ndarray]:
     """Every array of a compiled model."""
     values = {
         name: getattr(model, name) for name in dir(model) if not name.startswith("_")
     }
-    return {
-        name: x.tobytes() for name, x in values.items() if isinstance(x, np.ndarray)
-    }
+    return {name: x for name, x in values.items() if isinstance(x, np.ndarray)}
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
@@ -494,7 +497,7 @@ def test_drag_acts_on_links_only_and_takes_energy():
     assert np.abs(phantom_data.qfrc_fluid - bare_data.qfrc_fluid).max() > 1e-2
 
 
-def test_numbers_are_written_with_all_their_digits(text):
+def test_the_model_has_the_printed_numbers(text):
     root = ET.fromstring(text)
     for link in parameters().links:
         inertial = root.find(f".//body[@name='{link.name}']/inertial")
@@ -504,7 +507,9 @@ def test_numbers_are_written_with_all_their_digits(text):
             [x, y, z]
         )  # one value: it turns with the axes
         assert x == y == z
-        np.testing.assert_allclose(together, link.inertia, rtol=0, atol=1e-18)
+        # Moments and axes are computed, so they have 12 digits.
+        size = np.abs(link.inertia).max()
+        np.testing.assert_allclose(together, link.inertia, rtol=0, atol=2e-12 * size)
         assert [float(x) for x in inertial.get("pos").split()] == list(link.com)
         assert float(inertial.get("mass")) == link.mass
     compensation = float(root.find(".//body[@name='link_0_buoyancy']").get("gravcomp"))

@@ -7,6 +7,7 @@ ros2_controllers, and are written down here a second time. MoveIt is not run.
 from __future__ import annotations
 
 import inspect
+import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -15,7 +16,6 @@ import pinocchio as pin
 import pytest
 import yaml
 from scipy.interpolate import BPoly
-from test_documentation import blocks
 
 import alpha5_model as a5
 from alpha5_model.description.urdf import Variant, urdf
@@ -182,7 +182,8 @@ def test_the_guides_goal_is_a_motion_that_the_controller_takes(tmp_path, monkeyp
     """
     monkeypatch.chdir(tmp_path)
     guide = (REPOSITORY / "docs" / "guides" / "ros.md").read_text("utf-8")
-    (block,) = (b.text for b in blocks(guide) if "a5.plan(" in b.text)
+    fenced = re.findall(r"^```+\{?[\w-]*\}?[^\n]*\n(.*?)^```+$", guide, re.M | re.S)
+    (block,) = (text for text in fenced if "a5.plan(" in text)
     names = {}
     exec(block, names)
     motion = names["motion"]

@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lazily import Lazy
 
 from alpha5_model._support.paths import MJCF_PATH
 
-mujoco = pytest.importorskip("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
+mujoco = Lazy("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
 
 #: A hinge along y that carries a rod, and at its end a body with gravcomp.
 PENDULUM = """

@@ -30,13 +30,11 @@ TEXT = Path(a5.URDF_PATH).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("reader", READERS)
-@pytest.mark.parametrize(
-    "path", [None, 5, 2.5, b"arm.urdf", "a\0b", ["arm.urdf"]], ids=repr
-)
-def test_what_is_no_path_is_refused_as_such(reader, path):
-    with pytest.raises(InputError, match="path: expected the path of") as caught:
-        READERS[reader](path)
-    assert caught.value.value == path
+def test_what_is_no_path_is_refused_as_such(reader):
+    for path in (None, 5, 2.5, b"arm.urdf", "a\0b", ["arm.urdf"]):
+        with pytest.raises(InputError) as caught:
+            READERS[reader](path)
+        assert (caught.value.name, caught.value.value) == ("path", path)
 
 
 @pytest.mark.parametrize("reader", READERS)
@@ -60,13 +58,13 @@ def test_paths_that_lead_to_no_file(tmp_path, reader):
         assert len(str(caught.value).splitlines()) == 1
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
-@pytest.mark.parametrize("path", ["a\0b", "x" * 5000, "\udcff", "a\nb"], ids=ascii)
-def test_commands_refuse_them_in_one_line(capsys, command, path):
-    assert main([*command, path]) == 2
-    out = capsys.readouterr()
-    assert out.out == ""
-    assert len(out.err.splitlines()) == 1
+def test_commands_refuse_them_in_one_line(capsys):
+    for command in COMMANDS:
+        for path in ("a\0b", "x" * 5000, "\udcff", "a\nb"):
+            assert main([*command, path]) == 2
+            out = capsys.readouterr()
+            assert out.out == ""
+            assert len(out.err.splitlines()) == 1
 
 
 @pytest.mark.parametrize("read", [a5.dh.DHChain.from_urdf, read_urdf])
@@ -113,13 +111,12 @@ def test_a_urdf_in_another_encoding_is_read_alike(tmp_path, encoding):
     assert [vars(link) for link in theirs.links] == [vars(link) for link in ours.links]
 
 
-@pytest.mark.parametrize(
-    "text", ["\udcff", "a\0b", "a\x01b", "a\rb", "a\u2028b", "a\nb"], ids=ascii
-)
+@pytest.mark.parametrize("text", ["\udcff", "a\0b", "a\u2028b", "a\nb"], ids=ascii)
 def test_names_that_no_file_can_hold_are_refused(text, capsys):
     for name in ("prefix", "parent", "mesh_prefix"):
-        with pytest.raises(InputError, match="unprintable"):
+        with pytest.raises(InputError) as caught:
             Variant(**{name: text})
+        assert caught.value.name == name
     assert main(["generate", "--prefix", text]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
 
@@ -128,6 +125,7 @@ def test_a_prefix_may_be_greek():
     assert Variant(prefix="άλφα_").prefix == "άλφα_"
 
 
+@pytest.mark.slow
 def test_a_prefix_that_is_not_utf_8_in_a_real_shell():
     """The bytes as the system passes them, which Python turns into lone surrogates."""
     done = subprocess.run(
@@ -140,6 +138,7 @@ def test_a_prefix_that_is_not_utf_8_in_a_real_shell():
     assert len(done.stderr.splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_output_that_its_encoding_cannot_hold_is_one_line():
     done = subprocess.run(
         [sys.executable, "-m", "alpha5_model", "generate", "--prefix", "ά_"],

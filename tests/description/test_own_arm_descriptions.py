@@ -15,8 +15,6 @@ import own_arm_dynamics as own
 import pinocchio as pin
 import pytest
 import sdf_reading
-import yaml
-from arm_keys import WHOLE, changes
 
 import alpha5_model as a5
 from alpha5_model._support.paths import XACRO_PATH
@@ -34,7 +32,9 @@ from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 DENSITY = 1025.0
 GRAVITY = np.array([0.0, 0.0, -9.81])
 RECORDS = own.RECORDS
-every_record = pytest.mark.parametrize("record", RECORDS, ids=range(len(RECORDS)))
+#: With a spacer; with a tool beside the wrist axis; on a mount. All have other lengths,
+#: limits and bodies, some of them attached.
+every_record = pytest.mark.parametrize("record", [RECORDS[k] for k in (1, 2, 9)])
 
 
 def plain_xacro(folder: Path, record: Alpha5Parameters, *arguments: str) -> str:
@@ -59,7 +59,7 @@ def same_elements(one: str, other: str) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2, 8, 9])
+@pytest.mark.parametrize("seed", [1, 9])
 def test_plain_xacro_makes_the_urdf_of_the_record(seed: int, tmp_path: Path) -> None:
     record = RECORDS[seed]
     locked = plain_xacro(tmp_path, record, "dh_frames:=true")
@@ -93,9 +93,8 @@ def test_the_catalogues_parameters_name_no_robot_and_no_mount() -> None:
     assert "\nmount:" not in text
 
 
-@pytest.mark.slow
-@every_record
-def test_ros2_control_has_the_limits_of_the_record(record: Alpha5Parameters) -> None:
+def test_ros2_control_has_the_limits_of_the_record() -> None:
+    record = RECORDS[1]
     variant = Variant(arm=record, gripper="jaws", ros2_control=True)
     root = ET.fromstring(urdf(variant)).find("ros2_control")
     assert root is not None
@@ -136,7 +135,6 @@ def expected_torque(
     return own.inverse_dynamics(record, q, v, a, density, gravity)[0]
 
 
-@pytest.mark.slow
 @every_record
 def test_the_urdf_is_the_record_on_its_mount(record: Alpha5Parameters) -> None:
     model = pin.buildModelFromXML(urdf(Variant(arm=record)))
@@ -145,15 +143,15 @@ def test_the_urdf_is_the_record_on_its_mount(record: Alpha5Parameters) -> None:
     torque = expected_torque(record, (q, v, a), 0.0)
     for k in range(8):
         assert pin.rnea(model, data, q[k], v[k], a[k]) == pytest.approx(
-            torque[k], abs=1e-12
+            torque[k], abs=1e-11
         )
         pin.crba(model, data, q[k])
         masses = np.triu(data.M) + np.triu(data.M, 1).T
-        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-12)
+        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-11)
         pin.framesForwardKinematics(model, data, q[k])
         tip = data.oMf[model.getFrameId("tcp")].homogeneous
         expected = mount_pose(record) @ own.tcp(record, q[k])
-        assert tip == pytest.approx(expected, abs=1e-12)
+        assert tip == pytest.approx(expected, abs=1e-11)
     lower, upper = model.lowerPositionLimit, model.upperPositionLimit
     for i, joint in enumerate(record.joints[:4]):
         assert (lower[i], upper[i]) == (joint.lower, joint.upper)
@@ -170,7 +168,6 @@ def free_mujoco(text: str) -> tuple[Any, Any]:
     return model, mujoco.MjData(model)
 
 
-@pytest.mark.slow
 @every_record
 def test_the_mujoco_model_is_the_record_in_water(record: Alpha5Parameters) -> None:
     mujoco = pytest.importorskip("mujoco", minversion="3.5")
@@ -180,25 +177,24 @@ def test_the_mujoco_model_is_the_record_in_water(record: Alpha5Parameters) -> No
     for k in range(8):
         data.qpos, data.qvel, data.qacc = q[k], v[k], a[k]
         mujoco.mj_inverse(model, data)
-        assert data.qfrc_inverse == pytest.approx(torque[k], abs=1e-12)
+        assert data.qfrc_inverse == pytest.approx(torque[k], abs=1e-11)
         masses = np.zeros((4, 4))
         for row, unit in zip(masses, np.eye(4), strict=True):
             mujoco.mj_mulM(model, data, row, unit)
-        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-12)
+        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-11)
         tip = np.eye(4)
         tip[:3, :3] = data.site("tcp").xmat.reshape(3, 3)
         tip[:3, 3] = data.site("tcp").xpos
         expected = mount_pose(record) @ own.tcp(record, q[k])
-        assert tip == pytest.approx(expected, abs=1e-12)
+        assert tip == pytest.approx(expected, abs=1e-11)
     for joint in record.joints[:4]:
         assert model.joint(joint.name).range.tolist() == [joint.lower, joint.upper]
         force = model.actuator(joint.name).forcerange.tolist()
         assert force == [-joint.effort, joint.effort]
 
 
-@pytest.mark.slow
-@every_record
-def test_closed_jaws_in_mujoco_are_the_record(record: Alpha5Parameters) -> None:
+def test_closed_jaws_in_mujoco_are_the_record() -> None:
+    record = RECORDS[1]
     mujoco = pytest.importorskip("mujoco", minversion="3.5")
     options = MjcfOptions(arm=record, gripper="jaws", fluid_density=DENSITY)
     model, data = free_mujoco(mjcf(options))
@@ -210,7 +206,7 @@ def test_closed_jaws_in_mujoco_are_the_record(record: Alpha5Parameters) -> None:
         data.qpos = [*q[k], record.joints[4].lower, 0.0, 0.0]
         data.qvel, data.qacc = np.r_[v[k], rest], np.r_[a[k], rest]
         mujoco.mj_inverse(model, data)
-        assert data.qfrc_inverse[:4] == pytest.approx(torque[k], abs=1e-12)
+        assert data.qfrc_inverse[:4] == pytest.approx(torque[k], abs=1e-11)
 
 
 def sdf_bodies(text: str) -> list[list[ne.Body]]:
@@ -272,13 +268,14 @@ def test_the_gazebo_model_is_the_record_in_water(record: Alpha5Parameters) -> No
     frames = sdf_frames(root, q)
     found, _ = own.of_bodies(bodies, frames, v, a, DENSITY, gravity)
     expected = expected_torque(record, (q, v, a), DENSITY)
-    assert found == pytest.approx(expected, abs=1e-12)
+    # Bodies with something attached are written with 12 digits.
+    assert found == pytest.approx(expected, abs=1e-11)
 
     for k in range(8):
         same = sdf_frames(root, np.tile(q[k], (4, 1)))
         rest, units = np.zeros((4, 4)), np.eye(4)
         masses, _ = own.of_bodies(bodies, same, rest, units, 0.0, np.zeros(3))
-        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-12)
+        assert masses == pytest.approx(own.mass_matrix(record, q[k]), abs=1e-11)
 
 
 @every_record
@@ -290,7 +287,7 @@ def test_the_gazebo_model_has_the_tool_and_the_limits(record: Alpha5Parameters) 
         wrist = sdf_reading.link_poses(root, q)["link_4"]
         tip = placed_by(root) @ wrist @ sdf_reading.pose(tcp)
         expected = mount_pose(record) @ own.tcp(record, q)
-        assert tip == pytest.approx(expected, abs=1e-12)
+        assert tip == pytest.approx(expected, abs=1e-11)
     for joint in record.joints[:4]:
         limit = root.find(f".//joint[@name='{joint.name}']/axis/limit")
         assert limit is not None
@@ -312,7 +309,7 @@ def test_an_arm_on_the_world_stands_there_in_mujoco_and_gazebo() -> None:
     assert body.get("name") == "base_link"
     assert body.get("quat") is not None
     gazebo = ET.fromstring(sdf(SdfOptions(arm=record)))
-    assert placed_by(gazebo) == pytest.approx(mount_pose(record), abs=1e-12)
+    assert placed_by(gazebo) == pytest.approx(mount_pose(record), abs=1e-11)
     assert gazebo.find(".//frame[@name='world']") is None
 
 
@@ -360,7 +357,6 @@ def states_of(text: str) -> dict[str, dict[str, float]]:
     }
 
 
-@pytest.mark.slow
 @every_record
 def test_named_poses_lie_within_the_limits(record: Alpha5Parameters) -> None:
     mujoco = pytest.importorskip("mujoco", minversion="3.5")
@@ -444,11 +440,8 @@ def test_pairs_that_never_meet_are_checked_for_other_lengths(
     assert excluded(mjcf(options)) & set(NEVER_PAIRS) == pairs
 
 
-@pytest.mark.slow
-@every_record
-def test_estimated_water_is_the_catalogues_in_the_links(
-    record: Alpha5Parameters,
-) -> None:
+def test_estimated_water_is_the_catalogues_in_the_links() -> None:
+    record = RECORDS[2]
     for options, write in ((MjcfOptions, mjcf), (SdfOptions, sdf)):
         ours = ET.fromstring(write(options(hydrodynamics=True)))
         theirs = ET.fromstring(write(options(hydrodynamics=True, arm=record)))
@@ -465,110 +458,6 @@ def test_estimated_water_is_the_catalogues_in_the_links(
 
 def _text(element: ET.Element) -> str:
     return ET.tostring(element, encoding="unicode").strip()
-
-
-# --- each key of an arm file ----------------------------------------------------------
-
-
-def described(arm: Alpha5Parameters) -> dict[str, Any]:
-    """Each description as plain data, without comments."""
-    robot = ET.fromstring(urdf(Variant(arm=arm, gripper="jaws", ros2_control=True)))
-    control = robot.find("ros2_control")
-    assert control is not None
-    robot.remove(control)
-    numbers = yaml.safe_load(parameter_yaml(arm))
-    del numbers["provenance"]
-    in_mujoco = MjcfOptions(arm=arm, gripper="jaws", actuators="velocity")
-    in_gazebo = SdfOptions(arm=arm, gripper="jaws")
-    return {
-        "urdf": ET.tostring(robot),
-        "ros2_control": ET.tostring(control),
-        "xacro": numbers,
-        "srdf": srdf("jaws", arm),
-        "mjcf": ET.canonicalize(mjcf(in_mujoco)),
-        "sdf": ET.canonicalize(sdf(in_gazebo)),
-    }
-
-
-#: Those with bodies and joints.
-ROBOTS = {"urdf", "xacro", "mjcf", "sdf"}
-#: Keys of motors that joints have in descriptions; SDF has no such element here.
-LOSSES = {"friction", "friction_backward", "viscous_friction", "rotor_inertia"}
-
-
-def concerned(key: str) -> set[str]:
-    """Descriptions that a key concerns."""
-    table, _, name = key.partition(".")
-    if key == "name":
-        return {*ROBOTS, "srdf"}
-    if table == "motors":
-        # Joints have the losses and the rotor's inertia of motors, and nothing else.
-        return ROBOTS - {"sdf"} if name.split(".")[0] in LOSSES else set()
-    if key == "attached.name":
-        # Attached bodies are part of their links.
-        return set()
-    if name.endswith(("volume", "cob")):
-        return {"mjcf", "sdf"}
-    if key in ("zeros.axis_d", "lengths.d_0"):
-        # Other links can meet within the limits.
-        return {*ROBOTS, "srdf"}
-    if table == "joint_limits":
-        return limit_concerns(key)
-    return ROBOTS
-
-
-def limit_concerns(key: str) -> set[str]:
-    _, joint, limit = key.split(".")
-    found = ROBOTS if limit == "max_effort" else {*ROBOTS, "ros2_control"}
-    if joint == "axis_a" and limit.endswith("position"):
-        # Open and closed are the ends of the rod's range.
-        return {*found, "srdf"}
-    cuts = {
-        ("axis_e", "max_position"),  # 3 rad cuts all poses, which are at pi
-        ("axis_c", "max_position"),  # and reach
-        ("axis_d", "min_position"),  # 0.101 rad cuts stow
-        ("axis_c", "min_position"),
-    }
-    if (joint, limit) in cuts:
-        return {*found, "srdf"}
-    return found
-
-
-@pytest.fixture(scope="module")
-def arm_of_text(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    file = tmp_path_factory.mktemp("arms") / "my_arm.toml"
-
-    def read(text: str) -> Alpha5Parameters:
-        file.write_text(f"format = 1\n{text}", encoding="utf-8")
-        return a5.arm_file(file)
-
-    return read
-
-
-@pytest.fixture(scope="module")
-def defaults(arm_of_text: Any) -> dict[str, dict[str, Any]]:
-    """With and without an attached body: the descriptions of an unchanged file."""
-    return {text: described(arm_of_text(text)) for text in ("", WHOLE)}
-
-
-KEYS = {
-    key: text
-    for key, text in changes(WHOLE)
-    # One joint's motors are enough.
-    if not (key.startswith("motors.") and key.endswith(("_d", "_c", "_b", "_a")))
-}
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
-@pytest.mark.parametrize("key", KEYS)
-def test_each_key_alone_changes_what_it_concerns(
-    key: str, arm_of_text: Any, defaults: dict[str, dict[str, Any]]
-) -> None:
-    before = defaults[WHOLE if key.startswith("attached.") else ""]
-    after = described(arm_of_text(KEYS[key]))
-    changed = {name for name in after if after[name] != before[name]}
-    assert changed == concerned(key)
 
 
 # --- the command ----------------------------------------------------------------------

@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from lazily import Lazy
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model._support.paths import MJCF_PATH, XACRO_PATH
 from alpha5_model._support.spatial import rotation_from_rpy
 
-xacro = pytest.importorskip("xacro", reason="xacro is not installed")
+xacro = Lazy("xacro", reason="xacro is not installed")
 
 #: Prefix -> position and roll, pitch, yaw of base_link in the vehicle.
 MOUNTS = {

@@ -12,12 +12,13 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import reference
-import yourdfpy
+from lazily import Lazy
 
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH
 from alpha5_model.description.urdf import Variant, urdf
 
+yourdfpy = Lazy("yourdfpy")
 FRAMES = [f"link_{i}" for i in range(5)]
 
 

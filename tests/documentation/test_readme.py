@@ -1,4 +1,4 @@
-"""Tables of README and documentation are tables, and the errata are the audit's.
+"""Tables of README and documentation are tables, and its links lead to files.
 
 A blank line or a missing cell turns the rest of a table into plain text.
 """
@@ -6,14 +6,11 @@ A blank line or a missing cell turns the rest of a table into plain text.
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 
-import numpy as np
 import pytest
 from pages import PAGES, REPOSITORY, generated_text
-from PIL import Image
-
-import alpha5_model as a5
 
 DELIMITER = re.compile(r"\|(\s*:?-{3,}:?\s*\|)+")
 
@@ -70,94 +67,7 @@ def test_every_link_leads_to_a_file() -> None:
     assert broken(PAGES[0], "[a](README.md#x) [b](docs/none.md)") == ["docs/none.md"]
 
 
-# --- the errata are the audit's -------------------------------------------------------
-
-
-#: Heading of the audit's rows -> the table of the page that holds them.
-TABLES = {
-    "error": "errors",
-    "reading": "readings",
-    "transcription": "transcription",
-    "observation": "observations",
-    "outside": "outside",
-}
-#: The tables of the errata that the page shows first.
-FIRST = ("motors", "base_frame", "link3_cob", "tori", "two_poses")
-
-
-def errata(name: str) -> list[tuple[str, str]]:
-    """(text, name of claim) of each row in a generated text of the page."""
-    tables = re.findall(r"(?:^\|.*\n)+", generated_text.TEXTS[name](), re.MULTILINE)
-    heads = [text.partition("\n")[0] for text in tables]
-    return [
-        (text, claim)
-        for text, head in zip(tables, heads, strict=True)
-        for claim in claims(head)
-    ]
-
-
-def claims(names: str) -> list[str]:
-    """Claims of a cell: the first one whole, the others by what follows the topic."""
-    first, *others = re.findall(r"`(.+?)`", names)
-    return [first, *(f"{first.partition('.')[0]}.{name}" for name in others)]
-
-
-def says(text: str, value: float) -> bool:
-    """Whether one of the numbers in a text is this one, to the digits that it has."""
-    for number in re.findall(r"[-−]?\d+(?:\.\d+)?", text):
-        digits = len(number.partition(".")[2])
-        if (
-            abs(abs(float(number.replace("−", "-"))) - abs(value))
-            <= 0.5 * 10**-digits * 1.0001
-        ):
-            return True
-    return False
-
-
-@pytest.mark.parametrize("name", [*TABLES.values(), *FIRST])
-def test_the_errata_are_what_the_audit_measures(name: str) -> None:
-    rows = {row.claim: row for row in a5.audit() if row.verdict != "agrees"}
-    found = errata(name)
-    assert found
-    for text, claim in found:
-        row = rows[claim]  # it differs no more if it is not here
-        figures = [row.measured, row.standard_error]
-        figures.append(row.bound if row.bound > 1e-6 else 0.0)
-        for figure in figures:
-            assert not figure or says(text, figure), (row.claim, figure)
-        effect = row.effect or 0.0
-        in_micro = 1e6 * effect if "µN·m" in text else effect
-        assert not effect or says(text, in_micro), (row.claim, effect)
-
-
-def test_each_erratum_stands_once_under_its_heading() -> None:
-    rows = [row for row in a5.audit() if row.verdict != "agrees"]
-    first = [claim for name in FIRST for _, claim in errata(name)]
-    assert set(first) <= {row.claim for row in rows}
-    for heading, name in TABLES.items():
-        under = {r.claim for r in rows if (r.category or r.kind) == heading}
-        shown = [claim for _, claim in errata(name)]
-        assert sorted(shown) == sorted(under - set(first)), heading
-
-
-@pytest.mark.parametrize("name", [*TABLES.values(), *FIRST])
-def test_an_erratum_says_what_is_printed_measured_used_and_lost(name: str) -> None:
-    for text, claim in errata(name):
-        lines = [line.split(" | ") for line in text.splitlines()[2:]]
-        said = {line[0].removeprefix("| "): line[1] for line in lines}
-        parts = ("printed", "we measure", "result", "expected", "we use", "it costs")
-        for part in parts:
-            assert said[part].removesuffix(" |"), (claim, part)
-
-
-def test_the_errata_are_sorted_by_their_cost() -> None:
-    rows = {row.claim: row for row in a5.audit()}
-    for name in TABLES.values():
-        units = [rows[claim].effect_unit for _, claim in errata(name)]
-        assert units == sorted(units, key=["N m", "mm", "N m/A", ""].index), name
-        torques = [rows[claim].effect for _, claim in errata(name)]
-        torques = torques[: units.count("N m")]
-        assert torques == sorted(torques, reverse=True), name
+# --- generated tables -----------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -177,40 +87,31 @@ def test_a_page_that_holds_its_tables_is_up_to_date(tmp_path: Path) -> None:
     assert not generated_text.update(copy)
 
 
-def test_a_wrong_figure_would_be_seen() -> None:
-    assert says("9.7 ± 0.6 % and −1", 9.675)
-    assert says("9.7 ± 0.6 % and −1", -1)
-    assert not says("9.7 ± 0.6 % and −1", 9.62)
+# --- how to install -------------------------------------------------------------------
+
+PROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
+START = (REPOSITORY / "docs" / "start.md").read_text("utf-8")
 
 
-def test_the_architecture_page_names_files_that_exist() -> None:
-    text = (REPOSITORY / "docs" / "architecture.md").read_text("utf-8")
-    named = set(re.findall(r"`([\w./]+(?:\.\w+|/))`", text))
-    places = [REPOSITORY, REPOSITORY / "alpha5_model"]
-    assert len(named) > 40
-    assert [
-        name for name in sorted(named) if not any((p / name).exists() for p in places)
-    ] == []
-    assert faults(text) == []
+def names(requirements: list[str]) -> set[str]:
+    """Names of packages, without extras and versions."""
+    return {re.split(r"[\[<>=!~ ]", text)[0].lower() for text in requirements}
 
 
-def test_the_first_pictures_are_small_and_move() -> None:
-    """The README opens with a page and a drag, which the script of figures makes."""
-    text = (REPOSITORY / "README.md").read_text("utf-8")
-    assert len(text.splitlines()) < 80
-    pictures = re.findall(r"!\[(.+)\]\((.+)\)", text)
-    names = [Path(path).name for _, path in pictures]
-    assert names == ["page.png", "drag.gif"]
-    assert all(len(alternative) > 40 for alternative, _ in pictures)
+def test_the_steps_for_windows_install_every_requirement() -> None:
+    """Pip has no Pinocchio there: it comes from conda-forge."""
+    section = START.partition("## Windows")[2].partition("\n## ")[0]
+    (conda,) = re.findall(r"^conda create .* (python=.*)$", section, re.MULTILINE)
+    (pip,) = re.findall(
+        r"^python -m pip install (?!--no-deps)(.*)$", section, re.MULTILINE
+    )
+    installed = names(conda.split()) | names(pip.split())
+    installed = (installed - {"python", "pinocchio"}) | {"pin"}
+    assert installed == names(PROJECT["dependencies"])
 
-    script = REPOSITORY / "scripts" / "figures" / "page_figures.py"
-    assert all(name in script.read_text("utf-8") for name in names)
-    drag = REPOSITORY / pictures[1][1]
-    assert drag.stat().st_size < 2e6
-    with Image.open(drag) as film:
-        frames = []
-        for k in range(film.n_frames):
-            film.seek(k)
-            frames.append(np.asarray(film.convert("RGB")).astype(int))
-    moves = np.abs(np.diff(np.array(frames), axis=0)).max(axis=3) > 60
-    assert moves.mean(axis=(1, 2)).min() > 1e-3, "each frame moves the arm"
+
+def test_every_extra_has_its_line() -> None:
+    table = START.partition("| extra | for |")[2].partition("\n\n")[0]
+    first_cells = re.sub(r"\|[^|\n]*\|$", "|", table, flags=re.MULTILINE)
+    listed = set(re.findall(r"`([\w-]+)`", first_cells))
+    assert listed == set(PROJECT["optional-dependencies"])

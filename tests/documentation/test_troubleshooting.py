@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_documentation import DOCS, blocks
+from pages import DOCS, blocks
 
 import alpha5_model as a5
 from alpha5_model._support.paths import REPOSITORY_PATH

@@ -21,12 +21,14 @@ from coal_reference import CoalReference
 from fk import fk, sample, tip
 from ik_targets import at_edge
 from newton_euler import newton_euler
-from statement_registry import NUMBER, number, text_of
-from test_workspace import numerical_distance
+from pages import REPOSITORY
+from reach_by_minimising import numerical_distance
 
 import alpha5_model as a5
 
-PAGE = "docs/validity.md"
+PAGE = (REPOSITORY / "docs" / "validity.md").read_text("utf-8")
+#: A number as the page prints it: 20 000, −3, 2e-15, 9.8.
+NUMBER = r"([-−]?\d+(?: \d{3})*(?:\.\d+)?(?:e-?\d+)?)"
 BACKENDS = ("pinocchio", "kernels")
 #: An error that is this much smaller than its bound would mean that the bound, or the
 #: check, is wrong.
@@ -48,10 +50,15 @@ class Row:
     bound: float
 
 
+def number(text: str) -> float:
+    """A printed number."""
+    return float(text.replace("−", "-").replace(" ", ""))
+
+
 def rows() -> list[Row]:
     """All rows of the page, from top to bottom."""
     found = []
-    for line in text_of(PAGE).splitlines():
+    for line in PAGE.splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
         if len(cells) != 4 or not cells[0].startswith("`"):
             continue
@@ -110,7 +117,7 @@ def within(bound: float, count: int, seed: int) -> np.ndarray:
 def surroundings() -> tuple[tuple[float, tuple[float, ...]], ...]:
     """Densities and gravities: the ends of the range on the page, and between."""
     words = rf"Gravity of up to {NUMBER} m/s² .*? a fluid of {NUMBER} to {NUMBER} kg/m³"
-    found = re.search(words, text_of(PAGE))
+    found = re.search(words, PAGE)
     assert found
     strongest, lightest, heaviest = map(number, found.groups())
     directions = np.random.default_rng(8).normal(size=(2, 3))

@@ -6,7 +6,7 @@ import contextlib
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model import actuators
@@ -45,8 +45,8 @@ def current_by_cases(
     return (shaft + (friction if velocity > 0 else -friction)) / k_t
 
 
-@pytest.mark.parametrize("efficiency", actuators.EFFICIENCIES)
-@pytest.mark.parametrize("joint", REVOLUTE)
+@each("efficiency", actuators.EFFICIENCIES)
+@each("joint", REVOLUTE)
 def test_current_in_four_quadrants(joint: str, efficiency: str) -> None:
     torque, velocity = states()
     motor = a5.actuators.actuator(joint, efficiency=efficiency)
@@ -110,8 +110,8 @@ def test_an_unknown_owner_of_the_efficiency_is_refused(joint: str) -> None:
         actuators.Actuator(joint, plain.parameters, efficiency="best")
 
 
-@pytest.mark.parametrize("constants", actuators.CONSTANTS)
-@pytest.mark.parametrize("joint", REVOLUTE)
+@each("constants", actuators.CONSTANTS)
+@each("joint", REVOLUTE)
 def test_torque_and_voltage_are_inverted(joint: str, constants: str) -> None:
     motor = actuators.actuator(joint, constants, rotor_inertia=4e-7)
     torque, velocity = states()
@@ -129,8 +129,8 @@ def test_torque_and_voltage_are_inverted(joint: str, constants: str) -> None:
     )
 
 
-@pytest.mark.parametrize("constants", actuators.CONSTANTS)
-@pytest.mark.parametrize("joint", REVOLUTE)
+@each("constants", actuators.CONSTANTS)
+@each("joint", REVOLUTE)
 def test_power_is_accounted_for(joint: str, constants: str) -> None:
     motor = actuators.actuator(joint, constants, rotor_inertia=4e-7)
     torque, velocity = states()
@@ -167,6 +167,8 @@ def test_constants_contradict_each_other_and_the_choice_is_obeyed() -> None:
 @pytest.mark.parametrize("load", [0.4, -0.4])
 def test_steady_state_of_a_simulated_motor(joint: str, load: float) -> None:
     """A motor integrated in time settles at the speed and current of the algebra."""
+    from scipy.integrate import solve_ivp
+
     resistance, inductance, friction, _, eta, k_t, k_v, gear = TABLE_4[joint]
     voltage = 12.0
     rotor_inertia = 4e-7
@@ -297,7 +299,7 @@ def test_jaw_needs_its_screw_and_acceleration_its_rotor() -> None:
     assert added == pytest.approx(1e-6 * 1754.4 * 2.0 / 0.0134)
 
 
-@pytest.mark.parametrize(
+@each(
     ("call", "error"),
     [
         (lambda: actuators.actuator("axis_f"), UnknownNameError),
@@ -333,9 +335,9 @@ def test_what_cannot_be_used_is_refused(call, error) -> None:
 
 
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
-@pytest.mark.parametrize("joint", ["axis_e", "axis_a"])
-@pytest.mark.parametrize("screw_lead", [1e-51, 1e-3, 2e51])
-@pytest.mark.parametrize("rotor_inertia", [0.0, 1e-6, 2e51])
+@each("joint", ["axis_e", "axis_a"])
+@each("screw_lead", [1e-51, 1e-3, 2e51])
+@each("rotor_inertia", [0.0, 1e-6, 2e51])
 def test_no_number_overflows(
     joint: str, screw_lead: float, rotor_inertia: float
 ) -> None:

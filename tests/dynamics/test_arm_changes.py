@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from fk import fk, sample
-from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
@@ -70,6 +69,8 @@ def test_a_weighed_link_costs_its_weight_times_its_lever() -> None:
 
 def test_a_tool_is_compared_with_the_point_of_table_1() -> None:
     """Frame {5} in link_4: Tz(-180 mm) Rx(90 deg) Rz(-90 deg)."""
+    from scipy.spatial.transform import Rotation
+
     turn = Rotation.from_euler("XZ", [90.0, -90.0], degrees=True).as_matrix()
     longer = ToolPose(position=np.array([0.0, 0.0, -0.2]), rotation=turn.round(12))
     found = by_key(dataclasses.replace(ARM, tool=longer))

@@ -19,10 +19,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from coal_reference import without_pair
+from drawn_bodies import BODIES, LINKS, MESHES, Mesh, finger_pose, link_poses, placed
+from loops import each
 from own_shapes_urdf import urdf_with_own_shapes
 from reference import LOWER, UPPER
 from shared_recordings import JOINT_STATES, needs_recordings
-from test_meshes import BODIES, LINKS, MESHES, Mesh, finger_pose, link_poses, placed
 
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
@@ -134,7 +135,8 @@ def test_primitives_enclose_the_drawn_body(meshes, name):
             )
 
 
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.slow
+@each("name", BODIES)
 def test_primitives_stay_within_three_millimetres_of_the_outside(name):
     """The outside is the drawn body with its recesses, slots and shaft holes closed."""
     pytest.importorskip("manifold3d")

@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from dynamics_cases import PAYLOAD, VARIANTS, make, random_q, random_v
+from loops import each
 from reference import MASS, VOLUME
 
 import alpha5_model as a5
@@ -81,8 +82,8 @@ def inputs(arm, count, seed=0):
     return [random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)][:count]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(("method", "count"), METHODS.items())
+@each("kind", KINDS)
+@each(("method", "count"), METHODS.items())
 def test_nothing_that_is_not_finite_gets_through(kind, method, count):
     """A bad number at any place of any argument is refused with its place."""
     arm = make(kind)
@@ -114,8 +115,8 @@ def test_the_fast_path_finds_each_bad_place_in_special_poses_too(variant):
                         arm.inverse_dynamics(*given)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(("method", "count"), METHODS.items())
+@each("kind", KINDS)
+@each(("method", "count"), METHODS.items())
 def test_wrong_input_is_one_clear_error(kind, method, count):
     arm = make(kind)
     clean = inputs(arm, count)
@@ -175,8 +176,8 @@ def acceleration_is_beyond_the_bound(method):
     return method.startswith("forward_dynamics_d")
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(("method", "count"), METHODS.items())
+@each("kind", KINDS)
+@each(("method", "count"), METHODS.items())
 def test_numbers_that_would_overflow_are_refused_and_no_others(kind, method, count):
     """Up to the bound every result is finite; beyond it there is none."""
     arm = make(kind)
@@ -198,8 +199,8 @@ def test_numbers_that_would_overflow_are_refused_and_no_others(kind, method, cou
         assert np.isfinite(numbers(compute(*extreme))).all()
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(("method", "count"), METHODS.items())
+@each("kind", KINDS)
+@each(("method", "count"), METHODS.items())
 def test_masks_and_units_are_not_lost(kind, method, count):
     arm = make(kind)
     clean = inputs(arm, count)
@@ -263,8 +264,8 @@ def test_an_arm_cannot_be_made_of_what_is_none():
     )
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(("method", "count"), METHODS.items())
+@each("kind", KINDS)
+@each(("method", "count"), METHODS.items())
 def test_input_and_output_belong_to_the_caller(kind, method, count):
     arm = make(kind)
     given = inputs(arm, count)
@@ -284,8 +285,8 @@ def test_input_and_output_belong_to_the_caller(kind, method, count):
         assert np.array_equal(numbers(call(*given)), kept)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(("method", "count"), METHODS.items())
+@each("kind", KINDS)
+@each(("method", "count"), METHODS.items())
 def test_lists_and_strided_arrays_give_the_same(kind, method, count):
     arm = make(kind)
     call = getattr(arm, method)
@@ -297,7 +298,7 @@ def test_lists_and_strided_arrays_give_the_same(kind, method, count):
     assert np.array_equal(numbers(call(*strided)), expected)
 
 
-@pytest.mark.parametrize(("method", "count"), METHODS.items())
+@each(("method", "count"), METHODS.items())
 def test_arrays_of_other_types_stand_for_their_numbers(method, count):
     call = getattr(make("locked"), method)
     expected = numbers(call(*[np.ones(4)] * count))
@@ -365,7 +366,7 @@ def test_one_arm_in_many_threads(kind):
     assert id(arm.data) not in data
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@each("variant", VARIANTS)
 def test_pickle(variant):
     arm = make(variant)
     twin = pickle.loads(pickle.dumps(arm))

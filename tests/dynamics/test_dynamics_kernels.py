@@ -14,33 +14,34 @@ import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import casadi
 import numpy as np
 import pinocchio as pin
 import pytest
 import reference
-from casadi import SX
+from compiled_kernels import compiled_kernels
 from dynamics_cases import PAYLOAD, TILTED
 from fk import STRETCHED, fk
 from kernel_inputs import DIMENSIONS, kernel_inputs
+from loops import each
 from newton_euler import link_frames, newton_euler, rotation_x
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.codegen.arm_functions import functions
-from alpha5_model.codegen.casadi_functions import folded
-from alpha5_model.codegen.instructions import program
+from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, base_parameters
-from alpha5_model.codegen.sources import generated_sources
 from alpha5_model.dynamics.buoyancy import Displacement
 from alpha5_model.dynamics.kernel_arm import KernelArm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.numbers.parameters import RigidBody
+
+if TYPE_CHECKING:
+    import casadi
+    from casadi import SX
+
 
 # The formulas hold for any bodies, however unlikely.
 pytestmark = pytest.mark.filterwarnings(
@@ -68,12 +69,9 @@ ONE = {
 SETS, STATES = 20, 1000
 
 
-@pytest.fixture(params=["numpy_kernels", "_compiled"])
+@pytest.fixture(params=["numpy", "compiled"])
 def kernels(request: pytest.FixtureRequest) -> Any:
-    try:
-        return import_module(f"alpha5_model.codegen.kernels.{request.param}")
-    except ImportError:
-        pytest.skip("the kernels are not compiled here")
+    return numpy_kernels if request.param == "numpy" else compiled_kernels()
 
 
 @cache
@@ -136,6 +134,8 @@ def flat(result: Any) -> np.ndarray:
 
 def inputs(name: str) -> int:
     """The number of a kernel's inputs without its parameters."""
+    from alpha5_model.codegen.arm_functions import functions
+
     names = functions(a5.parameters())[name].name_in()
     return len([given for given in names if given != "parameters"])
 
@@ -154,6 +154,9 @@ def expected(name: str) -> np.ndarray:
 
 @cache
 def shapes(name: str) -> list[tuple[int, ...]]:
+    from alpha5_model.codegen.arm_functions import functions
+    from alpha5_model.codegen.instructions import program
+
     return [slot.shape for slot in program(functions(a5.parameters())[name]).outputs]
 
 
@@ -161,6 +164,9 @@ def by_kernel(
     kernels: Any, name: str, parameters: np.ndarray, *given: np.ndarray
 ) -> np.ndarray:
     """The outputs of a kernel for N states, joined, (N, n)."""
+    from alpha5_model.codegen.arm_functions import functions
+    from alpha5_model.codegen.instructions import program
+
     outputs = [
         np.empty((len(given[0]), *slot.shape))
         for slot in program(functions(a5.parameters())[name]).outputs
@@ -251,6 +257,9 @@ class LinkMotion:
 
 
 def rotation_z(angle: SX) -> SX:
+    import casadi
+    from casadi import SX
+
     c = casadi.cos(angle)
     s = casadi.sin(angle)
     return casadi.vertcat(
@@ -260,6 +269,8 @@ def rotation_z(angle: SX) -> SX:
 
 def frame_in_parent(link: int, q: SX) -> tuple[SX, SX]:
     """Rotation and origin of a link's frame in its parent's, from the DH table."""
+    from casadi import SX
+
     turn = rotation_z(q[link - 1] + reference.DH[link - 1][1])
     if link == 1:
         return turn, SX.zeros(3)
@@ -272,6 +283,8 @@ def motion_of_child(
     parent: LinkMotion, rotation: SX, origin: SX, speed: SX, rate: SX
 ) -> LinkMotion:
     """The motion of the next link, whose joint turns about its z axis."""
+    import casadi
+
     cross = casadi.cross
     z = casadi.DM([0, 0, 1])
     centripetal = cross(parent.omega, cross(parent.omega, origin))
@@ -288,6 +301,8 @@ def motion_of_child(
 
 def force_and_moment(body: SX, motion: LinkMotion) -> tuple[SX, SX]:
     """What a body of 14 numbers takes to move, at the origin of its link's frame."""
+    import casadi
+
     cross = casadi.cross
     mass, com, xx, yy, zz, xy, xz, yz, net, cob = casadi.vertsplit(
         body, [0, 1, 4, 5, 6, 7, 8, 9, 10, 11, 14]
@@ -313,6 +328,9 @@ def textbook() -> casadi.Function:
 
     Link by link, from all 14 numbers of each body.
     """
+    import casadi
+    from casadi import SX
+
     q = SX.sym("q", 4)
     v = SX.sym("v", 4)
     a = SX.sym("a", 4)
@@ -357,6 +375,8 @@ def all_numbers(links: Sequence[RigidBody], density: float) -> np.ndarray:
 
 
 def test_regrouped_parameters_give_what_all_numbers_of_the_bodies_give() -> None:
+    from alpha5_model.codegen.arm_functions import functions
+
     function = textbook()
     ours = functions(a5.parameters())["inverse_dynamics_with_base_wrench"]
     rng = np.random.default_rng(8)
@@ -377,6 +397,10 @@ def test_regrouping_saves_operations() -> None:
 
     This is the real arm with gravity along z.
     """
+    from alpha5_model.codegen.arm_functions import functions
+    from alpha5_model.codegen.casadi_functions import folded
+    from alpha5_model.codegen.instructions import program
+
     p = a5.parameters()
     gravity = np.array([0.0, 0.0, -9.81])
     full = folded(textbook(), bodies=all_numbers(p.links, 1025.0), gravity=gravity)
@@ -393,6 +417,11 @@ def test_no_base_parameter_is_too_many() -> None:
 
     Torques and load on the mount are linear in all of them but gravity.
     """
+    import casadi
+    from casadi import SX
+
+    from alpha5_model.codegen.arm_functions import functions
+
     function = functions(a5.parameters())["inverse_dynamics_with_base_wrench"]
     given = [SX.sym(name, function.size1_in(name)) for name in function.name_in()]
     out = casadi.vertcat(*function(*given))
@@ -459,7 +488,7 @@ def test_a_model_made_by_hand_is_known_by_its_joints() -> None:
     )
 
 
-@pytest.mark.parametrize(
+@each(
     "change",
     [
         "placement",
@@ -591,7 +620,10 @@ def test_external_forces_and_other_frames_stay_on_pinocchio() -> None:
         ours.jacobian(q, "hand")
 
 
+@pytest.mark.slow
 def test_sources_are_the_same_in_every_process() -> None:
+    from alpha5_model.codegen.sources import generated_sources
+
     script = (
         "import hashlib\n"
         "from alpha5_model.codegen.sources import generated_sources as g\n"

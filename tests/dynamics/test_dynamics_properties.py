@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -14,6 +16,7 @@ from dynamics_cases import (
     random_q,
     random_v,
 )
+from loops import each
 
 import alpha5_model as a5
 
@@ -23,9 +26,8 @@ pytestmark = pytest.mark.filterwarnings(
 )
 
 
-@pytest.fixture(scope="module", params=[*VARIANTS, *FLOATING])
-def arm(request):
-    return make(request.param)
+every_arm = each("variant", [*VARIANTS, *FLOATING])
+made = cache(make)
 
 
 @pytest.fixture
@@ -38,7 +40,10 @@ def close(ours, reference, relative):
     assert np.abs(ours - reference).max() < relative * scale
 
 
-def test_terms_add_up(arm, rng):
+@every_arm
+def test_terms_add_up(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(50):
         q = random_q(arm, rng)
         v = random_v(arm, rng, 2.0)
@@ -52,7 +57,10 @@ def test_terms_add_up(arm, rng):
         close(hydrostatic, arm.inverse_dynamics(q, 0 * v, 0 * v), 1e-13)
 
 
-def test_forward_and_inverse_dynamics_undo_each_other(arm, rng):
+@every_arm
+def test_forward_and_inverse_dynamics_undo_each_other(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(50):
         q = random_q(arm, rng)
         v = random_v(arm, rng)
@@ -66,7 +74,10 @@ def test_forward_and_inverse_dynamics_undo_each_other(arm, rng):
         assert np.abs(tau - bare).max() > 1e-2
 
 
-def test_mass_matrix_is_symmetric_positive_definite(arm, rng):
+@every_arm
+def test_mass_matrix_is_symmetric_positive_definite(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(50):
         q = random_q(arm, rng)
         mass = arm.mass_matrix(q)
@@ -76,7 +87,10 @@ def test_mass_matrix_is_symmetric_positive_definite(arm, rng):
         assert arm.kinetic_energy(q, v) == pytest.approx(v @ mass @ v / 2, rel=1e-12)
 
 
-def test_mass_rate_minus_twice_coriolis_is_skew(arm, rng):
+@every_arm
+def test_mass_rate_minus_twice_coriolis_is_skew(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(10):
         q = random_q(arm, rng)
         v = random_v(arm, rng)
@@ -89,7 +103,10 @@ def test_mass_rate_minus_twice_coriolis_is_skew(arm, rng):
         assert np.abs(rate).max() > 1e-4
 
 
-def test_hydrostatic_torque_is_the_gradient_of_potential_energy(arm, rng):
+@every_arm
+def test_hydrostatic_torque_is_the_gradient_of_potential_energy(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(20):
         q = random_q(arm, rng)
         gradient = central_difference(
@@ -108,9 +125,7 @@ def test_potential_energy_counts_link_0_on_either_base():
     )
 
 
-@pytest.mark.parametrize(
-    "variant", [v for v, c in VARIANTS.items() if not c.get("floating_base")]
-)
+@each("variant", [v for v, c in VARIANTS.items() if not c.get("floating_base")])
 def test_energy_is_kept_to_the_order_of_the_integrator(variant, rng):
     """A free swing drifts by 1/4^4 if a Runge-Kutta of order 4 takes a quarter step."""
     arm = make(variant)
@@ -142,8 +157,11 @@ def test_energy_is_kept_to_the_order_of_the_integrator(variant, rng):
     assert fine < 1e-6
 
 
-def test_power_of_the_torques_is_the_rate_of_energy(arm, rng):
+@every_arm
+def test_power_of_the_torques_is_the_rate_of_energy(variant) -> None:
     """d(kinetic + potential)/dt = tau . v along any motion, on a moving base too."""
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(20):
         q = random_q(arm, rng)
         v = random_v(arm, rng)
@@ -158,7 +176,10 @@ def test_power_of_the_torques_is_the_rate_of_energy(arm, rng):
         assert (ahead - behind) / (2 * h) == pytest.approx(power, rel=1e-7, abs=1e-7)
 
 
-def test_inverse_dynamics_derivatives(arm, rng):
+@every_arm
+def test_inverse_dynamics_derivatives(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(3):
         q = random_q(arm, rng)
         v = random_v(arm, rng)
@@ -175,7 +196,10 @@ def test_inverse_dynamics_derivatives(arm, rng):
         close(da, arm.mass_matrix(q), 1e-13)
 
 
-def test_hydrostatic_derivative(arm, rng):
+@every_arm
+def test_hydrostatic_derivative(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(3):
         q = random_q(arm, rng)
         ours = arm.hydrostatic_torque_derivative(q)
@@ -184,7 +208,10 @@ def test_hydrostatic_derivative(arm, rng):
         close(ours, arm.inverse_dynamics_derivatives(q, still, still)[0], 1e-12)
 
 
-def test_forward_dynamics_derivatives(arm, rng):
+@every_arm
+def test_forward_dynamics_derivatives(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(3):
         q = random_q(arm, rng)
         v = random_v(arm, rng, 0.5)
@@ -207,7 +234,10 @@ def vector_of_base_wrench(q, v, a, arm):
     return arm.base_wrench(q, v, a).vector
 
 
-def test_base_wrench_derivatives(arm, rng):
+@every_arm
+def test_base_wrench_derivatives(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for _ in range(3):
         q = random_q(arm, rng)
         v = random_v(arm, rng)
@@ -235,7 +265,10 @@ def origin(q, arm, frame):
     return arm.forward_kinematics(q, frame).translation
 
 
-def test_jacobian_is_a_derivative_too(arm, rng):
+@every_arm
+def test_jacobian_is_a_derivative_too(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     for frame in ("tcp", "link_2", "base_link"):
         q = random_q(arm, rng)
         jacobian = arm.jacobian(q, frame)
@@ -252,7 +285,10 @@ def test_jacobian_is_a_derivative_too(arm, rng):
             close(local[:, i], twist, 1e-4)
 
 
-def test_batches_are_the_single_calls(arm, rng):
+@every_arm
+def test_batches_are_the_single_calls(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(42)
     n = 37
     q = np.array([random_q(arm, rng) for _ in range(n)])
     v, a = (np.array([random_v(arm, rng) for _ in range(n)]) for _ in range(2))

@@ -13,6 +13,7 @@ from dynamics_cases import (
     random_q,
     random_v,
 )
+from loops import each
 from newton_euler import COB, COM, MASS, VOLUME, newton_euler
 
 import alpha5_model as a5
@@ -27,8 +28,8 @@ def states():
     return rng.uniform(-np.pi, np.pi, (N, 4)), *rng.normal(scale=3.0, size=(2, N, 4))
 
 
-@pytest.mark.parametrize("density", [0.0, 1000.0, 1025.0, 1340.0])
-@pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.81), TILTED])
+@each("density", [0.0, 1000.0, 1025.0, 1340.0])
+@each("gravity", [(0.0, 0.0, -9.81), TILTED])
 def test_inverse_dynamics_equals_own_newton_euler(states, density, gravity):
     q, v, a = states
     tau, force, moment = newton_euler(q, v, a, density, gravity)
@@ -70,8 +71,8 @@ def arm_that_holds(ratio, density):
 
 
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
-@pytest.mark.parametrize("density", [0.0, 1025.0, 2e4])
-@pytest.mark.parametrize("ratio", [-5.0, -1.0, -1e-9, 0.0, 1.0, 5.0])
+@each("density", [0.0, 1025.0, 2e4])
+@each("ratio", [-5.0, -1.0, -1e-9, 0.0, 1.0, 5.0])
 def test_what_the_arm_holds_may_float(states, density, ratio):
     q, v, a = (x[:100] for x in states)
     arm, held = arm_that_holds(ratio, density)
@@ -87,8 +88,8 @@ def test_what_the_arm_holds_may_float(states, density, ratio):
 
 
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
-@pytest.mark.parametrize("density", [0.0, 1025.0, 2e4])
-@pytest.mark.parametrize("ratio", [-5.0, -1.0, -1e-9, 0.0, 1.0, 5.0])
+@each("density", [0.0, 1025.0, 2e4])
+@each("ratio", [-5.0, -1.0, -1e-9, 0.0, 1.0, 5.0])
 def test_what_the_arm_holds_at_rest_may_float(states, density, ratio):
     q = states[0][:100]
     arm, held = arm_that_holds(ratio, density)

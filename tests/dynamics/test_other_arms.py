@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import pose
@@ -198,7 +199,7 @@ def test_every_method_of_an_arm_is_listed_here() -> None:
     assert methods == ANSWERED | (methods & REFUSED.keys())
 
 
-@pytest.mark.parametrize("name", sorted(ANSWERED - NO_NUMBERS))
+@each("name", sorted(ANSWERED - NO_NUMBERS))
 def test_a_method_that_answers_does_not_take_the_catalogues_arm(name: str) -> None:
     inputs = {"q": Q, "v": V, "a": A, "tau": A}
     if name.endswith("_batch"):
@@ -264,6 +265,7 @@ def test_limits_of_a_parameter_set_are_the_arms_and_the_reports() -> None:
     )
 
 
+@pytest.mark.slow
 def test_its_motion_is_analysed_and_drawn_without_the_margin_of_other_digits() -> None:
     time = np.linspace(0, 4, 81)
     q = Q + 0.1 * np.sin(time)[:, None]

@@ -200,6 +200,7 @@ def test_the_share_by_plain_sampling(arm: Any) -> None:
     assert 0.88 < found.share < 0.93
 
 
+@pytest.mark.slow
 def test_command_line(capsys: Any, tmp_path: Any) -> None:
     assert main(["workspace", "--self-collision", "--samples", "300", "--json"]) == 0
     share = json.loads(capsys.readouterr().out)["without_self_collision"]

@@ -10,13 +10,10 @@ import csv
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from types import ModuleType
+from typing import TYPE_CHECKING
 
-import coal
 import numpy as np
-import pinocchio as pin
 import pytest
-import trimesh
 from reference import LOWER, UPPER
 from shared_recordings import JOINT_STATES, needs_recordings
 
@@ -33,6 +30,10 @@ from alpha5_model.geometry.exported_shapes import (
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.jaws import split_link_4
 
+if TYPE_CHECKING:
+    import coal
+    import trimesh
+
 LINKS = tuple(collision_primitives())
 #: Farthest that a shape may be from the drawn body [m].
 FARTHEST = 3e-3
@@ -41,6 +42,8 @@ FARTHEST = 3e-3
 @cache
 def body(link: str) -> trimesh.Trimesh:
     """The drawn body."""
+    import trimesh
+
     mesh = trimesh.load(Path(REPOSITORY_PATH, "meshes", f"{link}.obj"), force="mesh")
     assert isinstance(mesh, trimesh.Trimesh)
     return mesh
@@ -49,6 +52,8 @@ def body(link: str) -> trimesh.Trimesh:
 @cache
 def outside(link: str) -> trimesh.Trimesh:
     """The drawn body with its recesses, slots and shaft holes closed."""
+    import trimesh
+
     pytest.importorskip("manifold3d")
     from alpha5_model.geometry.drawing import bodies
     from alpha5_model.geometry.triangles import surface
@@ -59,6 +64,8 @@ def outside(link: str) -> trimesh.Trimesh:
 
 def coal_shape(shape: Primitive) -> tuple[coal.CollisionGeometry, coal.Transform3s]:
     """A shape and its pose as coal has them."""
+    import coal
+
     kinds = {"box": coal.Box, "cylinder": coal.Cylinder, "sphere": coal.Sphere}
     placement = pose(shape.xyz, shape.rpy)
     return (
@@ -69,6 +76,8 @@ def coal_shape(shape: Primitive) -> tuple[coal.CollisionGeometry, coal.Transform
 
 def distances(shapes: tuple[Primitive, ...], points: np.ndarray) -> np.ndarray:
     """Distance of each point from each shape, not above 0 inside, by coal, (n, S)."""
+    import coal
+
     placed = [coal_shape(shape) for shape in shapes]
     point = coal.Sphere(1e-9)
     request = coal.DistanceRequest()
@@ -90,6 +99,8 @@ def farthest_outside(distance: np.ndarray) -> float:
 
 def surface_of(shape: Primitive, count: int) -> np.ndarray:
     """Points on a shape and its corners, by trimesh, (n, 3) [m]."""
+    import trimesh
+
     placement = pose(shape.xyz, shape.rpy)
     if shape.kind == "box":
         mesh = trimesh.creation.box(shape.size, placement)
@@ -105,12 +116,16 @@ def surface_of(shape: Primitive, count: int) -> np.ndarray:
 
 def excess(link: str, shapes: tuple[Primitive, ...]) -> float:
     """How far the shapes stick out of the body, by trimesh [m]."""
+    import trimesh
+
     points = np.vstack([surface_of(shape, 250) for shape in shapes])
     return float(-trimesh.proximity.signed_distance(outside(link), points).min())
 
 
 def sampled_body(link: str) -> np.ndarray:
     """Corners of a body's mesh, and points on it, (n, 3) [m]."""
+    import trimesh
+
     points, _ = trimesh.sample.sample_surface(body(link), 1500, seed=1)
     corners = np.unique(body(link).vertices, axis=0)
     return np.vstack([corners, points])
@@ -186,6 +201,8 @@ class Urdf:
     """A committed URDF with the pairs that its SRDF leaves, by Pinocchio alone."""
 
     def __init__(self, path: str) -> None:
+        import pinocchio as pin
+
         # With fingers that follow the rod.
         self.model = pin.buildModelFromUrdf(path, True)
         self.geometry = pin.buildGeomFromUrdf(
@@ -199,6 +216,8 @@ class Urdf:
 
     def distance(self, q: np.ndarray) -> float:
         """The least distance at q [m]; coal's depth below 0."""
+        import pinocchio as pin
+
         scratch = self.geometry.createData()
         number = pin.computeDistances(self.model, self._data, self.geometry, scratch, q)
         return float(scratch.distanceResults[number].min_distance)
@@ -248,6 +267,7 @@ def test_verdicts_differ_only_where_bodies_are_six_millimetres_apart(
     assert differ < 0.1 * hits
 
 
+@pytest.mark.slow
 @needs_recordings
 def test_the_real_arm_is_free_in_the_urdf(urdf: Urdf) -> None:
     """Every pose of the pool recordings, which rest 1 mm from contact."""
@@ -257,59 +277,3 @@ def test_the_real_arm_is_free_in_the_urdf(urdf: Urdf) -> None:
         for row in rows:
             q = np.array([float(row[f"axis_{joint}_pos"]) for joint in "edcb"])
             assert urdf.distance(q) > 0.0
-
-
-@pytest.fixture(scope="module")
-def script() -> ModuleType:
-    pytest.importorskip("manifold3d")
-    from shapes import fit_collision_shapes as module
-
-    return module
-
-
-@pytest.mark.slow
-def test_the_script_finds_the_one_box_around_a_block(script: ModuleType) -> None:
-    """Of a body that two boxes and a cylinder enclose."""
-    block = script.kernel().Manifold.cube((12.0, 10.0, 8.0), True)
-    half = Primitive("box", (6.5, 10.0, 8.0), (-2.75, 0.0, 0.0))
-    own = [
-        half,
-        replace(half, xyz=(2.75, 0.0, 0.0)),
-        Primitive("cylinder", (6.5, 4.0), (0.0, 0.0, 0.0)),
-    ]
-    (box,) = script.fitted(block, block, own, np.random.default_rng(0))
-    assert box.kind == "box"
-    reach = np.abs(surface_of(box, 100)).max(axis=0)
-    assert np.all(reach > [6.0, 5.0, 4.0])
-    corner = np.maximum(reach - [6.0, 5.0, 4.0], 0.0)
-    assert np.linalg.norm(corner) < 1e3 * FARTHEST
-
-
-def test_the_script_writes_what_is_read(
-    script: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys
-) -> None:
-    from alpha5_model.geometry import exported_shapes
-
-    copy = tmp_path / "shapes.toml"
-    monkeypatch.setattr(script, "EXPORTED_SHAPES_PATH", copy)
-    monkeypatch.setattr(exported_shapes, "EXPORTED_SHAPES_PATH", copy)
-    turned = Primitive("box", (1.0, 2.0, 3.25), (0.0, -1.5, 4.0), (0.1, 0.0, -0.2))
-    ball = Primitive("sphere", (20.0,), (1.0, 2.0, 3.0))
-    monkeypatch.setattr(
-        script, "_all_links", lambda: {"link_0": [turned, ball], "link_1": [ball]}
-    )
-    assert script.main(["--update"]) == 0
-    exported_primitives.cache_clear()
-    try:
-        read = exported_primitives("jaws")
-    finally:
-        exported_primitives.cache_clear()
-    assert read == {
-        "link_0": (turned.as_written(), ball.as_written()),
-        "link_1": (ball.as_written(),),
-    }
-    copy.write_text(copy.read_text().replace(digest(), "of other shapes"))
-    capsys.readouterr()
-    assert script.main([]) == 1
-    assert "stale" in capsys.readouterr().out
-    assert script.main(["--fit"]) == 2

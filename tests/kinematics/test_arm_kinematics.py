@@ -12,17 +12,12 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.errors import (
     JointLimitError,
-    PublishedDataError,
-    SelfCollisionError,
 )
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
-from alpha5_model.kinematics.arm_shape import SHAPE_NUMBERS, ArmShape
-from alpha5_model.kinematics.catalogue_arm import catalogue
 from alpha5_model.kinematics.ik import Solutions
 from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.kinematics.pose import PoseSolutions, approach_directions
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tool import ToolPose
 
 TARGETS = np.random.default_rng(2).uniform(-0.3, 0.3, (60, 3))
 REFERENCE = [1.0, 2.0, 1.5, 0.5]
@@ -62,11 +57,6 @@ def test_the_plane_of_another_arm_is_its_own() -> None:
     assert ArmPlane.from_parameters(wider()).upper[2] == ours.upper[2] + 0.1
 
 
-def test_an_arm_of_another_shape_has_no_plane() -> None:
-    with pytest.raises(PublishedDataError, match="not a vertical plane"):
-        ArmKinematics(with_row(1, d=0.1))
-
-
 def test_an_arm_of_the_same_lengths_answers_as_the_catalogue() -> None:
     record = a5.parameters()
     links = (*record.links[:4], replace(record.links[4], mass=0.5))
@@ -96,38 +86,6 @@ def test_an_arm_of_the_same_lengths_answers_as_the_catalogue() -> None:
     assert arm.volume() == a5.workspace.volume()
 
 
-def test_what_is_left_out_means_the_same_as_in_the_public_functions() -> None:
-    arm = ArmKinematics(a5.parameters())
-    space = a5.workspace
-    inside = TARGETS[a5.reachable(TARGETS)]
-    solutions = arm.inverse_kinematics(inside)
-    np.testing.assert_array_equal(solutions.q, a5.inverse_kinematics(inside).q)
-    free = (solutions.within_limits & ~arm.collides(solutions)).any(axis=-1)
-    ours = arm.best(arm.inverse_kinematics(inside[free]), REFERENCE)
-    theirs = a5.inverse_kinematics(inside[free]).best(REFERENCE)
-    np.testing.assert_array_equal(ours, theirs)
-    assert not free.all()
-    with pytest.raises(SelfCollisionError):
-        arm.best(solutions, REFERENCE)
-    with pytest.raises(SelfCollisionError):
-        arm.inverse_kinematics_path(inside[~free][:1])
-    pose = np.eye(4)
-    pose[:3, 3] = inside[~free][0]
-    with pytest.raises(SelfCollisionError):
-        arm.best_pose(arm.inverse_kinematics_pose(pose), REFERENCE)
-
-    np.testing.assert_array_equal(arm.reachable(TARGETS), a5.reachable(TARGETS))
-    np.testing.assert_array_equal(
-        arm.distance_to_reach(TARGETS), a5.distance_to_reach(TARGETS)
-    )
-    assert arm.boundary() == space.boundary()
-    assert arm.cross_section_area() == space.cross_section_area()
-    radius, z = np.abs(TARGETS[:, 0]), TARGETS[:, 2]
-    reached = arm.in_half_plane(radius, z)
-    np.testing.assert_array_equal(reached, space.in_half_plane(radius, z))
-    assert not np.array_equal(reached, arm.in_half_plane(radius, z, limits=False))
-
-
 def test_the_public_functions_keep_the_limits_unless_told_otherwise() -> None:
     space = a5.workspace
     for function in (space.cross_section_area, space.volume, space.boundary):
@@ -136,25 +94,6 @@ def test_the_public_functions_keep_the_limits_unless_told_otherwise() -> None:
         kept = function(TARGETS)
         np.testing.assert_array_equal(kept, function(TARGETS, True))
         assert not np.array_equal(kept, function(TARGETS, False))
-
-
-@pytest.mark.parametrize("record", [a5.parameters(), longer(), wider()])
-def test_a_shape_is_its_numbers(record: Alpha5Parameters) -> None:
-    shape = ArmShape.from_parameters(record)
-    assert ArmShape.from_numbers(shape.numbers.tolist()) == shape
-    assert shape.numbers.shape == (SHAPE_NUMBERS,)
-    middle = [(joint.lower + joint.upper) / 2 for joint in record.joints[:4]]
-    assert shape.middle == tuple(middle)
-
-
-@pytest.mark.parametrize("off", [0.0, 1e-6, -1e-6])
-@pytest.mark.parametrize("axis", [0, 1])
-def test_a_tool_is_on_the_wrist_axis_or_not(off: float, axis: int) -> None:
-    position = np.array([0.0, 0.0, -0.2])
-    position[axis] = off
-    tool = ToolPose(position=position, rotation=np.eye(3))
-    shape = ArmShape.from_parameters(replace(a5.parameters(), tool=tool))
-    assert shape.has_tool_on_axis == (off == 0.0)
 
 
 def test_a_refusal_names_the_joint_of_the_arm_that_was_solved() -> None:
@@ -178,11 +117,6 @@ def test_the_first_target_without_a_solution_is_named() -> None:
     with pytest.raises(a5.UnreachableError, match="row 1") as caught:
         a5.inverse_kinematics(targets).best(REFERENCE)
     assert caught.value.position == pytest.approx(targets[1])
-
-
-def test_there_is_one_catalogue_arm() -> None:
-    assert catalogue() is catalogue()
-    assert catalogue().parameters is a5.parameters()
 
 
 @pytest.mark.parametrize(

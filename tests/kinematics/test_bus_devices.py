@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 import reference
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.numbers.parameters import JointParameters
 
-PAGE = Path(__file__).parents[2] / "docs" / "guides" / "from-arm-to-q.md"
 HOME = {5: 3.14, 4: 1.57, 3: 1.56, 2: 0.4}
 
 
@@ -37,7 +35,7 @@ def test_devices_and_back() -> None:
     assert devices[1] == pytest.approx(1e3 * q[:, 4])
 
 
-@pytest.mark.parametrize(
+@each(
     ("change", "said"),
     [
         (
@@ -92,53 +90,6 @@ def test_other_wrong_inputs() -> None:
     for q in (1.0, np.zeros(3), np.zeros((4, 6))):
         with pytest.raises(ShapeError, match="with the jaw rod"):
             a5.devices_from_q(q)
-
-
-def table(head: str) -> list[list[str]]:
-    """Cells of the rows of the page's table whose head begins so."""
-    lines = PAGE.read_text("utf-8").partition(f"\n| {head}")[2].splitlines()[2:]
-    rows = []
-    for line in lines:
-        if not line.startswith("|"):
-            break
-        rows.append([cell.strip() for cell in line.strip("|").split("|")])
-    return rows
-
-
-def numbers(text: str) -> list[float]:
-    return [float(x) for x in re.findall(r"-?\d+(?:\.\d+)?", text)]
-
-
-def test_the_pages_table_of_devices() -> None:
-    rows = table("device | joint")
-    joints = {joint.device_id: joint for joint in a5.parameters().joints}
-    assert [int(row[0]) for row in rows] == [5, 4, 3, 2, 1]
-    for k, (device, name, place, unit, ends, speed) in enumerate(rows):
-        joint = joints[int(device)]
-        assert f"`{joint.name}`" in name
-        assert f"`q[{k}]`" in place
-        per_si = 1e3 if unit == "mm" else 1.0
-        found = numbers(ends)
-        assert found == pytest.approx(
-            [per_si * joint.lower, per_si * joint.upper], rel=2e-4
-        )
-        rate = 1e3 * joint.velocity if unit == "mm" else math.degrees(joint.velocity)
-        assert numbers(speed) == pytest.approx([rate])
-
-
-def test_the_pages_three_poses() -> None:
-    """By the DH table of the document, not by the model."""
-    arm = a5.load()
-    rows = table("pose |")
-    assert len(rows) == 3
-    for _, devices, _, tip in rows:
-        q = np.round(np.array(numbers(devices)) / (math.pi / 2)) * math.pi / 2
-        np.testing.assert_allclose(q, numbers(devices), atol=0.003)
-        found = 1e3 * reference.dh_frames(q)[-1][:3, 3]
-        np.testing.assert_allclose(numbers(tip), found, atol=0.5)
-        assert not arm.in_collision(q)
-        assert (arm.limits.lower <= q).all()
-        assert (q <= arm.limits.upper).all()
 
 
 def test_what_the_poses_show() -> None:

@@ -8,6 +8,7 @@ import tracemalloc
 import numpy as np
 import pytest
 from fk import FOLDED, STRETCHED, fk, sample, tip
+from loops import each
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -150,7 +151,7 @@ def test_all_routes_agree() -> None:
     assert by_kernel == 5000, "the kernel is not asked"
 
 
-@pytest.mark.parametrize("shape", [(), (1,), (7,), (0,), (3, 0), (2, 3), (2, 1, 4)])
+@each("shape", [(), (1,), (7,), (0,), (3, 0), (2, 3), (2, 1, 4)])
 def test_shapes(shape: tuple[int, ...]) -> None:
     position = np.broadcast_to(np.array([0.2, -0.1, 0.05]), (*shape, 3))
     s = a5.inverse_kinematics(position)
@@ -263,7 +264,7 @@ def test_best_blames_the_wrist_when_the_wrist_is_to_blame() -> None:
         a5.inverse_kinematics([0.2, 0.0, 0.1], 6.25).best(np.zeros(4))
 
 
-@pytest.mark.parametrize(
+@each(
     ("position", "wrist"),
     [
         ([0.1, 0.2], 0.0),
@@ -353,3 +354,15 @@ def test_the_folded_arm_exists_beyond_the_limits() -> None:
     assert folded.sum() == 2
     assert not s.within_limits[folded].any()
     assert residual(s, tip(q)).max() < 1e-9
+
+
+def test_a_reference_far_away_still_picks_a_solution_within_the_limits() -> None:
+    """The best branch is within the limits even if the squared distance overflows."""
+    p = np.random.default_rng(0).uniform(-0.3, 0.3, (500, 3))
+    s = a5.inverse_kinematics(p)
+    only_later = s.within_limits.any(axis=-1) & ~s.within_limits[:, 0]
+    assert only_later.any()
+    p = p[only_later]
+    best = a5.inverse_kinematics(p).best([1e200, 0.0, 0.0, 0.0], allow_collision=True)
+    assert np.isfinite(best).all()
+    np.testing.assert_allclose(tip(best), p, atol=1e-12)

@@ -10,6 +10,7 @@ import pytest
 from fk import FOLDED, STRETCHED, sample, tip
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from loops import each
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -47,8 +48,8 @@ def test_every_corner_and_edge_of_the_joint_ranges() -> None:
     check(np.array(list(grid)))
 
 
-@pytest.mark.parametrize("joint", range(4))
-@pytest.mark.parametrize("limit", [LOWER, UPPER])
+@each("joint", range(4))
+@each("limit", [LOWER, UPPER])
 def test_exactly_at_a_limit(joint: int, limit: np.ndarray) -> None:
     q = sample(2000, seed=20 + joint)
     q[:, joint] = limit[joint]
@@ -71,7 +72,7 @@ def test_beyond_a_limit_is_beyond(joint: int) -> None:
         assert not s.within_limits[far][same[far]].any()
 
 
-@pytest.mark.parametrize("gap", CLOSE)
+@each("gap", CLOSE)
 def test_close_to_the_stretched_arm(gap: float) -> None:
     for side in (-1.0, 1.0):
         q = sample(500, seed=40)
@@ -132,9 +133,7 @@ def outwards(q: np.ndarray) -> np.ndarray:
     return arm / np.linalg.norm(arm, axis=-1, keepdims=True)
 
 
-@pytest.mark.parametrize(
-    "radius", [0.0, 1e-16, 1e-14, 5e-14, 2e-13, 1e-11, 9e-10, 2e-9, 1e-8, 1e-6, 1e-4]
-)
+@each("radius", [0.0, 1e-16, 1e-14, 5e-14, 2e-13, 1e-11, 9e-10, 2e-9, 1e-8, 1e-6, 1e-4])
 def test_on_and_close_to_the_yaw_axis(radius: float) -> None:
     azimuth = np.linspace(-math.pi, math.pi, 73)
     for z in (0.3, 0.2, -0.27):
@@ -161,10 +160,8 @@ def test_on_the_yaw_axis_theta_0_is_the_middle_and_best_keeps_the_reference() ->
     assert s.best([-9.0, 1.0, 1.0, 0.0])[0] == LOWER[0]
 
 
-@pytest.mark.parametrize(
-    "azimuth", [0.0, -0.0, math.pi, -math.pi, math.pi / 2, -math.pi / 2]
-)
-@pytest.mark.parametrize("off", [0.0, 1e-16, -1e-16, 1e-9, -1e-9])
+@each("azimuth", [0.0, -0.0, math.pi, -math.pi, math.pi / 2, -math.pi / 2])
+@each("off", [0.0, 1e-16, -1e-16, 1e-9, -1e-9])
 def test_at_the_cut_of_the_azimuth(azimuth: float, off: float) -> None:
     position = [0.25 * math.cos(azimuth), 0.25 * math.sin(azimuth) + off, 0.1]
     s = a5.inverse_kinematics(position)

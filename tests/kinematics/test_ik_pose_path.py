@@ -8,20 +8,24 @@ import math
 import numpy as np
 import pytest
 from fk import STRETCHED, fk, sample, tip
+from loops import each
 from reference import LOWER, UPPER
-from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5
 from alpha5_model.errors import DiscontinuousPathError, InputError, ShapeError
 
 
 def random_poses(count: int, seed: int) -> np.ndarray:
+    from scipy.spatial.transform import Rotation
+
     pose = fk(sample(count, seed))
     pose[:, :3, :3] = Rotation.random(count, random_state=seed).as_matrix()
     return pose
 
 
 def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    from scipy.spatial.transform import Rotation
+
     return (Rotation.from_matrix(a).inv() * Rotation.from_matrix(b)).magnitude()
 
 
@@ -58,6 +62,8 @@ def test_rotation_error_is_the_least_that_the_wrist_can_do() -> None:
 
 
 def test_small_rotation_errors_keep_their_digits() -> None:
+    from scipy.spatial.transform import Rotation
+
     q = sample(50, seed=72)
     pose = fk(q)
     for size in (1e-3, 1e-6, 1e-9):
@@ -76,6 +82,8 @@ def test_small_rotation_errors_keep_their_digits() -> None:
 
 def wrist_axis(q: np.ndarray) -> np.ndarray:
     """The axis of theta_3, from two poses that differ in theta_3 only."""
+    from scipy.spatial.transform import Rotation
+
     turned = q.copy()
     turned[:, 3] += 0.5
     spin = fk(turned)[:, :3, :3] @ np.swapaxes(fk(q)[:, :3, :3], 1, 2)
@@ -507,6 +515,8 @@ def poses_on_the_axis(count: int) -> list[np.ndarray]:
 
     There the range of theta_0 or of the wrist has its gap.
     """
+    from scipy.spatial.transform import Rotation
+
     rng = np.random.default_rng(86)
     rotation = Rotation.random(count, random_state=86).as_matrix()
     poses = []
@@ -565,7 +575,7 @@ def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None
     assert at_limit > 20
 
 
-@pytest.mark.parametrize(
+@each(
     ("size", "turn", "first", "expected"),
     [
         ([1.0, 3.0], 0.4, 0.0, [0.1, 0.3]),

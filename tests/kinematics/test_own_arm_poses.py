@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from loops import each
 from own_arm import limits, poses, random_arm, tips, turned_apart, with_tool, within
 
 import alpha5_model as a5
@@ -229,7 +230,7 @@ REFUSED: dict[str, Callable[[Any], Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
+@each("name", REFUSED)
 def test_what_is_not_exact_beside_the_axis_is_refused(name: str) -> None:
     with pytest.raises(
         InputError, match=r"tool: expected a tool point on the wrist axis"

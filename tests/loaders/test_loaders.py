@@ -223,6 +223,7 @@ def checkout(tmp_path):
     return folder
 
 
+@pytest.mark.slow
 def test_example_robot_data_takes_the_patch(checkout, monkeypatch, capsys):
     """The patched checkout passes the tests of its own kind, in another process."""
     package = checkout / "python" / "example_robot_data"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time
 import tomllib
 import warnings
 from pathlib import Path
@@ -11,8 +12,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arm_keys import SENSOR, changes
-from least_time import least_time
 
 import alpha5_model as a5
 from alpha5_model.errors import (
@@ -27,7 +26,8 @@ from alpha5_model.numbers.arm_writing import new_arm_file
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 ARM = a5.parameters()
-CHANGES = dict(changes(SENSOR))
+#: An attached body with no more than it needs.
+SENSOR = '[[attached]]\nname = "s"\nlink = "link_4"\nat = [0, 0, 0]\nmass = 0.5\n'
 #: The study's example, all keys in use.
 LAB = """
 format = 1
@@ -171,38 +171,31 @@ def test_the_tool_of_a_file(tmp_path: Path) -> None:
     assert both.tool.rotation.tolist() == np.eye(3).tolist()
 
 
-# --- each key alone -------------------------------------------------------------------
-
-
-@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
-@pytest.mark.parametrize("key", CHANGES)
-def test_each_key_alone_changes_the_record(tmp_path: Path, key: str) -> None:
-    before = SENSOR if key.startswith("attached.") else ""
-    default = flat(read(tmp_path, f"format = 1\n{before}"))
-    own = flat(read(tmp_path, f"format = 1\n{CHANGES[key]}"))
-    different = {name for name in own if own[name] != default[name]}
-    part = {"lengths": "dh", "zeros": "dh", "joint_limits": "joints"}
-    first = key.split(".")[0]
-    expected = {part.get(first, first)}
-    if first == "corrections":
-        expected = {"corrections", "dh", "base_yaw"} & different | {"corrections"}
-    if first == "motors" and key.split(".")[1] in arm_schema.ACTUATORS:
-        expected = {"actuators"}
-    if key == "attached.spacer":
-        expected |= {"tool"}
-    assert different == expected
+# --- numbers --------------------------------------------------------------------------
 
 
 def test_every_number_takes_a_unit_a_source_and_a_half_width(tmp_path: Path) -> None:
-    for key, text in CHANGES.items():
-        head, _, number = text.rpartition(" = ")
-        is_number = key not in ("name", "mount.parent", "motors.constants")
-        if not is_number or key.startswith(("corrections", "attached.", "motors.")):
-            continue
-        whole = f'{head} = {{value = {number}, source = "me", half_width = 0}}'
+    for key, text in {
+        "mount.xyz": "[mount]\nxyz = ",
+        "mount.rpy": "[mount]\nrpy = ",
+        "lengths.a_1": "[lengths]\na_1 = ",
+        "zeros.axis_c": "[zeros]\naxis_c = ",
+        "joint_limits.axis_c.max_effort": "[joint_limits.axis_c]\nmax_effort = ",
+        "links.link_2.mass": "[links.link_2]\nmass = ",
+        "links.link_2.com": "[links.link_2]\ncom = ",
+        "tool.xyz": "[tool]\nxyz = ",
+    }.items():
+        number = {"com": "[74, 0, 0]", "xyz": "[4, 0, -190]", "rpy": "[1, 2, 3]"}.get(
+            key.rpartition(".")[2], "1"
+        )
+        unit = {"a_1": "cm", "xyz": "mm", "com": "mm", "max_effort": "N m"}.get(
+            key.rpartition(".")[2], "kg" if "mass" in key else "deg"
+        )
+        number = "15.1" if unit == "cm" else number
+        whole = f'value = {number}, unit = "{unit}", source = "me", half_width = 0'
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ImplausibleWarning)
-            own = read(tmp_path, f"format = 1\n{whole}")
+            own = read(tmp_path, f"format = 1\n{text}{{{whole}}}")
         (found,) = own.measurements
         assert (found.key, found.source, found.half_width) == (key, "me", 0.0)
 
@@ -233,35 +226,24 @@ def test_units_are_known_by_their_spellings(tmp_path: Path, unit: str) -> None:
 
 # --- warnings -------------------------------------------------------------------------
 
+#: Content -> the key of the warning.
 ODD = {
-    "[lengths]\na_1 = 0.18": "lengths.a_1: 0.18 m is 29 mm off the printed one",
-    "[zeros]\naxis_b = 0.2": "zeros.axis_b: 0.2 rad is more than 10 deg off the prin",
-    "[joint_limits.axis_e]\nmin_position = 0": (
-        "joint_limits.axis_e.min_position: 0 rad is beyond the published 0.01745 to "
-        "6.143 rad"
-    ),
-    "[joint_limits.axis_d]\nmax_position = 3.5": (
-        "joint_limits.axis_d.max_position: 3.5 rad is beyond the published 0.01745 to"
-    ),
-    "[joint_limits.axis_c]\nmax_velocity = 0.6": (
-        "joint_limits.axis_c.max_velocity: 0.6 rad/s is faster than the rated 0.5236"
-    ),
-    "[links.link_2]\nmass = 0.2": (
-        "links.link_2.mass: 0.2 kg with the printed inertia; give an inertia too, "
-        "for example the printed one times 0.526"
-    ),
-    "[links.link_2]\ncob = [0.3, 0, 0]": (
-        "links.link_2.cob: (0.3, 0, 0) m is outside the body's bounds"
-    ),
-    "[links.link_2]\ninertia = [[2, 0, 0], [0, 2, 0], [0, 0, 2]]": (
-        "link_2.inertia: a radius of gyration of 2.81 m is implausible"
-    ),
-    SENSOR: "attached.s.volume: not given, so the body displaces no water",
+    "[lengths]\na_1 = 0.18": "lengths.a_1",
+    "[zeros]\naxis_b = 0.2": "zeros.axis_b",
+    "[joint_limits.axis_e]\nmin_position = 0": "joint_limits.axis_e.min_position",
+    "[joint_limits.axis_d]\nmax_position = 3.5": "joint_limits.axis_d.max_position",
+    "[joint_limits.axis_c]\nmax_velocity = 0.6": "joint_limits.axis_c.max_velocity",
+    "[links.link_2]\nmass = 0.2": "links.link_2.mass",
+    "[links.link_2]\ncob = [0.3, 0, 0]": "links.link_2.cob",
+    "[links.link_2]\ninertia = [[2, 0, 0], [0, 2, 0], [0, 0, 2]]": "link_2.inertia",
+    SENSOR: "attached.s.volume",
 }
 
 
 @pytest.mark.parametrize("text", ODD)
-def test_what_is_odd_is_warned_of_with_the_file(tmp_path: Path, text: str) -> None:
+def test_what_is_odd_is_warned_of_with_the_file_and_the_key(
+    tmp_path: Path, text: str
+) -> None:
     with pytest.warns(ImplausibleWarning) as found:
         read(tmp_path, f"format = 1\n{text}")
     messages = [str(warning.message) for warning in found]
@@ -273,145 +255,153 @@ def test_what_is_odd_is_warned_of_with_the_file(tmp_path: Path, text: str) -> No
 # --- wrong files ----------------------------------------------------------------------
 
 SENSOR_4 = SENSOR + "volume = 1e-4\n"
-#: Content after "format = 1" -> the message after the file's name.
+#: Content after "format = 1" -> the key that the error names; none if the table has no
+#: such key at all.
 WRONG = {
-    "speed = 1": ": unknown 'speed'; choose from format, name, corrections, mount, "
-    "lengths, zeros, joint_limits, links, attached, tool, motors, covariance",
-    "lenghts = {}": ": unknown 'lenghts', did you mean 'lengths'?",
-    'name = "my arm"': ", name: 'my arm'; expected a name of at most 64 letters, "
-    "digits and _, a letter first",
-    'corrections = "base_frame"': ", corrections: 'base_frame'; expected a list of "
-    "names, such as ['base_frame']",
-    'corrections = ["baseframe"]': ", corrections: unknown 'baseframe', did you mean "
-    "'base_frame'?",
-    "[mount]\nxyz = [210, 0, -85]": ", mount.xyz: [210, 0, -85] m; expected at most 5 "
-    "m for a vehicle: is it in mm?",
-    "[mount]\nrpy = [180, 0, 0]": ", mount.rpy: [180, 0, 0] rad; expected at most two "
-    "turns: is it in deg?",
-    "[mount]\nposition = [0, 0, 0]": ", mount: unknown 'position'; write xyz",
-    "[mount]\nxyz = [0, 0]": ", mount.xyz: [0, 0]; expected 3 numbers",
-    "[lengths]\na_1 = 150.9": ", lengths.a_1: 150.9 m; expected at most 2 m on this arm"
-    ": is it in mm?",
-    "[lengths]\na_0 = -0.02": ", lengths.a_0: -0.02 m; expected a length above 0, as "
-    "Table 1's 0.02 m",
-    "[lengths]\nd_3 = 0.18": ", lengths.d_3: 0.18 m; expected a length below 0, as "
-    "Table 1's -0.18 m",
-    "[lengths]\nalpha_1 = 0.003": ", lengths: unknown 'alpha_1'; axes are parallel or "
-    "square as in Table 1, because the closed-form inverse kinematics has no twisted "
-    "or shifted ones",
-    '[lengths]\na_0 = {value = 2, unit = "inch"}': ", lengths.a_0: unit 'inch'; "
-    "expected one of m, mm, cm",
-    "[lengths]\na_0 = {valeu = 2}": ", lengths.a_0: unknown 'valeu', did you mean "
-    "'value'?",
-    '[lengths]\na_0 = {unit = "mm"}': ", lengths.a_0: no value; write lengths.a_0 = "
-    "{value = ...}",
-    '[lengths]\na_0 = "20 mm"': ", lengths.a_0: '20 mm'; expected a number",
-    "[lengths]\na_0 = nan": ", lengths.a_0: NaN; expected a number below 1e12",
-    "[zeros]\naxis_a = 0.01": ", zeros: unknown 'axis_a', did you mean 'axis_e'?",
-    "[zeros]\naxis_d = 20": ", zeros.axis_d: 20 rad; expected at most two turns: "
-    "is it in deg?",
-    "[joint_limits.axis_f]\nmin_position = 1": ", joint_limits: unknown 'axis_f', did "
-    "you mean 'axis_e'?",
-    "[joint_limits.axis_e]\nmin_position = 3.49\nmax_position = 1.75": ", "
-    "joint_limits.axis_e: min_position 3.49 is not below max_position 1.75 rad",
-    "[joint_limits.axis_b]\nmin_position = -3.2\nmax_position = 3.2": ", "
-    "joint_limits.axis_b: min_position -3.2 to max_position 3.2 rad; expected less "
-    "than a full turn",
-    "[joint_limits.axis_e]\nmax_position = 330": ", joint_limits.axis_e.max_position: "
-    "330 rad; expected at most two turns: is it in deg?",
-    "[joint_limits.axis_e]\nmax_velocity = 20": ", joint_limits.axis_e.max_velocity: "
-    "20 rad/s; expected at most two turns a second: is it in deg/s?",
-    "[joint_limits.axis_e]\nmax_acceleration = 1": ", joint_limits.axis_e: unknown "
-    "'max_acceleration'; the record has no limit of acceleration: leave it out",
-    "[joint_limits.axis_e]\neffort = 1": ", joint_limits.axis_e: unknown 'effort'; "
-    "write max_effort",
-    "[joint_limits.axis_e]\nmax_effort = 0": ", joint_limits.axis_e.max_effort: 0 "
-    "N m; expected more than 0 N m",
-    "[joint_limits.axis_a]\nmax_position = 13.3": ", joint_limits.axis_a.max_position:"
-    " 13.3 m; expected at most 0.5 m for the jaws: is it in mm?",
-    "[links.link_2]\nmass = -1": ", links.link_2.mass: -1 kg; expected more than 0 kg",
-    "[links.link_2]\nmass = 341": ", links.link_2.mass: 341 kg; expected at most 20 "
-    "kg on this arm: is it in g?",
-    '[links.link_2]\nmass = {value = 341, unit = "g", half_width = 400}': ", "
-    "links.link_2.mass.half_width: 400 g; expected 0 to the value (it has the value's "
-    "unit)",
-    "[links.link_2]\nvolume = 0.218": ", links.link_2.volume: 0.218 m^3; expected at "
-    "most 0.1 m^3 on this arm: is it in L?",
-    "[links.link_2]\ncom = [0.0736, 0.09, 0]": ", links.link_2.com: [0.0736, 0.09, "
-    "0.0] m; expected a point inside the body's bounds, [[-0.02, 0.1707], [-0.0333, "
-    "0.0333], [-0.02, 0.02]] m",
-    "[links.link_2]\ncom = [0.73, -0.91, -0.73]": ", links.link_2.com: [0.73, -0.91, "
-    "-0.73] m; expected a point inside the body's bounds, [[-0.02, 0.1707], [-0.0333, "
-    "0.0333], [-0.02, 0.02]] m; is it in mm?",
-    "[links.link_2]\ninertia = [[1e-4, 0, 0], [0, 1e-4, 0], [0, 0, 3e-4]]": ", "
-    "links.link_2.inertia: no body has it: the largest principal moment 0.0003 kg m^2 "
-    "exceeds the sum of the others, 0.0002; expected it at the COM, products as in "
-    "URDF, in kg m^2",
-    "[links.link_2]\ninertia = [[1e-4, 1e-5, 0], [0, 1e-4, 0], [0, 0, 1e-4]]": ", "
-    "links.link_2.inertia: [[0.0001, 0.00001, 0], [0, 0.0001, 0], [0, 0, 0.0001]] "
-    "kg m^2; expected a symmetric tensor",
-    "[links.link_4]\nmass = 0.03": (
-        ", links.link_4: 0.03 kg, 0.000134 m^3, moments 0.0006159, 0.0006253, "
-        "6.257e-05 kg m^2; expected a body that leaves a possible wrist if rod and "
-        "fingers, which are estimated at 0.0422 kg, are taken out of it"
+    "speed = 1": "",
+    "lenghts = {}": "",
+    'name = "my arm"': "name",
+    'corrections = "base_frame"': "corrections",
+    'corrections = ["baseframe"]': "corrections",
+    "[mount]\nxyz = [210, 0, -85]": "mount.xyz",
+    "[mount]\nrpy = [180, 0, 0]": "mount.rpy",
+    "[mount]\nposition = [0, 0, 0]": "mount",
+    "[mount]\nxyz = [0, 0]": "mount.xyz",
+    "[lengths]\na_1 = 150.9": "lengths.a_1",
+    "[lengths]\na_0 = -0.02": "lengths.a_0",
+    "[lengths]\nd_3 = 0.18": "lengths.d_3",
+    "[lengths]\nalpha_1 = 0.003": "lengths",
+    '[lengths]\na_0 = {value = 2, unit = "inch"}': "lengths.a_0",
+    "[lengths]\na_0 = {valeu = 2}": "lengths.a_0",
+    '[lengths]\na_0 = {unit = "mm"}': "lengths.a_0",
+    '[lengths]\na_0 = "20 mm"': "lengths.a_0",
+    "[lengths]\na_0 = nan": "lengths.a_0",
+    "[zeros]\naxis_a = 0.01": "zeros",
+    "[zeros]\naxis_d = 20": "zeros.axis_d",
+    "[joint_limits.axis_f]\nmin_position = 1": "joint_limits",
+    "[joint_limits.axis_e]\nmin_position = 3.49\nmax_position = 1.75": (
+        "joint_limits.axis_e"
     ),
-    "[links.link_9]\nmass = 1": ", links: unknown 'link_9', did you mean 'link_4'?",
-    '[attached]\nname = "s"': ", attached: {'name': 's'}; expected at most 32 tables "
-    "[[attached]]",
-    SENSOR_4.replace("at = [0, 0, 0]\n", ""): ", attached[0].at: missing",
-    SENSOR_4.replace("link_4", "link4"): ", attached.s.link: unknown 'link4', did you "
-    "mean 'link_4'?",
-    SENSOR_4 + SENSOR_4: ", attached[1].name: 's'; expected a name that no other body "
-    "has",
-    SENSOR_4
-    + "spacer = 22": ", attached.s.spacer: 22 m; expected at most 0.5 m for the "
-    "jaws: is it in mm?",
-    SENSOR_4.replace("link_4", "link_3") + "spacer = 0.02": ", attached.s.spacer: "
-    "0.02 m on link_3; only link_4 has jaws",
-    SENSOR_4 + "spacer = 0.02\n[tool]\nxyz = [0, 0, -0.2]": ", tool.xyz: [0, 0, -0.2] "
-    "m together with a spacer, which moves the tool: give one",
-    "[tool]\nxyz = [0, 0, -0.5]": ", tool.xyz: [0, 0, -0.5] m; expected a point within "
-    "0.3 m of the published one, [0.0, 0.0, -0.18] m: is the unit right?",
-    "[tool]\nxyz = [4, 0, -245]": ", tool.xyz: [4, 0, -245] m; expected at most 2 m on "
-    "this arm: is it in mm?",
-    "[motors]\nefficiency = 86": ", motors.efficiency: 86; expected at most 1: is it "
-    "in %?",
-    "[motors]\nrotor_inertia = {axis_e = 0.5}": ", motors.rotor_inertia.axis_e: 0.5 "
-    "kg m^2; expected at most 0.0013 kg m^2 for a small motor: is it in kg mm^2?",
-    '[motors]\nconstants = "measured"': ", motors.constants: unknown 'measured'; "
-    "choose from printed, torque, voltage",
-    "[motors]\nsupply_voltage = true": ", motors.supply_voltage: True; expected a "
-    "number",
+    "[joint_limits.axis_b]\nmin_position = -3.2\nmax_position = 3.2": (
+        "joint_limits.axis_b"
+    ),
+    "[joint_limits.axis_e]\nmax_position = 330": "joint_limits.axis_e.max_position",
+    "[joint_limits.axis_e]\nmax_velocity = 20": "joint_limits.axis_e.max_velocity",
+    "[joint_limits.axis_e]\neffort = 1": "joint_limits.axis_e",
+    "[joint_limits.axis_e]\nmax_effort = 0": "joint_limits.axis_e.max_effort",
+    "[joint_limits.axis_a]\nmax_position = 13.3": "joint_limits.axis_a.max_position",
+    "[links.link_2]\nmass = -1": "links.link_2.mass",
+    "[links.link_2]\nmass = 341": "links.link_2.mass",
+    '[links.link_2]\nmass = {value = 341, unit = "g", half_width = 400}': (
+        "links.link_2.mass.half_width"
+    ),
+    "[links.link_2]\nvolume = 0.218": "links.link_2.volume",
+    "[links.link_2]\ncom = [0.0736, 0.09, 0]": "links.link_2.com",
+    "[links.link_2]\ncom = [0.73, -0.91, -0.73]": "links.link_2.com",
+    "[links.link_2]\ninertia = [[1e-4, 0, 0], [0, 1e-4, 0], [0, 0, 3e-4]]": (
+        "links.link_2.inertia"
+    ),
+    "[links.link_2]\ninertia = [[1e-4, 1e-5, 0], [0, 1e-4, 0], [0, 0, 1e-4]]": (
+        "links.link_2.inertia"
+    ),
+    "[links.link_4]\nmass = 0.03": "links.link_4",
+    "[links.link_9]\nmass = 1": "links",
+    '[attached]\nname = "s"': "attached",
+    "[tool]\nxyz = [0, 0, -0.5]": "tool.xyz",
+    "[tool]\nxyz = [4, 0, -245]": "tool.xyz",
+    "[motors]\nefficiency = 86": "motors.efficiency",
+    "[motors]\nrotor_inertia = {axis_e = 0.5}": "motors.rotor_inertia.axis_e",
+    '[motors]\nconstants = "measured"': "motors.constants",
+    "[motors]\nsupply_voltage = true": "motors.supply_voltage",
+    "[lengths]\na_0 = 0": "lengths.a_0",
+    "[joint_limits.axis_e]\nmin_position = 1.5\nmax_position = 1.5": (
+        "joint_limits.axis_e"
+    ),
+    "[joint_limits.axis_a]\nmin_position = 0.02": "joint_limits.axis_a",
+    '[joint_limits.axis_b]\nmax_position = {value = 360, unit = "deg"}': (
+        "joint_limits.axis_b"
+    ),
+    "[links.link_2]\ncom = [0.07361234567, 0.09, 0]": "links.link_2.com",
+    "[links.link_2]\ncom = [0, 0, 0, 0]": "links.link_2.com",
+    "[links.link_2]\ninertia = 3": "links.link_2.inertia",
+    "[links.link_2]\nmass = {value = 0.341, half_width = -0.001}": (
+        "links.link_2.mass.half_width"
+    ),
+    "[motors]\ngear_ratio = 1000000000000.5": "motors.gear_ratio",
+    SENSOR_4.replace("at = [0, 0, 0]\n", ""): "attached[0].at",
+    SENSOR_4.replace("link_4", "link4"): "attached.s.link",
+    SENSOR_4 + SENSOR_4: "attached[1].name",
+    SENSOR_4 + "spacer = 22": "attached.s.spacer",
+    SENSOR_4.replace("link_4", "link_3") + "spacer = 0.02": "attached.s.spacer",
+    SENSOR_4 + "spacer = 0.02\n[tool]\nxyz = [0, 0, -0.2]": "tool.xyz",
+    SENSOR.replace("mass = 0.5", "mass = -0.5"): "attached.s.mass",
 }
-#: Whole content -> the message after the file's name.
+#: Whole content -> what the error names.
 WRONG_FORMAT = {
-    'name = "a"': ", format: missing; write format = 1",
-    "format = 2": ", format: 2; this version reads format = 1",
-    'format = "1"': ", format: '1'; this version reads format = 1",
-    "format = 1\nformat = 1": ": Cannot overwrite a value (at end of document)",
-    "format 1": ": Expected '=' after a key in a key/value pair (at line 1, column 8)",
-    "a" + ".a" * 30 + " = 1": ", line 1: a key of more than 20 parts",
-    "format = " + "[" * 20000: ": expected fewer brackets inside one another",
-    "#" * 70000: ": more than 64 KiB, an arm file (TOML) is expected",
+    'name = "a"': "format",
+    "format = 0": "format",
+    "format = 2": "format",
+    'format = "1"': "format",
+    "format = 1\nformat = 1": "",
+    "format 1": "",
+    "a" + ".a" * 30 + " = 1": "line 1",
+    "format = " + "[" * 20000: "",
+    "#" * 70000: "",
 }
 
 
-def test_there_are_more_than_forty_wrong_files() -> None:
-    assert len(WRONG) + len(WRONG_FORMAT) > 50
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+def test_an_error_is_one_line_with_the_file_and_the_key(tmp_path: Path) -> None:
+    cases = {f"format = 1\n{text}": key for text, key in WRONG.items()} | WRONG_FORMAT
+    found = {}
+    for text in cases:
+        with pytest.raises(FileFormatError) as caught:
+            read(tmp_path, text)
+        assert str(caught.value).startswith(str(tmp_path / "my_arm.toml")), text
+        assert "\n" not in str(caught.value)
+        found[text] = caught.value.place
+    assert found == cases
 
 
-@pytest.mark.parametrize("text", WRONG)
-def test_a_wrong_value_gets_one_line(tmp_path: Path, text: str) -> None:
+def test_a_unit_that_was_forgotten_is_proposed(tmp_path: Path) -> None:
+    """Fifteen centimetres in mm, degrees, grammes, litres and percent."""
+    for text, unit in {
+        "[lengths]\na_1 = 150.9": "mm",
+        "[zeros]\naxis_d = 20": "deg",
+        "[links.link_2]\nmass = 341": "g",
+        "[links.link_2]\nvolume = 0.218": "L",
+        "[motors]\nefficiency = 86": "%",
+    }.items():
+        with pytest.raises(FileFormatError, match=f"is it in {unit}\\?$"):
+            read(tmp_path, f"format = 1\n{text}")
+
+
+def test_the_ends_of_what_a_file_may_say(tmp_path: Path) -> None:
+    half = "[links.link_2]\nmass = {value = 0.34, half_width = 0.34}"
+    assert read(tmp_path, f"format = 1\n{half}").measurements[0].half_width == 0.34
+    weightless = SENSOR.replace("mass = 0.5", "mass = 0\nspacer = 0\nvolume = 0")
+    (body,) = read(tmp_path, f"format = 1\n{weightless}").attached
+    assert (body.mass, body.spacer, body.volume) == (0.0, 0.0, 0.0)
+
+
+def test_a_file_may_have_64_kib(tmp_path: Path) -> None:
+    text = "format = 1\n#"
+    assert read(tmp_path, text + "a" * (64 * 1024 - len(text))).name == ARM.name
+    with pytest.raises(FileFormatError, match="64 KiB"):
+        read(tmp_path, text + "a" * (64 * 1024 - len(text) + 1))
+
+
+def test_32_bodies_are_attached_and_no_more(tmp_path: Path) -> None:
+    one = SENSOR.replace("0.5", "0.001\nvolume = 1e-6")
+
+    def bodies(count: int) -> str:
+        several = [one.replace('"s"', f'"s{k}"') for k in range(count)]
+        return "format = 1\n" + "".join(several)
+
+    assert len(read(tmp_path, bodies(32)).attached) == 32
     with pytest.raises(FileFormatError) as caught:
-        read(tmp_path, f"format = 1\n{text}")
-    assert str(caught.value) == f"{tmp_path / 'my_arm.toml'}{WRONG[text]}"
-
-
-@pytest.mark.parametrize("text", WRONG_FORMAT)
-def test_a_wrong_file_gets_one_line(tmp_path: Path, text: str) -> None:
-    with pytest.raises(FileFormatError) as caught:
-        read(tmp_path, text)
-    assert str(caught.value) == f"{tmp_path / 'my_arm.toml'}{WRONG_FORMAT[text]}"
+        read(tmp_path, bodies(33))
+    assert caught.value.place == "attached"
 
 
 def test_no_file_a_folder_and_no_text(tmp_path: Path) -> None:
@@ -448,7 +438,6 @@ HOSTILE = [
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
-@pytest.mark.parametrize("number", range(len(HOSTILE)))
 @pytest.mark.parametrize(
     "key",
     [
@@ -461,23 +450,20 @@ HOSTILE = [
         "attached",
     ],
 )
-def test_hostile_values_are_refused_at_once(
-    tmp_path: Path, key: str, number: int
-) -> None:
-    message = ""
-
-    def try_to_read() -> None:
-        nonlocal message
+def test_hostile_values_are_refused_at_once(tmp_path: Path, key: str) -> None:
+    accepted = []
+    for value in HOSTILE:
+        text = f"format = 1\n{key} = {value}"
+        message = ""
+        start = time.process_time()
         try:
-            read(tmp_path, f"format = 1\n{key} = {HOSTILE[number]}")
+            read(tmp_path, text)
+            accepted.append(value[:6])
         except Alpha5Error as error:
             message = str(error)
-
-    assert least_time(try_to_read, 1.0) < 1.0
-    assert "\n" not in message
-    assert len(message) < 1001
+        assert time.process_time() - start < 10.0
+        assert "\n" not in message
+        assert len(message) < 1001
     # A number that vanishes is a rotor without inertia; 0.1111... is a length.
-    accepted = (key.startswith("[motors]") and "e-" in HOSTILE[number]) or (
-        key.startswith("[lengths]") and HOSTILE[number].startswith("0.1")
-    )
-    assert bool(message) != accepted
+    expected = {"[motors]\nrotor_inertia": ["1e-999"], "[lengths]\na_0": ["0.1111"]}
+    assert accepted == expected.get(key, [])

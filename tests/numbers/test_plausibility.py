@@ -10,7 +10,6 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable
-from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +19,10 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.mjcf import MjcfOptions
-from alpha5_model.description.sdf import SdfOptions
 from alpha5_model.dynamics.actuators import Actuator
 from alpha5_model.errors import ImplausibleWarning, InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.arm_units import DIMENSIONS
 from alpha5_model.numbers.hydrodynamics import DragStrip
-from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.water.vehicle import Vehicle
 
 P = a5.parameters()
@@ -85,17 +81,10 @@ IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: a5.load(1.025),
         "fluid_density: 1.025 .* write 1025$",
     ),
-    "fresh water in g/cm^3": (lambda: a5.load(0.998), "in g/cm.3, write 998$"),
-    "density in g/m^3": (lambda: a5.load(1.025e6), "fluid_density: 1.025e.06"),
     "MuJoCo's density": (lambda: MjcfOptions(fluid_density=1.025), "write 1025$"),
-    "Gazebo's density": (lambda: SdfOptions(fluid_density=1.025), "write 1025$"),
     "gravity upwards": (
         lambda: a5.load(gravity=(0, 0, 9.81)),
         r"points up; write \(0, 0, -9.81\)",
-    ),
-    "a list upwards": (
-        lambda: a5.load(gravity=[0.0, 0.0, 9.8]),
-        r"write \(0, 0, -9.8\)",
     ),
     "gravity in mm": (
         lambda: a5.load(gravity=(0, 0, -9810)),
@@ -110,17 +99,9 @@ IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: payload(0.5, (0, 0, 20)),
         r"com: .* write \(0, 0, 0.02\)$",
     ),
-    "payload's COB": (
-        lambda: payload(0.5, cob=(0, 0, 20)),
-        r"cob: .* write \(0, 0, 0.02\)$",
-    ),
     "payload's litres": (
         lambda: payload(0.5, volume=0.5),
         "volume: 0.5 m.3 .* in L, write 0.0005",
-    ),
-    "payload like foam": (
-        lambda: payload(0.05, volume=0.05),
-        "is 1 kg/m.3.* in L, write 5e-05$",
     ),
     "payload's kg mm^2": (
         lambda: payload(0.7, inertia=5 * np.eye(3)),
@@ -128,23 +109,11 @@ IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "vehicle's litres": (lambda: vehicle(volume=11.4), "volume is in L, write 0.0114$"),
     "vehicle in g": (lambda: vehicle(mass=11500), "mass is in g, write 11.5$"),
-    "vehicle's COM": (
-        lambda: vehicle(com=(0, 0, 20)),
-        "com: .* for a vehicle; if it is in mm",
-    ),
     "jaw rod of 5 m": (
         lambda: jaws(rod_length=5),
         "rod_length: 5 m .* in mm, write 0.005$",
     ),
-    "density of the rod": (
-        lambda: jaws(rod_density=7.85),
-        "rod_density: .* write 7850$",
-    ),
     "link in g": (lambda: link(mass=161), "link_1.mass: 161 kg .* write 0.161$"),
-    "link's litres": (
-        lambda: link(volume=0.032),
-        "link_1.volume: .* in L, write 3.2e-05$",
-    ),
     "bounds in mm": (
         lambda: link(bounds=[[-20, 40], [-20, 20], [-14, 67]]),
         "link_1.bounds: .* in mm",
@@ -152,10 +121,6 @@ IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
     "limits in degrees": (
         lambda: joint(upper=351.97),
         "axis_e.upper: .* in deg, write 6.14",
-    ),
-    "speed in degrees": (
-        lambda: joint(velocity=30),
-        "axis_e.velocity: .* deg/s, write 0.523",
     ),
     "rod's limits in mm": (
         lambda: dataclasses.replace(P.joints[4], upper=13.3),
@@ -176,10 +141,6 @@ IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
     "alpha in degrees": (
         lambda: dataclasses.replace(P.dh[1], alpha=90),
         "alpha: .* write 1.5708$",
-    ),
-    "inductance in mH": (
-        lambda: motor(inductance=0.231),
-        "inductance: .* mH, write 0.000231$",
     ),
     "K_t in mN m/A": (
         lambda: motor(torque_constant=13.4),
@@ -220,7 +181,6 @@ IMPOSSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: link(inertia=NO_BODY),
         "link_1.inertia: expected a possible body",
     ),
-    "link's volume": (lambda: link(volume=-1e-5), "link_1.volume"),
     "link's bounds": (lambda: link(bounds=-P.links[1].bounds), "link_1.bounds"),
     "link's COM": (lambda: link(com=(0, 0, math.nan)), "link_1.com.*finite"),
     "link's COM in mm": (
@@ -228,48 +188,16 @@ IMPOSSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
         "link_1.com: expected a point inside the body's bounds.*; is it in mm",
     ),
     "no mass, but inertia": (lambda: link(mass=0.0), "mass 0 kg is not positive"),
-    "jaw rod's density": (
-        lambda: jaws(rod_density=0.0),
-        "rod_density: expected a number above 0",
-    ),
-    "finger's density": (lambda: jaws(finger_density=-2700), "finger_density"),
     "rod's length": (lambda: jaws(rod_length=-0.05), "rod_length"),
     "fluid": (lambda: a5.load(-0.5), "fluid_density: expected a number of at least 0"),
-    "a name": (
-        lambda: a5.load("fresh"),
-        r"SEA_WATER \(1025\), FRESH_WATER \(1000\), AIR \(0\)",
-    ),
     "payload": (lambda: payload(-0.5), "mass: expected a number of at least 0"),
-    "payload's tensor": (
-        lambda: payload(0.5, inertia=NO_BODY),
-        "inertia: expected a possible",
-    ),
     "vehicle": (lambda: vehicle(mass=-11.5), "mass: expected a number of at least 0"),
-    "vehicle's tensor": (
-        lambda: vehicle(inertia=NO_BODY),
-        "inertia: expected a possible body",
-    ),
     "limits": (
         lambda: joint(upper=-1.0),
         "axis_e.upper: expected a number of at least 0.01745",
     ),
-    "speed": (lambda: joint(velocity=-0.5), "axis_e.velocity"),
-    "effort": (lambda: joint(effort=-0.5), "axis_e.effort"),
-    "a body without extent": (
-        lambda: link(inertia=np.zeros((3, 3))),
-        "link_1.inertia: expected a possible body",
-    ),
     "efficiency in %": (lambda: motor(efficiency=86), "efficiency: expected at most 1"),
-    "no efficiency": (
-        lambda: motor(efficiency=0),
-        "efficiency: expected a number above 0",
-    ),
     "resistance": (lambda: motor(resistance=-0.5), "resistance"),
-    "ratio": (lambda: motor(gear_ratio=0), "gear_ratio"),
-    "screw lead": (
-        lambda: dataclasses.replace(a5.actuators.actuator("axis_a"), screw_lead=-1e-3),
-        "screw_lead",
-    ),
     "rotor": (
         lambda: Actuator("axis_e", P.actuators[0], rotor_inertia=-1e-6),
         "rotor_inertia",
@@ -278,19 +206,10 @@ IMPOSSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: Actuator("axis_e", P.actuators[0], "best"),
         "unknown motor constants",
     ),
-    "joint": (lambda: Actuator("axis_z", P.actuators[0]), "unknown joint"),
     "row": (lambda: Actuator("axis_e", P.joints[0]), "ActuatorParameters"),  # type: ignore[arg-type]
     "five links": (
         lambda: dataclasses.replace(P, links=P.links[:4]),
         "5 LinkParameters",
-    ),
-    "six joints": (
-        lambda: dataclasses.replace(P, joints=(*P.joints, P.joints[0])),
-        "5 JointParameters",
-    ),
-    "an angle in words": (
-        lambda: dataclasses.replace(P, base_yaw="half a turn"),  # type: ignore[arg-type]
-        "base_yaw",
     ),
     "strip's diameter": (
         lambda: DragStrip((0, 0, 0), (0, 0, 0.1), diameter=-0.04, across=1.0),
@@ -311,30 +230,21 @@ IMPOSSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
 }
 
 
-@pytest.mark.parametrize("case", IMPOSSIBLE)
-def test_an_impossible_quantity_raises(case: str) -> None:
-    make, words = IMPOSSIBLE[case]
-    with pytest.raises(ValueError, match=words) as error:
-        make()
-    assert isinstance(error.value, a5.errors.Alpha5Error)
+def test_an_impossible_quantity_raises() -> None:
+    for make, words in IMPOSSIBLE.values():
+        with pytest.raises(a5.errors.Alpha5Error, match=words) as error:
+            make()
+        assert isinstance(error.value, ValueError)
 
 
-@pytest.mark.parametrize("name", [f.name for f in dataclasses.fields(P.jaws)])
-def test_the_jaws_have_no_negative_number_but_an_angle(name: str) -> None:
-    if name == "sdk_plane":
-        assert jaws(sdk_plane=-0.5).sdk_plane == -0.5
-        return
-    with pytest.raises(InputError, match=f"^{name}: expected a number above 0"):
-        jaws(**{name: -0.5})
-
-
-def test_too_heavy_jaws_leave_no_wrist() -> None:
-    with pytest.raises(
-        InputError, match=r"link_4: expected a body that leaves a possible wrist"
-    ):
-        split_link_4(
-            dataclasses.replace(P, jaws=jaws(rod_length=0.5, rod_diameter=0.03))
-        )
+def test_the_jaws_have_no_negative_number_but_an_angle() -> None:
+    for field in dataclasses.fields(P.jaws):
+        if field.name == "sdk_plane":
+            assert jaws(sdk_plane=-0.5).sdk_plane == -0.5
+            continue
+        with pytest.raises(InputError) as error:
+            jaws(**{field.name: -0.5})
+        assert error.value.name == field.name
 
 
 #: Made without a word.
@@ -363,11 +273,11 @@ PLAUSIBLE: dict[str, Callable[[], Any]] = {
 }
 
 
-@pytest.mark.parametrize("case", PLAUSIBLE)
-def test_what_may_be_meant_passes(case: str) -> None:
+def test_what_may_be_meant_passes() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        PLAUSIBLE[case]()
+        for make in PLAUSIBLE.values():
+            make()
 
 
 def test_replaced_records_hold_arrays_of_their_own_that_nobody_can_write() -> None:
@@ -433,39 +343,14 @@ def test_silence_ends_with_its_block_and_is_of_one_thread() -> None:
         a5.load(1.025)
 
 
-LIMITS = {
-    name: x
-    for name, x in vars(plausibility).items()
-    if isinstance(x, plausibility.Plausible)
-}
-
-
-@pytest.mark.parametrize("name", LIMITS)
-def test_each_unit_is_one_that_can_be_meant(name: str) -> None:
-    """What is plausible in that unit is not in SI units, at least in part."""
-    limits = LIMITS[name]
-    assert limits.holds(0.0)
-    for size in limits.units.values():
-        assert not all(limits.holds(end / size) for end in limits.ranges[-1])
-
-
 COMMANDS = {
     "torque --q 3 1 1 0 --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
     "torque --q 3 1 1 0 --payload 500": ["mass: 500 kg", "if it is in g, write 0.5"],
-    "torque --q 3 1 1 0 --payload 0.5 0 0 20": [
-        "com: (0, 0, 20) m",
-        "write (0, 0, 0.02)",
-    ],
     "torque --q 3 1 1 0 --gravity 0 0 9.81": ["points up", "--mount"],
     "torque --q 3 1 1 0 --json --fluid 1.025": [
         "fluid_density: 1.025 kg/m^3",
         "write 1025",
     ],
-    "generate --format mjcf --fluid 1.025": [
-        "fluid_density: 1.025 kg/m^3",
-        "write 1025",
-    ],
-    "generate --format c --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
 }
 
 
@@ -486,9 +371,6 @@ def test_commands_print_one_line(
 QUIET = (
     "torque --q 3 1 1 0 --gravity 0 0 9.81 --mount 180 0 0 deg",
     "torque --q 3 1 1 0 --mount 180 0 0 deg --payload 0.5 0 0 0.02 --fluid fresh",
-    "torque --q 3 1 1 0 --gripper jaws --current 0 1 0",
-    "generate --format mjcf --gripper jaws",
-    "workspace",
 )
 
 
@@ -500,6 +382,7 @@ def test_commands_are_quiet_otherwise(
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_a_study_warns_when_it_is_read_and_not_of_each_case(tmp_path: Path) -> None:
     axes = "\n".join(f"axis_{x}_pos = 1.0" for x in "edcb")
     study = f"""
@@ -547,28 +430,3 @@ def test_the_package_itself_is_quiet() -> None:
         timeout=120,
     )
     assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.parametrize(
-    "name", [name for name, each in DIMENSIONS.items() if each.plausible is not None]
-)
-def test_the_unit_that_is_suggested_makes_the_number_plausible(name: str) -> None:
-    """Up to the largest plausible value, and not above it, in each unit."""
-    dimension = DIMENSIONS[name]
-    largest = dimension.plausible.ranges[-1][1]
-    assert dimension.likely_unit(0.999 * largest) is None
-    tried = 0
-    for unit in dimension.units:
-        size = dimension.in_si(Decimal(1), unit)
-        if size >= 1:
-            continue
-        written = largest / size
-        found = dimension.likely_unit(0.999 * written)
-        assert found is not None
-        in_that = 0.999 * written * dimension.in_si(Decimal(1), found)
-        assert dimension.plausible.holds(in_that)
-        assert dimension.likely_unit(1.001 * written) != unit
-        tried += 1
-    assert (
-        tried or name in ("rod speed", "share", "number") or len(dimension.units) == 1
-    )

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import own_arm_dynamics as own
 import pytest
-from arm_keys import WHOLE, changes
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError
@@ -75,14 +74,6 @@ def test_ten_arms_come_back(record: Alpha5Parameters, read: Any) -> None:
     expected = a5.load(arm=record).inverse_dynamics_batch(q, v, a)
     torque = a5.load(arm=found).inverse_dynamics_batch(q, v, a)
     assert torque == pytest.approx(expected, abs=1e-12)
-
-
-@pytest.mark.parametrize("key", dict(changes(WHOLE)))
-def test_each_key_alone_comes_back(key: str, read: Any) -> None:
-    record = read(f"format = 1\n{dict(changes(WHOLE))[key]}")
-    text = arm_file_text(record)
-    check_same(read(text), record)
-    assert len(text) < 900, "only what differs"
 
 
 def test_the_example_and_a_new_file_come_back(read: Any) -> None:

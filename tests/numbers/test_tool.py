@@ -80,8 +80,8 @@ def test_a_tool_is_read_only() -> None:
         TOOL.position[0] = 1.0
 
 
-@pytest.mark.parametrize("twist", [-2, -1, 0, 1, 2, 3, 0.3])
-@pytest.mark.parametrize("turn", [-2, -1, 0, 1, 2, 3, -1.7])
+@pytest.mark.parametrize("twist", [-2, 0, 1, 3, 0.3])
+@pytest.mark.parametrize("turn", [-1, 0, 2, -1.7])
 def test_a_printed_tool_turns_by_its_rows(twist: float, turn: float) -> None:
     """By quarter turns it is exact: a matrix of -1, 0 and 1."""
     wrist, last = a5.parameters().dh[3:]

@@ -9,8 +9,8 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+import public_names
 import pytest
-import test_public_api
 from array_functions import kinematics_calls
 
 import alpha5_model as a5
@@ -80,7 +80,7 @@ def answers() -> dict[str, Any]:
         a5,
         *(
             import_module(f"alpha5_model.{name}")
-            for name in test_public_api.MODULES.values()
+            for name in public_names.MODULES.values()
         ),
     ]
     roots += [
@@ -92,7 +92,7 @@ def answers() -> dict[str, Any]:
         a5.trajectory,
     ]
     for root in roots:
-        for name in test_public_api.public(root):
+        for name in public_names.public(root):
             value = getattr(root, name)
             function = inspect.unwrap(value) if callable(value) else None
             if (

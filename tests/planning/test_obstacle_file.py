@@ -119,3 +119,20 @@ def test_a_mesh_with_a_signalling_nan_is_refused_without_a_warning(
     (tmp_path / "frame.stl").write_bytes(content)
     with pytest.raises(InputError, match=r"a\.vertices"):
         read_obstacles(file)
+
+
+def test_files_that_are_too_large(tmp_path: Path) -> None:
+    """1 MiB of obstacles, 256 MiB of a mesh."""
+    path = tmp_path / "scene.toml"
+    text = "[a]\nbox = [1, 1, 1]\n#"
+    path.write_text(text.ljust(1 << 20, "-"), "utf-8")
+    assert len(read_obstacles(path)) == 1
+    path.write_text(text.ljust((1 << 20) + 1, "-"), "utf-8")
+    with pytest.raises(FileFormatError):
+        read_obstacles(path)
+    path.write_text("[a]\nmesh = 'big.stl'", "utf-8")
+    with (tmp_path / "big.stl").open("wb") as file:
+        file.truncate((1 << 28) + 1)
+    with pytest.raises(FileFormatError) as caught:
+        read_obstacles(path)
+    assert "no binary STL" not in str(caught.value)

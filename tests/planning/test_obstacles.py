@@ -172,7 +172,7 @@ def test_arms_of_ones_own(seed: int) -> None:
     surroundings = Surroundings(record, ALL)
     lower = [joint.lower for joint in record.joints[:4]]
     upper = [joint.upper for joint in record.joints[:4]]
-    q = np.random.default_rng(seed).uniform(lower, upper, (150, 4))
+    q = np.random.default_rng(seed).uniform(lower, upper, (100, 4))
     assert np.array_equal(surroundings.touches(q), [world.touches(row) for row in q])
     free, touching = boundary(surroundings, q)
     for one, other in zip(free[:10], touching[:10], strict=True):

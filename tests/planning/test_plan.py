@@ -83,6 +83,7 @@ def test_random_targets_of_the_arm_alone(tmp_path: Path) -> None:
         q = motion.position[-1]
 
 
+@pytest.mark.slow
 def test_random_targets_beside_a_vehicle(tmp_path: Path) -> None:
     world = CoalWorld(obstacles=SCENE)
     kinds = set()
@@ -98,6 +99,7 @@ def test_random_targets_beside_a_vehicle(tmp_path: Path) -> None:
     check_replay(motion, tmp_path)
 
 
+@pytest.mark.slow
 def test_retracted_ways_are_free_at_a_tenth_of_a_degree() -> None:
     world = CoalWorld(obstacles=SCENE)
     start = np.array([4.5, 1.5, 2.6, 1.5])
@@ -114,6 +116,7 @@ def test_retracted_ways_are_free_at_a_tenth_of_a_degree() -> None:
     assert max(on_way) < 0.01
 
 
+@pytest.mark.slow
 def test_the_quickest_free_branch_by_brute_force() -> None:
     """Of all branches whose line coal finds free at steps of a degree."""
     world = CoalWorld(obstacles=[POST])
@@ -240,13 +243,20 @@ def test_a_limit_that_no_speed_keeps_is_named() -> None:
     error = caught.value
     assert error.quantity == "current"
     assert error.value > error.bound == 0.15
+
+
+def test_a_torque_that_no_speed_keeps_is_named() -> None:
     weak = [dataclasses.replace(j, effort=0.05) for j in a5.parameters().joints]
     record = dataclasses.replace(a5.parameters(), joints=tuple(weak))
     with pytest.raises(MotionLimitError, match=r"axis_d: .* torque .* N m") as caught:
         plan(HOME, [0.2, 0.2, 0.1], arm=record)
     assert caught.value.bound == 0.05
+
+
+def test_a_joint_without_speed_cannot_move() -> None:
     fixed = dataclasses.replace(a5.parameters().joints[0], velocity=0.0)
-    record = dataclasses.replace(record, joints=(fixed, *a5.parameters().joints[1:]))
+    joints = (fixed, *a5.parameters().joints[1:])
+    record = dataclasses.replace(a5.parameters(), joints=joints)
     with pytest.raises(InputError, match=r"axis_e\.velocity: expected a speed above"):
         plan(HOME, [0.2, 0.2, 0.1], arm=record)
 

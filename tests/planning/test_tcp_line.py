@@ -72,6 +72,7 @@ def test_a_line_is_fast() -> None:
     assert busy.mean() > 0.9
 
 
+@pytest.mark.slow
 def test_a_line_is_free_for_coal() -> None:
     post = a5.Obstacle.cylinder("post", 0.02, 1.0, (0.36, 0.05, 0.0))
     start, end = LINES[0]

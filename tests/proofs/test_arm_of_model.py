@@ -6,23 +6,18 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
+import model_defects
+import model_edits as edits
 import numpy as np
 import pinocchio as pin
 import pytest
-import test_compare_alignment as edits
-import test_compare_tool
 from urdf_edits import OWN
 
 import alpha5_model as a5
 from alpha5_model.description.reading import parse_urdf
-from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.arm_of_model import (
     ArmOfModel,
-    _largest,
-    _next,
-    _problem_of_range,
-    _with_room_for_jaws,
     arm_of_robot,
 )
 
@@ -114,9 +109,9 @@ def test_lengths_are_positive_on_either_side(
 ) -> None:
     """An axis on the other side is reversed instead, with all that follow it."""
     root = ET.fromstring(OWN)
-    test_compare_tool.DEFECTS[f"{defect} on the other side"](root)
+    model_defects.DEFECTS[f"{defect} on the other side"](root)
     # Near the wrist, so that it is near Table 1's tool on either side.
-    test_compare_tool.put("tcp_fixed", xyz="0.01 0 -0.05")(root)
+    model_defects.put("tcp_fixed", xyz="0.01 0 -0.05")(root)
     for axis, flip in zip(("axis_d", "axis_b"), flipped, strict=True):
         if flip:
             edits.reverse(root.find(f"joint[@name='{axis}']"))
@@ -127,19 +122,9 @@ def test_lengths_are_positive_on_either_side(
     assert_same_tcp(root, arm)
 
 
-def test_a_length_of_nothing_turns_no_axis() -> None:
-    z, x = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
-    for step, sign in ((0.0, 1.0), (0.5, 1.0), (-0.5, -1.0)):
-        normal = _next(z, x, step * np.cross(z, x), math.pi / 2)
-        assert (normal.sign, normal.a) == (sign, abs(step))
-        assert normal.x == pytest.approx(sign * np.cross(z, x))
-    reversed_twist = _next(z, x, 0.5 * np.cross(z, x), -math.pi / 2)
-    assert (reversed_twist.sign, reversed_twist.a) == (-1.0, 0.5)
-
-
 def test_a_length_of_nothing_is_left_out() -> None:
     root = ET.fromstring(OWN)
-    test_compare_tool.put("axis_d", xyz="0 0 0.0462")(root)
+    model_defects.put("axis_d", xyz="0 0 0.0462")(root)
     arm = described(root)
     (said,) = [text for text in arm.left_out if text.startswith("a_0 is ")]
     assert said.endswith(" m, which has not the sign of Table 1")
@@ -158,13 +143,13 @@ def test_a_twisted_axis_is_said_with_its_angle(
     axis: str, rpy: tuple[float, float, float], degrees: float
 ) -> None:
     root = ET.fromstring(OWN)
-    origin = test_compare_tool.origin_of(root, axis)
-    printed = test_compare_tool.rotation(test_compare_tool.vector(origin.get("rpy")))
+    origin = model_defects.origin_of(root, axis)
+    printed = model_defects.rotation(model_defects.vector(origin.get("rpy")))
     z = printed[:, 2]
     # A turn about a line across both axes.
     across = np.cross(z, [0, 0, 1]) if axis != "axis_c" else printed[:, 0]
     turned = pin.exp3(across / np.linalg.norm(across) * degrees) @ printed
-    origin.set("rpy", test_compare_tool.written(pin.rpy.matrixToRpy(turned)))
+    origin.set("rpy", model_defects.written(pin.rpy.matrixToRpy(turned)))
     said = f"{math.degrees(degrees):.3g} deg against the axis before it"
     assert described(root).left_out[0] == f"{axis} is twisted by {said}", rpy
 
@@ -175,14 +160,14 @@ def test_a_twisted_axis_is_said_with_its_angle(
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("higher", "kept"),
-    [(0.09, True), (-0.04, True), (0.11, False), (-0.05, False), (-0.2, False)],
+    [(0.09, True), (-0.2, False)],
 )
 def test_a_base_link_far_below_the_shoulder_is_another_frame(
     higher: float, kept: bool
 ) -> None:
     """It is known by the COM of link_0. d_0 may differ by 100 mm, and is positive."""
     root = ET.fromstring(OWN)
-    test_compare_tool.shift("axis_e", 0.0, 0.0, higher)(root)
+    model_defects.shift("axis_e", 0.0, 0.0, higher)(root)
     arm = described(root)
     printed = RECORD.dh[0].d
     expected = printed + higher if kept else printed
@@ -204,7 +189,7 @@ def test_a_tilted_base_link_gives_the_record_its_x_axis(
 ) -> None:
     """x of base_link is theirs, seen along axis_e; if it lies along axis_e, y is."""
     root = ET.fromstring(OWN)
-    test_compare_tool.turn("axis_e", *tilt, 0.0)(root)
+    model_defects.turn("axis_e", *tilt, 0.0)(root)
     arm = described(root)
     assert arm.record.mount is not None
     x, _, z = arm.record.mount.rotation.T
@@ -218,8 +203,8 @@ def test_a_tilted_base_link_gives_the_record_its_x_axis(
 def test_a_base_that_nothing_shows_is_put_below_the_shoulder() -> None:
     text = OWN.replace("base_link", "platform").replace("link_0", "turret")
     root = ET.fromstring(text)
-    test_compare_tool.without("turret", "inertial")(root)
-    test_compare_tool.shift("turret_fixed", 0.1, -0.3, 0.2)(root)
+    model_defects.without("turret", "inertial")(root)
+    model_defects.shift("turret_fixed", 0.1, -0.3, 0.2)(root)
     arm = described(root)
     assert arm.record.dh[0].d == pytest.approx(RECORD.dh[0].d, abs=1e-12)
     assert arm.record.mount is not None
@@ -229,44 +214,6 @@ def test_a_base_that_nothing_shows_is_put_below_the_shoulder() -> None:
 
 
 # --- limits
-
-
-@pytest.mark.parametrize(
-    ("ends", "problem"),
-    [
-        ([1.0, 1.0], "of 0 deg"),
-        ([1.0, 1.0001], ""),
-        ([-3.0, 3.28], ""),
-        ([-math.pi, math.pi], "of 360 deg"),
-        ([100.0, 101.0], "from 100 to 101 rad"),
-        ([-101.0, -100.0], "from -101 to -100 rad"),
-        ([12.0, 13.0], "from 12 to 13 rad"),
-    ],
-)
-def test_ranges_that_no_arm_file_says(ends: list[float], problem: str) -> None:
-    assert _problem_of_range(ends) == problem
-
-
-@pytest.mark.parametrize(
-    ("value", "kept", "said"),
-    [
-        (None, True, "axis_e has no largest effort: the catalogue's is kept"),
-        (0.0, True, "axis_e has no largest effort: the catalogue's is kept"),
-        (-2.0, True, "axis_e has no largest effort: the catalogue's is kept"),
-        (0.5, False, ""),
-        (12345.0, True, "axis_e has a largest effort of 1.234e+04"),
-    ],
-)
-def test_efforts_that_no_arm_file_says(
-    value: float | None, kept: bool, said: str
-) -> None:
-    left_out: list[str] = []
-    joint = RECORD.joints[0]
-    found = _largest("effort", joint, value, left_out)
-    assert found == (joint.effort if kept else value)
-    assert [text.partition(":")[0] for text in left_out] == (
-        [said.partition(":")[0]] if said else []
-    )
 
 
 @pytest.mark.parametrize("missing", ["lower", "upper", "both"])
@@ -293,62 +240,17 @@ def test_a_joint_without_limits_has_the_printed_ones_in_its_positions(
 # --- tool, link_4 and the notes
 
 
-@pytest.mark.parametrize(("z", "kept"), [(-0.475, False), (-0.485, True)])
-def test_a_tool_may_be_300_mm_from_table_1s(z: float, kept: bool) -> None:
-    root = ET.fromstring(OWN)
-    test_compare_tool.put("tcp_fixed", xyz=f"0 0 {z}")(root)
-    arm = described(root)
-    said = "its tool frame tcp is more than 0.3 m off"
-    assert (said in arm.left_out) == kept
-    assert (arm.record.tool is None) == kept
-    if arm.record.tool is not None:
-        assert arm.record.tool.position == pytest.approx([0, 0, z], abs=1e-12)
-        assert_same_tcp(root, arm)
-
-
-@pytest.mark.parametrize("rpy", ["3.141592653589793 0 0", "3.1 0 0", "0 0 0"])
+@pytest.mark.parametrize("rpy", ["3.141592653589793 0 0", "0 0 0"])
 def test_a_tool_that_is_only_turned_is_its_own(rpy: str) -> None:
     root = ET.fromstring(OWN)
-    ours = test_compare_tool.origin_of(root, "tcp_fixed").get("rpy", "")
-    test_compare_tool.put("tcp_fixed", rpy=rpy)(root)
+    ours = model_defects.origin_of(root, "tcp_fixed").get("rpy", "")
+    model_defects.put("tcp_fixed", rpy=rpy)(root)
     arm = described(root)
     same = np.allclose(
-        test_compare_tool.vector(ours), test_compare_tool.vector(rpy), atol=1e-12
+        model_defects.vector(ours), model_defects.vector(rpy), atol=1e-12
     )
     assert (arm.record.tool is None) == same
     assert_same_tcp(root, arm)
-
-
-def test_what_is_attached_to_other_links_stays_if_link_4_is_the_printed_one() -> None:
-    def attached(link: str) -> AttachedBody:
-        return AttachedBody(
-            name=f"lamp_on_{link}",
-            mass=0.1,
-            com=np.zeros(3),
-            inertia=1e-5 * np.eye(3),
-            volume=0.0,
-            cob=np.zeros(3),
-            link=link,
-            position=np.zeros(3),
-            rotation=np.eye(3),
-        )
-
-    light = replace(RECORD.links[4], mass=0.001, inertia=1e-9 * np.eye(3))
-    heavy = replace(RECORD.links[3], mass=0.2)
-    record = replace(
-        RECORD,
-        links=(*RECORD.links[:3], heavy, light),
-        attached=(attached("link_2"), attached("link_4")),
-    )
-    left_out: list[str] = []
-    mended = _with_room_for_jaws(record, RECORD, left_out)
-    assert [body.link for body in mended.attached] == ["link_2"]
-    assert mended.links == (*record.links[:4], RECORD.links[4])
-    assert len(left_out) == 1
-
-    whole = replace(record, links=RECORD.links)
-    assert _with_room_for_jaws(whole, RECORD, left_out) is whole
-    assert len(left_out) == 1
 
 
 def test_everything_that_a_model_has_beside_the_arm_is_noted() -> None:
@@ -364,15 +266,6 @@ def test_everything_that_a_model_has_beside_the_arm_is_noted() -> None:
         "the joints free, thruster0, thruster1, claw, which are frozen with jaws shut",
         SHAPES,
     )
-
-
-@pytest.mark.parametrize("shape", ["visual", "collision", ""])
-def test_shapes_are_noted_if_there_are_any(shape: str) -> None:
-    root = ET.fromstring(OWN)
-    for link in root.findall("link"):
-        for kind in {"visual", "collision"} - {shape}:
-            test_compare_tool.without(link.get("name", ""), kind)(root)
-    assert described(root).left_out == ((VOLUMES, SHAPES) if shape else (VOLUMES,))
 
 
 @pytest.mark.parametrize("root_name", ["tcp", "link_2", "world 1"])
@@ -393,8 +286,3 @@ def test_the_root_has_a_name_that_an_arm_file_takes(root_name: str) -> None:
     assert arm.record.mount.parent == parent
     said = f"its root is named {root_name}: the mount's is {parent}"
     assert said in arm.left_out
-
-
-def test_a_long_name_is_cut() -> None:
-    robot = replace(parse_urdf(OWN), name="a" * 70)
-    assert arm_of_robot(robot).record.name == "a" * 64

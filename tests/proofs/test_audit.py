@@ -12,7 +12,6 @@ import os
 import re
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -74,17 +73,17 @@ def test_rows_are_frozen_unique_and_computed_once() -> None:
         audit[0].verdict = "agrees"  # type: ignore[misc]
 
 
-@pytest.mark.parametrize("row", a5.audit(), ids=lambda row: row.claim)
-def test_each_verdict_follows_from_its_figures(row: AuditRow) -> None:
+def test_each_verdict_follows_from_its_figures(rows: dict[str, AuditRow]) -> None:
+    for row in rows.values():
+        check_verdict(row)
+
+
+def check_verdict(row: AuditRow) -> None:
     assert all(map(math.isfinite, (row.measured, row.expected, row.bound)))
     assert row.bound >= 0
     excess = row.measured - row.expected
     distance = {"=": abs(excess), "<=": excess, ">=": -excess}[row.relation]
     assert (row.verdict == "agrees") == (distance <= row.bound)
-    assert row.place.startswith(("Section", "Tables", "Lecture 7.1"))
-    assert 0 < len(row.says) < 90
-    assert row.measures
-    assert row.finding == "" or row.finding.endswith(".")
     # What differs says what is used instead, and what it costs.
     assert (row.used == "") == (row.verdict == "agrees")
     assert (row.effect is None) == (row.effect_unit == "")
@@ -125,25 +124,6 @@ def test_judging() -> None:
     assert [verdict(x, r) for x, r in ((1.0, "="), (1.0, "<="), (1.0, ">="))] == [
         "agrees"
     ] * 3
-
-
-def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
-    words = tomllib.loads(
-        (Path(frames.__file__).parent / "rows.toml").read_text("utf-8")
-    )
-    for topic, text in words.items():
-        subjects = [name for name, value in text.items() if isinstance(value, dict)]
-        claims = [f"{topic}.{name}" for name in subjects]
-        assert claims or any(row.topic == topic for row in rows.values()), topic
-        assert set(claims) <= set(rows)
-    # Frames are {0}, {i}, {i-1} and {A}; a longer word in braces is an unfilled field.
-    unfilled = re.compile(r"\{\w*[a-z_]{2}")
-    assert not any(unfilled.search(" ".join(texts(row))) for row in rows.values())
-
-
-def texts(row: AuditRow) -> list[str]:
-    """The words of a row."""
-    return [row.place, row.says, row.measures, row.finding, row.used, row.cost]
 
 
 def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
@@ -259,6 +239,7 @@ def test_sampled_figures_carry_their_standard_error(rows: dict[str, AuditRow]) -
     assert 0.5 < branches.standard_error < 0.7
 
 
+@pytest.mark.slow
 def test_the_audit_needs_numpy_and_for_self_collision_pinocchio() -> None:
     script = (
         "import alpha5_model as a5, alpha5_model.proofs.audit, sys; "

@@ -1,69 +1,71 @@
-"""Parts of a comparison: frozen joints, ranked chains, packages, guesses and bounds."""
+"""`compare` with models that are ambiguous: which arm, which zero, which package."""
 
 from __future__ import annotations
 
+import math
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import model_defects
 import numpy as np
+import pinocchio as pin
 import pytest
-import test_compare_tool
 from urdf_edits import OWN
 
 import alpha5_model as a5
 from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.rigid_body import RigidBody
+from alpha5_model.proofs.comparison.arm_of_model import arm_of_robot
 from alpha5_model.proofs.comparison.chains import find_chains
-from alpha5_model.proofs.comparison.frozen_joints import rest_position
-from alpha5_model.proofs.comparison.guesses import explain_guess, solid_of_size
-from alpha5_model.proofs.comparison.inertials import Inertial
+from alpha5_model.proofs.comparison.measure import arms_of_model, compare_robots
 from alpha5_model.proofs.comparison.model_file import package_above
-from alpha5_model.proofs.comparison.own_arm import _widened
 
 RECORD = a5.parameters()
-ROBOT = parse_urdf(OWN)
-LINK_2 = RECORD.links[2]
+AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
 
 
-# --- frozen joints
+def ids(found: Any) -> list[str]:
+    return [one.id for one in found]
 
 
-@pytest.mark.parametrize(
-    ("lower", "upper", "rest"),
-    [
-        (None, None, 0.0),
-        (0.0, 1.0, 0.0),
-        (0.0, 0.0, 0.0),
-        (0.2, 1.0, 0.2),
-        (-1.0, -0.3, -0.3),
-        (-1.0, 0.0, 0.0),
-        (-1.0, 1.0, 0.0),
-        (None, 1.0, 0.0),
-        (-1.0, None, 0.0),
-    ],
-)
-def test_a_joint_is_frozen_nearest_to_zero(
-    lower: float | None, upper: float | None, rest: float
+# --- arms
+
+
+def arm(*, named: bool, ours: bool) -> UrdfRobot:
+    """The arm, with joints named as ours or not, with our lengths or not."""
+    root = ET.fromstring(OWN)
+    if not ours:
+        model_defects.shift("axis_c", 0.1, 0.0, 0.0)(root)
+    text = ET.tostring(root, encoding="unicode")
+    if not named:
+        text = re.sub('joint name="axis_([edcb])"', r'joint name="\1"', text)
+    return parse_urdf(text)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ours", [True, False])
+@pytest.mark.parametrize("named", [True, False])
+def test_an_arm_of_other_lengths_is_described_if_its_joints_are_named(
+    named: bool, ours: bool
 ) -> None:
-    joint = replace(ROBOT.joints["axis_e"], lower=lower, upper=upper)
-    assert rest_position(ROBOT, joint) == rest
-
-
-def test_a_joint_that_mimics_another_is_frozen_where_that_one_drives_it() -> None:
-    leader = replace(ROBOT.joints["axis_e"], name="rod", lower=0.2, upper=1.0)
-    follower = replace(leader, name="jaw", mimic="rod", multiplier=3.0, offset=0.05)
-    second = replace(follower, name="tip", mimic="jaw")
-    robot = replace(ROBOT, joints={"rod": leader, "jaw": follower, "tip": second})
-    assert rest_position(robot, follower) == pytest.approx(0.65)
-    # What mimics a follower, or nothing that is there, has its own range only.
-    assert rest_position(robot, second) == 0.2
-    assert rest_position(robot, replace(second, mimic="nothing")) == 0.2
-
-
-# --- ranked chains
+    robot = arm(named=named, ours=ours)
+    found = arms_of_model(robot, None, None, RECORD)
+    assert (found is not None) == (named or ours)
+    if found is None:
+        with pytest.raises(InputError, match="compare says why it is none"):
+            arm_of_robot(robot)
+    if not named:
+        mapping = {axis: axis[-1] for axis in AXES}
+        given = arms_of_model(robot, mapping, None, RECORD)
+        assert given is not None
+        assert [joint.name for joint in given.meant.joints] == list("edcb")
+        del mapping["axis_e"]
+        three = arms_of_model(robot, mapping, None, RECORD)
+        assert (three is not None) == ours
 
 
 @pytest.mark.parametrize(
@@ -74,7 +76,7 @@ def test_names_decide_between_arms_of_the_same_shape(off: float, first: str) -> 
     arm = re.search("<link.*</joint>", OWN, re.DOTALL)
     assert arm
     root = ET.fromstring(OWN)
-    test_compare_tool.shift("axis_b", off, 0.0, 0.0)(root)
+    model_defects.shift("axis_b", off, 0.0, 0.0)(root)
     second = re.sub('(name|link)="(axis_)?', r'\1="', arm[0])
     second = re.sub('(name|link)="((?![edcb]").*?)"', r'\1="x_\2"', second)
     for element in ET.fromstring(f"<arm>{second}</arm>"):
@@ -91,15 +93,75 @@ def test_names_decide_between_arms_of_the_same_shape(off: float, first: str) -> 
 
 
 def test_a_wrong_mapping_names_the_joints_that_turn() -> None:
+    robot = parse_urdf(OWN)
     expected = "follow each other, out of: axis_e, axis_d, axis_c, axis_b"
     with pytest.raises(InputError, match=f"{expected}, got"):
-        find_chains(ROBOT, RECORD, {"axis_e": "axis_d"})
+        find_chains(robot, RECORD, {"axis_e": "axis_d"})
     locked = {
         name: replace(joint, lower=0.0, upper=0.0)
-        for name, joint in ROBOT.joints.items()
+        for name, joint in robot.joints.items()
     }
     with pytest.raises(InputError, match="out of: none, got"):
-        find_chains(replace(ROBOT, joints=locked), RECORD, {"axis_e": "axis_e"})
+        find_chains(
+            replace(parse_urdf(OWN), joints=locked), RECORD, {"axis_e": "axis_e"}
+        )
+
+
+# --- zeros
+
+
+@pytest.mark.parametrize(
+    ("zero", "off", "sure"),
+    [
+        # 1 mm settles it; farther off, the COM must fit three times better.
+        (0.02, 0.0009, True),
+        (0.02, 0.0011, False),
+        (0.119, 0.002, True),
+        (0.095, 0.002, False),
+    ],
+)
+def test_the_com_of_link_0_tells_a_zero_of_axis_e_from_a_turned_base(
+    zero: float, off: float, sure: bool
+) -> None:
+    """Turned by the zero, the COM moves by its distance from the axis."""
+    root = ET.fromstring(OWN)
+    model_defects.turn("axis_e", 0.0, 0.0, zero)(root)
+    com = np.add(RECORD.links[0].com, [0.0, 0.0, off])
+    xyz = model_defects.written(com)
+    model_defects.inertial("link_0", "origin", xyz=xyz)(root)
+    found = compare_robots(parse_urdf(ET.tostring(root)), samples=5).findings
+    (shifted,) = [one for one in found if one.id.startswith("zero")]
+    assert (shifted.id == "zero") == sure
+    radius = math.hypot(*RECORD.links[0].com[:2])
+    turned = math.hypot(2 * radius * math.sin(zero / 2), off)
+    assert sure == (off < 0.001 or turned > 3 * off)
+
+
+def test_without_a_mass_of_link_0_nothing_tells_them_apart() -> None:
+    root = ET.fromstring(OWN)
+    model_defects.turn("axis_e", 0.0, 0.0, 0.7)(root)
+    model_defects.inertial("link_0", "mass", value="0")(root)
+    found = compare_robots(parse_urdf(ET.tostring(root)), samples=5).findings
+    assert "zero.or_base" in ids(found)
+
+
+@pytest.mark.parametrize(("ratio", "shifted"), [(3.8, False), (4.2, True)])
+@pytest.mark.parametrize("roll", [0.6, -0.9])
+def test_axis_b_is_shifted_if_link_4_then_fits_four_times_better(
+    roll: float, ratio: float, shifted: bool
+) -> None:
+    """Its error: mass times squared distance of the COM, and the tensor's largest."""
+    link = RECORD.links[4]
+    back = pin.exp3(np.array([0.0, 0.0, -roll]))
+    square = float(np.sum((back @ link.com - link.com) ** 2))
+    tensor = back @ link.inertia @ back.T - link.inertia
+    error = link.mass * square + np.abs(tensor).max()
+    root = ET.fromstring(OWN)
+    model_defects.turn("axis_b", 0.0, 0.0, roll)(root)
+    izz = link.inertia[2, 2] + error / ratio
+    model_defects.inertial("link_4", "inertia", izz=repr(float(izz)))(root)
+    alignment = compare_robots(parse_urdf(ET.tostring(root)), samples=5).alignment
+    assert alignment.zero[3] == pytest.approx(-roll if shifted else 0.0, abs=1e-9)
 
 
 # --- packages
@@ -121,68 +183,3 @@ def test_the_nearest_package_that_can_be_read_is_that_of_the_file(
     assert package_above(file) == {"inner": str(inner.resolve())}
     (inner / "package.xml").write_text("<package/>")
     assert package_above(file) == {}
-
-
-# --- guesses
-
-
-def box(*sides: float) -> np.ndarray:
-    squares = np.square(sides)
-    return 0.4 / 12 * np.diag(squares.sum() - squares)
-
-
-def cylinder(radius: float, length: float) -> np.ndarray:
-    across = 0.4 * (3 * radius**2 + length**2) / 12
-    return np.diag([0.2 * radius**2, across, across])
-
-
-@pytest.mark.parametrize(
-    ("tensor", "words"),
-    [
-        # Sides of whole millimetres, to 0.05 mm, and none of a millimetre or less.
-        (box(0.03, 0.04004, 0.15), "a solid box of 30 x 40 x 150 mm"),
-        (box(0.03, 0.04006, 0.15), None),
-        (box(0.03, 0.03994, 0.15), None),
-        (box(0.002, 0.04, 0.15), "a solid box of 2 x 40 x 150 mm"),
-        (box(0.00099, 0.04, 0.15), None),
-        # Both moments across a cylinder are the same to a thousandth of the largest.
-        (cylinder(0.018, 0.151) * (1 + np.diag([0, 0, 9e-4])), "a solid cylinder of"),
-        (cylinder(0.018, 0.151) * (1 + np.diag([0, 0, 12e-4])), None),
-    ],
-)
-def test_solids_at_the_edge_of_a_guess(tensor: np.ndarray, words: str | None) -> None:
-    found = solid_of_size(LINK_2, 0.4, tensor)
-    assert (found or "").startswith(words or "a") == (words is not None)
-
-
-@pytest.mark.parametrize(("off", "dummy"), [(0.9e-4, True), (1.1e-4, False)])
-def test_a_dummy_has_one_moment_to_a_ten_thousandth(off: float, dummy: bool) -> None:
-    inertia = 0.02 * np.diag([1.0, 1.0 - off, 1.0])
-    link = Inertial("a", 0.4, np.zeros(3), inertia, np.eye(4))
-    words = explain_guess(LINK_2, [link])
-    assert words is not None
-    assert ("a dummy, 0.02 kg m^2 about every axis" in words) == dummy
-
-
-# --- bounds
-
-
-def test_a_loaded_link_has_the_bounds_of_a_box_of_its_tensor() -> None:
-    """A box of this mass and tensor, or the printed bounds where those are wider."""
-    middle = LINK_2.com + np.array([0.5, 0.0, 0.0])
-    sides = np.array([0.2, 0.3, 0.01])
-    squares = np.square(sides)
-    loaded = RigidBody(
-        name="link_2",
-        mass=0.6,
-        com=middle,
-        inertia=0.6 / 12 * np.diag(squares.sum() - squares),
-        volume=LINK_2.volume,
-        cob=LINK_2.cob,
-    )
-    wide = _widened(LINK_2, loaded)
-    box_ends = np.column_stack([middle - sides / 2, middle + sides / 2])
-    low = np.minimum(LINK_2.bounds[:, 0], box_ends[:, 0])
-    high = np.maximum(LINK_2.bounds[:, 1], box_ends[:, 1])
-    assert wide.bounds == pytest.approx(np.column_stack([low, high]))
-    assert (wide.mass, wide.name) == (0.6, "link_2")

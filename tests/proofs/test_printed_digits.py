@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from urdf_edits import OWN
 
 from alpha5_model.description.reading import parse_urdf
-from alpha5_model.proofs.comparison.inertials import Inertial
 from alpha5_model.proofs.comparison.printed_digits import (
     Rounding,
     last_digits,
-    last_place,
     meant_angle,
 )
 
@@ -60,14 +57,6 @@ def test_three_decimals_may_come_from_a_pi_of_three_digits(
     assert meant_angle(text) == pytest.approx(twelfths * math.pi / 12, rel=1e-15)
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["0.262", "0.524", "0.786", "1.046", "1.569", "2.877", "3.405", "3.929", "6.543"],
-)
-def test_three_decimals_that_are_farther_off_are_another_angle(text: str) -> None:
-    assert meant_angle(text) == float(text)
-
-
 def printed(xyz: str, rpy: str = "0 0 0") -> Rounding:
     return last_digits([replace(JOINT, printed=(xyz, rpy))])
 
@@ -91,52 +80,3 @@ def test_multiples_of_pi_leave_open_by_how_much_they_are_cut() -> None:
 def test_digits_of_several_joints_count_together() -> None:
     joints = [replace(JOINT, printed=(f"0.{k}5 0 0", "0 0 0")) for k in range(1, 5)]
     assert last_digits(joints).length == pytest.approx(0.005 * 2)
-
-
-@pytest.mark.parametrize(
-    ("text", "unit"),
-    [
-        ("12", 1.0),
-        ("-0.25", 0.01),
-        ("1.5e-3", 1e-4),
-        ("2E2", 100.0),
-        ("1e-999", 1e-300),
-    ],
-)
-def test_the_last_place_of_a_number(text: str, unit: float) -> None:
-    assert last_place(text) == pytest.approx(unit, rel=1e-12)
-    assert last_place("1e999") == pytest.approx(1e300, rel=1e-12)
-
-
-def limb(mass: float, link: str = "limb") -> Inertial:
-    return Inertial(link, mass, np.array([0.01, 0.0, 0.0]), np.eye(3), np.eye(4))
-
-
-@pytest.mark.parametrize(
-    ("mass", "digits"),
-    [
-        # Half of the last place, from a twentieth of a gramme to half a gramme.
-        (0.4, 5e-4),
-        (0.41, 5e-4),
-        (0.412, 5e-4),
-        (0.4123, 5e-5),
-        (0.41237, 5e-5),
-        (0.0, 5e-5),
-    ],
-)
-def test_how_closely_a_mass_must_be_matched(mass: float, digits: float) -> None:
-    assert limb(mass).mass_digits == pytest.approx(digits)
-    assert limb(mass, link="").mass_digits == pytest.approx(5e-5)
-
-
-def test_a_body_seen_from_our_frame_is_seen_from_there_again() -> None:
-    turned = np.eye(4)
-    turned[:3, :3] = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
-    turned[:3, 3] = [0.1, 0.2, 0.3]
-    seen = replace(limb(0.2), inertia=np.diag([1.0, 2.0, 3.0]), pose=turned)
-    ours = seen.in_our_frame()
-    assert ours.com == pytest.approx([0.1, 0.21, 0.3])
-    assert ours.inertia == pytest.approx(np.diag([2.0, 1.0, 3.0]))
-    again = ours.in_our_frame()
-    assert again.com == pytest.approx(ours.com)
-    assert ours.pose.tolist() == np.eye(4).tolist()

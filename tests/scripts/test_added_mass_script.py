@@ -25,6 +25,7 @@ def script(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return added_mass
 
 
+@pytest.mark.slow
 def test_the_committed_strips_are_those_of_the_bodies(script: ModuleType) -> None:
     kept = tomllib.loads(script.FILE.read_text("utf-8"))["bodies"]
     assert list(kept) == list(script.solids())
@@ -38,6 +39,7 @@ def test_the_committed_strips_are_those_of_the_bodies(script: ModuleType) -> Non
             assert strip["across"] == list(drawn.across)
 
 
+@pytest.mark.slow
 def test_the_file_is_what_the_script_writes(script: ModuleType) -> None:
     kept = tomllib.loads(script.FILE.read_text("utf-8"))["bodies"]
     numbers = {
@@ -97,6 +99,7 @@ def by_sources(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return 1000.0 * np.einsum("ia,i,ib->ab", motions, area, potential @ strength)
 
 
+@pytest.mark.slow
 def test_a_sphere_by_sources(script: ModuleType) -> None:
     pytest.importorskip("pymeshlab", exc_type=ImportError)
     from alpha5_model.geometry.solid import kernel

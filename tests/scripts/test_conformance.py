@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import json
-import os
 import re
 import shutil
-import sys
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,8 +13,7 @@ import pytest
 from conformance import conformance
 from water_reference import Reference
 
-from alpha5_model.errors import FileFormatError, MissingFileError
-
+pytestmark = pytest.mark.slow
 BY_NAME = {(tool.name, tool.file): tool for tool in conformance.TOOLS}
 COUNT = 40
 
@@ -60,33 +55,6 @@ def test_the_reference_is_the_typed_table_3(expected, states):
     np.testing.assert_allclose(expected["trajectory"], end, atol=1e-11)
 
 
-def test_mujoco_and_yourdfpy_agree_and_the_table_goes_into_the_readme(tmp_path, capsys):
-    needs(BY_NAME["MuJoCo", "MJCF"])
-    readme, figures = tmp_path / "README.md", tmp_path / "out.json"
-    readme.write_text(
-        f"above\n{conformance.BEGIN}\nold\n{conformance.END}\nbelow\n", "utf-8"
-    )
-    arguments = ["--tools", "mujoco,yourdfpy", "--states", str(COUNT)]
-    status = conformance.main(
-        [*arguments, "--readme", str(readme), "--json", str(figures)]
-    )
-    assert status == 0
-    printed = capsys.readouterr().out
-    rows = json.loads(figures.read_text("utf-8"))
-    assert [(row["tool"], row["status"]) for row in rows] == [
-        ("MuJoCo", "agrees"),
-        ("MuJoCo", "agrees"),
-        ("yourdfpy", "agrees"),
-    ]
-    assert set(rows[0]["errors"]) == set(conformance.QUANTITIES)
-    text = readme.read_text("utf-8")
-    assert text.startswith(f"above\n{conformance.BEGIN}\n| tool |")
-    assert text.endswith(f"{conformance.END}\nbelow\n")
-    assert "old" not in text
-    assert printed in text
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "tool", conformance.TOOLS, ids=lambda tool: f"{tool.name} {tool.file}"
 )
@@ -105,20 +73,6 @@ def test_a_missing_tool_is_not_run_never_passed(files, states, expected):
     row = conformance.measure(ghost, files, states, expected)
     assert row.status == "not run"
     assert row.version == ""
-    text = conformance.table([row], COUNT)
-    assert "| Drake | URDF | – | – | – | – | – | – | not run |" in text
-    assert "agrees" not in text
-
-
-def unbuilt(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
-    raise conformance.tools.NotBuiltError("built without a reader")
-
-
-def test_a_tool_without_its_reader_is_not_run_and_says_why(monkeypatch, capsys):
-    half = conformance.Tool("half", "SDF", "numpy", "numpy", unbuilt)
-    monkeypatch.setattr(conformance, "TOOLS", (half,))
-    assert conformance.main(["--states", "2"]) == 0
-    assert "not run: built without a reader |" in capsys.readouterr().out
 
 
 def flip_products(text: str) -> str:
@@ -204,7 +158,6 @@ def write_damaged(
     (folder / path).write_text(damage(text), "utf-8")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "file", "path", "damage", "wrong"),
     DAMAGES,
@@ -270,51 +223,6 @@ def test_nothing_slips_through_as_agreement(files, states, expected, compute, st
     row = conformance.measure(tool, files, states, expected)
     assert row.status.startswith(status)
     assert "\n" not in row.status
-
-
-def talk(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
-    os.write(2, b"\x1b[33mWarning: C++ said so of /tmp/some where/x.urdf\x1b[0m\n")
-    print("Loading. A Warning:\nno inertial data", file=sys.stderr)
-    warnings.warn("Warp CUDA not found", UserWarning, stacklevel=1)
-    return {"fk": np.full((len(states.q), 4, 4), np.nan)}
-
-
-def test_what_a_tool_warns_of_is_told(files, states, expected):
-    tool = conformance.Tool("odd", "URDF", "numpy", "numpy", talk)
-    row = conformance.measure(tool, files, states, expected)
-    assert row.warnings == (
-        "Warning: C++ said so of some where/x.urdf",
-        "Loading. A Warning: no inertial data",
-    )
-    text = conformance.table([row], COUNT)
-    assert "- odd, URDF: `Loading. A Warning: no inertial data`" in text
-    quiet = dataclasses.replace(row, warnings=())
-    assert "warned" not in conformance.table([quiet], COUNT)
-
-
-def test_one_disagreement_is_exit_status_1(monkeypatch, capsys):
-    bad = conformance.Tool("odd", "URDF", "numpy", "numpy", nan)
-    monkeypatch.setattr(conformance, "TOOLS", (bad,))
-    assert conformance.main(["--states", "2"]) == 1
-    assert "| odd | URDF |" in capsys.readouterr().out
-
-
-def test_insert_wants_its_markers(tmp_path):
-    with pytest.raises(MissingFileError):
-        conformance.insert(tmp_path / "none.md", "")
-    for content in ("", conformance.BEGIN, f"{conformance.END}{conformance.BEGIN}"):
-        (tmp_path / "README.md").write_text(content, "utf-8")
-        with pytest.raises(FileFormatError):
-            conformance.insert(tmp_path / "README.md", "")
-        assert (tmp_path / "README.md").read_text("utf-8") == content
-
-
-@pytest.mark.parametrize("arguments", [["--tools", "gazebo"], ["--states", "0"]])
-def test_bad_arguments_end_with_status_2(arguments, capsys):
-    with pytest.raises(SystemExit) as caught:
-        conformance.main(arguments)
-    assert caught.value.code == 2
-    assert "choose from" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -61,9 +61,9 @@ def test_no_sample_with_the_same_choice_exceeds_the_bounds(lengths: bool) -> Non
     """With lengths it is first order: 0.1 % of the width is left for the second."""
     lower, upper = u.bounds(Q, V, A, lengths=lengths).torque
     slack = 1e-3 * (upper - lower) if lengths else 0.0
-    drawn = u.sample(40, 7, lengths=lengths)
+    drawn = u.sample(20, 7, lengths=lengths)
     printed = a5.parameters().dh
-    for k in range(40):
+    for k in range(20):
         record = drawn.parameters(k)
         same = all(
             (one.a, one.d) == (other.a, other.d)

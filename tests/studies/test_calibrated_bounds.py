@@ -146,6 +146,7 @@ def test_bounds_of_numbers_that_are_all_known_together(
     np.testing.assert_allclose(middle, loads(record, states), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_other_numbers_count_one_by_one() -> None:
     """A length of the file by its half width, and the elbow by its digits."""
     names = (
@@ -263,6 +264,7 @@ def test_every_zero_and_length_can_be_calibrated() -> None:
     assert set(ZEROS) <= set(JOINTS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_what_is_held_is_farther_away_on_a_longer_arm(seed: int) -> None:
     """A payload is an attached body of the reference, fixed at the tool."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,12 @@ SENSOR = {
     "force-torque": calibrate.force_torque(),
     "efforts": calibrate.efforts(),
 }
+
+
+@cache
+def twelve_poses(prior: str = "digits") -> calibrate.Session:
+    """On three scales; found once, which takes long without compiled kernels."""
+    return calibrate.plan_poses(calibrate.scales(), prior=prior)
 
 
 def random_q(count: int, seed: int = 0) -> Any:
@@ -211,7 +218,7 @@ def remaining(planned: calibrate.Session, prior: str) -> Any:
     ("prior", "d", "c"), [("digits", 1.0, 0.6), ("loose", 1.6, 1.1)]
 )
 def test_twelve_poses_on_three_scales(prior: str, d: float, c: float) -> None:
-    planned = calibrate.plan_poses(calibrate.scales(), prior=prior)
+    planned = twelve_poses(prior)
     after = remaining(planned, prior)
     assert after[1] < d
     assert after[2] < c
@@ -219,6 +226,7 @@ def test_twelve_poses_on_three_scales(prior: str, d: float, c: float) -> None:
     assert after[1] < remaining(at_random, prior)[1]
 
 
+@pytest.mark.slow
 def test_scales_beside_the_arm_have_no_poses() -> None:
     corners = calibrate.scales().positions + np.array([0.5, 0.0, 0.0])
     with pytest.raises(InputError, match="scales further apart, or more ballast"):
@@ -252,9 +260,10 @@ def test_an_exciting_motion_can_be_made(kind: str, tmp_path: Path) -> None:
     assert np.array_equal(again.position[:, :4], planned.position)
 
 
+@pytest.mark.slow
 def test_more_evaluations_tell_more_and_scales_are_refused() -> None:
     few = calibrate.plan_excitation(SENSOR["efforts"], evaluations=4)
-    more = calibrate.plan_excitation(SENSOR["efforts"], evaluations=60)
+    more = calibrate.plan_excitation(SENSOR["efforts"], evaluations=30)
     assert more.information > few.information
     assert (few.evaluations, more.evaluations) == (4, 60)
     with pytest.raises(InputError, match="scales need an arm at rest"):
@@ -425,7 +434,7 @@ FAULTS = {
 @pytest.fixture(scope="module")
 def readings_of_an_arm() -> tuple[calibrate.Session, Any]:
     rng = np.random.default_rng(7)
-    planned = calibrate.plan_poses(calibrate.scales())
+    planned = twelve_poses()
     return planned, weighed(planned, true_arm("digits", rng), rng)
 
 
@@ -445,6 +454,7 @@ def test_a_fault_is_named_first(
     assert found.text().startswith(f"# problem 1: {name}")
 
 
+@pytest.mark.slow
 def test_late_and_reversed_readings_are_out_of_order(
     readings_of_an_arm: tuple[calibrate.Session, Any],
 ) -> None:
@@ -459,7 +469,9 @@ def test_late_and_reversed_readings_are_out_of_order(
 
 def test_the_wrong_fluid_is_named() -> None:
     rng = np.random.default_rng(8)
-    planned = calibrate.plan_poses(SENSOR["force-torque"], fluid_density=a5.FRESH_WATER)
+    planned = calibrate.plan_poses(
+        SENSOR["force-torque"], 6, fluid_density=a5.FRESH_WATER
+    )
     readings = weighed(planned, true_arm("digits", rng), rng)
     said = replace(planned, density=a5.AIR)
     found = calibrate.fit(calibrate.with_readings(said, readings))
@@ -467,12 +479,13 @@ def test_the_wrong_fluid_is_named() -> None:
     assert "fresh water" in found.problems[0].message
 
 
+@pytest.mark.slow
 def test_a_heavier_link_contradicts_the_digits() -> None:
     rng = np.random.default_rng(9)
     arm = a5.parameters()
     links = list(arm.links)
     links[2] = replace(links[2], mass=1.2 * links[2].mass)
-    planned = calibrate.plan_poses(calibrate.scales())
+    planned = twelve_poses()
     readings = weighed(planned, replace(arm, links=tuple(links)), rng)
     found = calibrate.fit(calibrate.with_readings(planned, readings))
     assert found.problems[0].name == "mass of link_2"
@@ -486,7 +499,7 @@ def test_a_zero_beyond_its_prior_is_named() -> None:
     unknowns = arm_unknowns(a5.parameters())
     values = unknowns.middle.copy()
     values[NAMES.index("zeros.axis_d")] = np.radians(-8.0)
-    planned = calibrate.plan_poses(calibrate.scales())
+    planned = twelve_poses()
     readings = weighed(planned, unknowns.record(values), rng)
     found = calibrate.fit(calibrate.with_readings(planned, readings))
     assert found.problems[0].name == "zero"
@@ -498,7 +511,7 @@ def test_a_zero_beyond_its_prior_is_named() -> None:
 
 @pytest.mark.parametrize("kind", SENSOR)
 def test_a_plan_reads_back(kind: str, tmp_path: Path) -> None:
-    planned = calibrate.plan_poses(SENSOR[kind], 4, fluid_density=a5.SEA_WATER)
+    planned = calibrate.session(SENSOR[kind], random_q(4), fluid_density=a5.SEA_WATER)
     readings = np.arange(4.0 * planned.sensor.size).reshape(4, -1) / 7
     readings[1] = np.nan
     path = tmp_path / "plan.toml"
@@ -594,7 +607,7 @@ def test_what_is_refused() -> None:
 
 def calibrated(prior: str) -> calibrate.Calibration:
     rng = np.random.default_rng(11)
-    planned = calibrate.plan_poses(calibrate.scales(), prior=prior)
+    planned = twelve_poses(prior)
     readings = weighed(planned, true_arm(prior, rng), rng)
     return calibrate.fit(calibrate.with_readings(planned, readings), prior=prior)
 

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import replace
-from itertools import combinations, permutations
+from itertools import permutations
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import chi2
 
 import alpha5_model as a5
 from alpha5_model.studies.calibration.equations import Equations
-from alpha5_model.studies.calibration.fitting import Estimate
 from alpha5_model.studies.calibration.poses import TILT
 from alpha5_model.studies.calibration.problems import (
     _innovation,
     _Named,
     _named,
-    problems,
 )
 from alpha5_model.studies.calibration.unknowns import NAMES, arm_unknowns
 
@@ -151,39 +146,6 @@ def test_a_wrong_pose(pose: int, scales: Model) -> None:
     assert one.gain == pytest.approx(expected, rel=1e-9)
 
 
-#: Pairs of poses, early, late, reversed; orders of three scales.
-ORDERS = POSES * (POSES - 1) // 2 + 3 + 5
-
-
-@pytest.mark.parametrize(
-    ("mixed", "words"),
-    [
-        (lambda y: y[[7, 1, 2, 3, 4, 5, 6, 0]], "poses 1 and 8 are in the wrong order"),
-        (lambda y: y[[0, 1, 3, 2, 4, 5, 6, 7]], "poses 3 and 4 are in the wrong order"),
-        (lambda y: np.roll(y, -1, axis=0), "the readings are early by one pose"),
-        (lambda y: np.roll(y, 1, axis=0), "the readings are late by one pose"),
-        (lambda y: y[::-1], "the readings are in the reverse order"),
-    ],
-)
-def test_readings_of_other_poses(
-    mixed: Callable[[Any], Any], words: str, scales: Model
-) -> None:
-    readings = mixed(scales.clean)
-    one = problem(scales.found(readings), "order")
-    assert one.message == words
-    expected = scales.squared(readings) - chance(scales, tests=ORDERS)
-    assert one.gain == pytest.approx(expected, rel=1e-9)
-
-
-def test_orders_are_tried_if_all_is_read_and_something_is_wrong(scales: Model) -> None:
-    readings = scales.clean[::-1].copy()
-    equations = scales.with_readings(readings)
-    named = _named(equations, scales.middle, misfit=False)
-    assert "order" not in [one.name for one in named.problems]
-    readings[0, 0] = np.nan
-    assert "order" not in [one.name for one in scales.found(readings).problems]
-
-
 def test_scales_that_are_mixed_up(scales: Model) -> None:
     for order in permutations(range(3)):
         if order != (0, 1, 2):
@@ -191,18 +153,6 @@ def test_scales_that_are_mixed_up(scales: Model) -> None:
             names = ", ".join(f"scale_{k + 1}" for k in order)
             said = f"the scales are mixed up: what is noted is {names}"
             assert problem(found, "channels").message == said
-
-
-def test_another_order_must_fit(scales: Model) -> None:
-    """It may leave three times the misfit of noise; here, of one reading beside it."""
-    swapped = [0, 1, 2, 3, 4, 5, 7, 6]
-    off = np.zeros_like(scales.clean)
-    off[2, 1] = 0.001
-    ratio = scales.squared(scales.clean + off) / scales.clean.size
-    for least, named in ((2.9, True), (3.1, False)):
-        readings = (scales.clean + np.sqrt(least / ratio) * off)[swapped]
-        names = [one.name for one in scales.found(readings).problems]
-        assert ("order" in names) == named
 
 
 @pytest.mark.filterwarnings("ignore:fluid_density")
@@ -262,87 +212,3 @@ def test_a_zero_beyond_its_prior(joint: str, off: float) -> None:
     )
     assert found is not None
     assert float(found[1]) == pytest.approx(-off, rel=0.2)
-
-
-# --- all together ---------------------------------------------------------------------
-
-
-def estimate(model: Model, squared: float) -> Estimate:
-    """One that leaves a sum of squares at the middle."""
-    count = model.clean.size
-    factor = np.zeros((len(model.middle), 1))
-    return Estimate(values=model.middle, squared=squared, readings=count, factor=factor)
-
-
-def test_a_misfit_of_one_in_ten_thousand_is_reported(scales: Model) -> None:
-    equations = scales.with_readings(scales.clean)
-    likely = chi2.isf(1.02e-4, scales.clean.size)
-    assert problems(equations, estimate(scales, likely)) == ()
-    unlikely = chi2.isf(0.98e-4, scales.clean.size)
-    (one,) = problems(equations, estimate(scales, unlikely))
-    assert one.name == "unexplained"
-    assert (one.session, one.rank, one.gain) == ("", 1, 0.0)
-    ratio = unlikely / scales.clean.size
-    assert f"leave {ratio:.3g} times the squared misfit" in one.message
-    assert str(one) == f"unexplained: {one.message}"
-
-
-def test_problems_are_ranked_by_their_gain(scales: Model) -> None:
-    readings = 1000.0 * scales.clean
-    equations = scales.with_readings(readings)
-    found = problems(equations, estimate(scales, scales.squared(readings)))
-    assert len(found) > 2
-    assert [one.rank for one in found] == list(range(1, len(found) + 1))
-    for one, other in combinations(found, 2):
-        assert one.gain >= other.gain
-    assert str(found[0]) == f"unit (session): {found[0].message}"
-
-
-def test_the_point_that_explains_more_counts(scales: Model) -> None:
-    """A wild estimate, where slopes mean nothing, does not hide the cause."""
-    readings = 1000.0 * scales.clean
-    equations = scales.with_readings(readings)
-    wild = estimate(scales, scales.squared(readings))
-    wild.values[:] = scales.middle
-    moved = wild._replace(values=scales.middle + 5 * equations.deviation)
-    assert problems(equations, moved)[0].name == "unit"
-
-
-# --- the printed result ---------------------------------------------------------------
-
-
-def test_a_calibration_prints_its_problems_and_what_was_learnt() -> None:
-    problem_1 = calibrate.Problem("unit", "wrong", "a.toml", gain=40.0, rank=1)
-    problem_2 = calibrate.Problem("zero", "axis_d", "", gain=30.0, rank=2)
-    made = calibrate.Calibration(
-        arm=a5.parameters(),
-        problems=(problem_1, problem_2),
-        names=("links.link_0.mass", "zeros.axis_d", "lengths.a_1"),
-        estimate=np.array([0.31, -0.0123456789, 0.15]),
-        prior=np.array([0.01, 0.02, 0.001]),
-        deviation=np.array([0.0049, 0.002, 0.00051]),
-        other_names=(),
-        other_estimate=np.zeros(0),
-        other_deviation=np.zeros(0),
-        squared=12.34567,
-        readings=36,
-        density=1025.0,
-        torque_before=np.array([0.0, 0.0123456, 0.004, 1e-4]),
-        torque_after=np.array([0.0, 0.0006543, 0.001, 1e-5]),
-    )
-    body = """\
-36 readings, squared misfit 12.35 (36 expected)
-torque that holds the arm, one standard deviation, fluid of 1025 kg/m^3
-  axis_e: 0.000 -> 0.000 mN m
-  axis_d: 12.346 -> 0.654 mN m
-  axis_c: 4.000 -> 1.000 mN m
-  axis_b: 0.100 -> 0.010 mN m
-learnt most
-  zeros.axis_d: -0.0123457 ± 0.002 (before 0.02)
-  links.link_0.mass: 0.31 ± 0.0049 (before 0.01)"""
-    head = "problem 1: unit (a.toml): wrong\nproblem 2: zero: axis_d\n\n"
-    assert str(made) == head + body
-    assert str(replace(made, problems=())) == body
-    assert made.text().startswith(
-        "# problem 1: unit (a.toml): wrong\n# problem 2: zero"
-    )

@@ -1,4 +1,4 @@
-"""The equations of a fit: those of all whitened rows, written out one below the other.
+"""A fit is the best one, by all whitened rows, written out one below the other.
 
 The recording is Pinocchio's, of a sampled arm, with correlated noise and gaps.
 """
@@ -10,23 +10,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from scipy.optimize import lsq_linear
 
 import alpha5_model as a5
-from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
 from alpha5_model.studies.uncertainty.digit_bounds import payload
-from alpha5_model.studies.uncertainty.fitting import System, Weights, lagged_products
+from alpha5_model.studies.uncertainty.fitting import System, Weights
 from alpha5_model.studies.uncertainty.identification import possible_causes
-from alpha5_model.studies.uncertainty.noise import noise_of_channel
 from alpha5_model.studies.uncertainty.recorded import recording_of
 from alpha5_model.studies.uncertainty.unknowns import Unknowns
 
 u = a5.uncertainty
 COUNT = 150
 PAYLOAD = {"mass": 0.3, "volume": 1e-4, "com": [0.0, 0.02, 0.03]}
-#: Standard deviation of a uniform distribution from -1 to 1.
-UNIFORM = 3**-0.5
 
 
 def motion() -> tuple[a5.trajectory.Motion, list[np.ndarray]]:
@@ -116,128 +111,6 @@ def best_noise(weights: Weights) -> np.ndarray:
     return np.column_stack([weights.correlation, weights.deviation])
 
 
-def test_the_noise_is_about_that_of_the_recording(case: Case) -> None:
-    np.testing.assert_allclose(case.weights.deviation, 0.003, rtol=0.35)
-    np.testing.assert_allclose(case.weights.correlation[:, 0], 0.6, atol=0.3)
-    assert case.weights.likely.shape == (16, 4, 4)
-    # A first-order channel has a quarter of its samples: 0.4 / 1.6.
-    assert 0.1 < case.weights.independent / (4 * COUNT) < 0.6
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("suspected", [False, True])
-def test_the_noise_is_that_beside_the_unknowns(case: Case, suspected: bool) -> None:
-    """Beside all causes, too, and numbers twenty times beyond their digits, if so."""
-    system = case.system
-    count = system.unknowns.count
-    about = columns(system, np.zeros(count))
-    causes = about[..., count:-1] if suspected else about[..., :0]
-    numbers = about[..., :count] * (20.0 if suspected else 1.0)
-    found = system._weights(suspected)
-    assert found.known
-    independent = 0.0
-    for k in range(4):
-        one = noise_of_channel(causes[:, k], numbers[:, k], about[:, k, -1])
-        np.testing.assert_allclose(found.correlation[k], one.coefficients, atol=1e-6)
-        assert found.deviation[k] == pytest.approx(one.deviation, rel=1e-6)
-        np.testing.assert_allclose(found.likely[:, k], one.likely, atol=1e-5)
-        independent += one.independent
-    assert found.independent == pytest.approx(independent, rel=1e-5)
-
-
-@pytest.mark.parametrize(("share", "names"), [(1e-7, set()), (1e-4, {"Coulomb"})])
-def test_a_millionth_of_what_is_recorded_is_no_misfit(
-    case: Case, share: float, names: set[str]
-) -> None:
-    """A computed recording without noise, its friction off by a share of its size."""
-    given = case.system.recording
-    exact = case.arm.inverse_dynamics_batch(
-        given.position, given.velocity, given.acceleration
-    )
-    off = share * exact.std(axis=0) * np.sign(given.velocity)
-    unknowns, known = case.system.unknowns, case.system.known
-    recording = given._replace(measured=exact + off)
-    problems = System(recording, unknowns, known, case.system.causes)._problems()
-    assert {one.name for one in problems[:1]} == names
-
-
-def test_equations_have_the_squares_of_all_rows(case: Case) -> None:
-    """Of the unknowns, the suspects, and what the best unknowns leave."""
-    system = case.system
-    triangle = system._triangle(case.weights)
-    found = system._equations(triangle, case.weights.independent)
-    count = system.unknowns.count
-    prior = np.eye(count) / UNIFORM
-    rows = whitened_rows(columns(system, np.zeros(count)), best_noise(case.weights))
-    of_all = np.vstack([rows[:, :count], prior])
-    target = np.append(rows[:, -1], np.zeros(count))
-    z = lsq_linear(of_all, target, bounds=(-1, 1), method="bvls").x
-    assert np.abs(z).max() > 0.01
-
-    about = whitened_rows(columns(system, z), best_noise(case.weights))
-    # What is to be explained is about 0, so that the intervals pull to their middles.
-    about[:, -1] += about[:, :count] @ z
-    ours = np.column_stack([found.restricted, found.of_suspects, found.rest])
-    below = np.hstack([prior, np.zeros((count, ours.shape[1] - count))])
-    theirs = np.vstack([about, below])
-    size = np.linalg.norm(theirs, axis=0)
-    size[size == 0.0] = 1.0  # the mass of link 0 moves no joint
-    np.testing.assert_allclose(
-        ours.T @ ours / np.outer(size, size),
-        theirs.T @ theirs / np.outer(size, size),
-        atol=1e-6,
-    )
-    assert found.samples == len(about) == 4 * (COUNT - 3) - 2 * 4
-    assert found.independent == case.weights.independent
-
-
-def test_the_squared_distance_is_what_the_digits_cost(case: Case) -> None:
-    """Beyond the best base parameters of all, for numbers that are hardly held."""
-    system = case.system
-    found = system._equations(system._triangle(case.weights), 1.0)
-    count = system.unknowns.count
-    faint = 1e-3 * np.eye(count) / UNIFORM
-    about = columns(system, np.zeros(count))
-    rows = whitened_rows(about, best_noise(case.weights))
-    of_all = np.vstack([rows[:, :count], faint])
-    target = np.append(rows[:, -1], np.zeros(count))
-    z = lsq_linear(of_all, target, bounds=(-1, 1), method="bvls").x
-    present = np.isfinite(about[..., -1:])
-    masked = np.where(present, system.recording.regressor, np.nan)
-    regressor = whitened_rows(masked, best_noise(case.weights))
-    left = rows[:, -1] - rows[:, :count] @ z
-    free = np.linalg.lstsq(regressor, left, rcond=1e-12)[0]
-    beyond = left - regressor @ free
-    assert found.squared == pytest.approx(left @ left - beyond @ beyond, rel=0.02)
-    assert found.rank == np.linalg.matrix_rank(regressor, tol=1e-10)
-
-
-def test_the_covariance_is_a_mean_over_likely_noise(case: Case) -> None:
-    """Of each covariance, and between the estimates."""
-    system = case.system
-    count = system.unknowns.count
-    z = 0.3 * np.cos(np.arange(count))
-    of_all = np.eye(count)
-    factor = system._factor(of_all, case.weights, z)
-    about = columns(system, z)
-    about[..., -1] += about[..., :count] @ z
-    covariances = []
-    estimates = []
-    for likely in case.weights.likely:
-        rows = whitened_rows(about, likely)
-        squares = rows[:, :count].T @ rows[:, :count] + 3.0 * np.eye(count)
-        covariances.append(np.linalg.inv(squares))
-        estimates.append(covariances[-1] @ rows[:, :count].T @ rows[:, -1])
-    off = np.array(estimates) - np.mean(estimates, axis=0)
-    expected = np.mean(covariances, axis=0) + off.T @ off / 16
-    np.testing.assert_allclose(factor @ factor.T, expected, atol=1e-7)
-
-    # Without likely noise, only the equations count.
-    known = case.weights._replace(likely=case.weights.likely[:0])
-    alone = system._factor(np.diag([2.0] * count), known, z)
-    np.testing.assert_allclose(alone @ alone.T, np.eye(count) / 4.0, atol=1e-12)
-
-
 def test_a_fit_is_the_best_within_the_digits(case: Case) -> None:
     """No other numbers within them fit better, and the noise is what they leave."""
     system = case.system
@@ -261,17 +134,6 @@ def test_a_fit_is_the_best_within_the_digits(case: Case) -> None:
     np.testing.assert_array_equal(fit.correlation, case.weights.correlation)
 
 
-def test_lagged_products_leave_out_what_is_missing() -> None:
-    rows = np.random.default_rng(1).normal(size=(12, 2))
-    rows[5, 1] = np.nan
-    found = lagged_products(rows)
-    assert found.shape == (4, 4, 2, 2)
-    kept = [t for t in range(3, 12) if not 5 <= t <= 8]
-    for i, j in np.ndindex(4, 4):
-        expected = sum(np.outer(rows[t - i], rows[t - j]) for t in kept)
-        np.testing.assert_allclose(found[i, j], expected)
-
-
 def test_the_prediction_is_that_of_the_fitted_numbers(case: Case) -> None:
     """By Pinocchio, with the lengths that the fit has found."""
     found = u.identify(case.motion, case.arm, method="interpolate")
@@ -289,67 +151,3 @@ def test_the_prediction_is_that_of_the_fitted_numbers(case: Case) -> None:
     np.testing.assert_allclose(one.deviation, predicted.deviation[:1])
     shown = set(re.findall(r"[(,] ?(\w+)=", repr(found.fitted)))
     assert shown == {"names", "values", "covariance"}
-
-
-def test_unknowns_are_all_that_a_recording_may_show(case: Case) -> None:
-    """Of lengths those of the joints: the tool's and zeros of Table 1 move nothing."""
-    unknowns = case.system.unknowns
-    geometric = {unknowns.names[k] for k in unknowns.geometric}
-    # d_3 moves the tool only.
-    lengths = {"link_0.a", "link_0.d", "link_2.a"}
-    assert geometric == {*lengths, "elbow.opposite", "elbow.adjacent"}
-    bodies = {
-        f"link_{link}.{quantity}"
-        for link in range(5)
-        for quantity in ("mass", "volume")
-    }
-    assert bodies <= set(unknowns.names)
-    assert not any(name.startswith("actuator") for name in unknowns.names)
-    assert unknowns.count == len(unknowns.names) == len(unknowns.half_width)
-
-
-def test_causes_of_mass_and_density_are_differences_of_base_parameters(
-    case: Case,
-) -> None:
-    unknowns = case.system.unknowns
-    record = a5.parameters()
-    plain = base_parameters(record.links, parameters=record)[:38]
-    denser = base_parameters(record.links, 1026.0, parameters=record)[:38]
-    np.testing.assert_allclose(unknowns.by_density(), denser - plain, atol=1e-12)
-    slopes = unknowns.by_mass()
-    for k, link in enumerate(record.links):
-        # Twice the mass at the same centre, with the same tensor there.
-        links = list(record.links)
-        links[k] = replace(link, mass=2.0 * link.mass)
-        heavier = base_parameters(links, parameters=record)[:38]
-        np.testing.assert_allclose(slopes[k], heavier - plain, atol=1e-12)
-
-
-def test_what_an_identification_says_of_its_fit(case: Case) -> None:
-    found = u.identify(case.motion, case.arm, method="interpolate")
-    unknowns = case.system.unknowns
-    fitted = found.fitted
-    off = np.abs(fitted.values - unknowns.middle) / unknowns.half_width
-    at_end = np.isclose(off, 1.0, rtol=0.0, atol=1e-8)
-    assert found.pinned == tuple(np.array(fitted.names)[at_end].tolist())
-    assert set(found.pinned) < set(fitted.names)
-
-    by_data = np.sqrt(np.diag(found.covariance))
-    by_digits = UNIFORM * np.linalg.norm(unknowns.slope, axis=0)
-    assert np.array_equal(found.supported, 2.0 * by_data < by_digits)
-    assert 0 < found.supported.sum() < 38
-    inside = found.supported & (np.abs(found.estimate) > 0)
-    assert (found.upper - found.lower)[inside].max() > 0
-    assert (found.upper - found.lower <= 2 * 1.96 * by_data + 1e-12).all()
-
-    z = (fitted.values - unknowns.middle) / unknowns.half_width
-    rows = whitened_rows(columns(case.system, z), best_noise(case.weights))
-    of_data = rows[:, : unknowns.count]
-    squares, directions = np.linalg.eigh(of_data.T @ of_data)
-    gains = np.sqrt(squares[::-1][:8]) * UNIFORM
-    np.testing.assert_allclose(found.gains[:8], gains, rtol=1e-4)
-    # Each combination is a deviation by the digits long.
-    best = UNIFORM * directions[:, -1] @ unknowns.slope
-    side = np.sign(best @ found.combinations[0])
-    size = np.abs(best).max()
-    np.testing.assert_allclose(found.combinations[0], side * best, atol=0.01 * size)

@@ -17,8 +17,6 @@ import alpha5_model as a5
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
-from alpha5_model.studies.uncertainty.fitting import _root
-from alpha5_model.studies.uncertainty.misfit import Suspect, _gain, _Score
 from alpha5_model.studies.uncertainty.noise import (
     noise_of_channel,
     stationary,
@@ -148,33 +146,6 @@ def test_fresh_water_comes_before_a_scale_that_explains_as_much() -> None:
     explained = fluid.gain + off**2 + 2.0 * np.log(2)
     assert explained - np.log(samples) < scale.gain < fluid.gain
     assert abs(off) < 3
-
-
-def test_the_gain_of_a_usual_size_is_the_misfit_that_it_takes_away() -> None:
-    rng = np.random.default_rng(2)
-    column = rng.normal(size=40)
-    rest = -25.0 * column + rng.normal(size=40)
-    size = column @ rest / (column @ column)
-    score = _Score(
-        kept=np.array([0]),
-        size=np.array([size]),
-        deviation=np.array([1 / np.linalg.norm(column)]),
-        squared=float((column @ rest) ** 2 / (column @ column)),
-    )
-    cause = Suspect(
-        name="fluid",
-        of=("density",),
-        unit="kg/m^3",
-        columns=column,
-        without=1025.0,
-        usual=(1.2, 1000.0),
-    )
-    left = rest + 25.0 * column
-    expected = rest @ rest - left @ left - 2.0 * np.log(2)
-    assert _gain(cause, score, 40) == pytest.approx(expected)
-    free = rest @ rest - np.sum((rest - size * column) ** 2) - np.log(40)
-    assert _gain(cause._replace(usual=()), score, 40) == pytest.approx(free)
-    assert free < expected
 
 
 @pytest.mark.slow
@@ -342,17 +313,3 @@ def test_whitened_noise_is_what_drove_it() -> None:
 def test_a_recording_without_efforts_is_refused() -> None:
     with pytest.raises(InputError, match="recorded efforts"):
         u.identify(MOTION)
-
-
-def test_the_root_of_products_has_these_products() -> None:
-    """Also of columns whose sizes differ by 1e6, one of which is a sum of others."""
-    columns = np.random.default_rng(4).normal(size=(9, 5)) * 10.0 ** np.arange(-3, 2)
-    columns[:, 4] = columns[:, 0] - 2.0 * columns[:, 3]
-    products = columns.T @ columns
-    root = _root(products)
-    sizes = np.linalg.norm(columns, axis=0)
-    np.testing.assert_allclose(
-        root.T @ root / np.outer(sizes, sizes),
-        products / np.outer(sizes, sizes),
-        atol=1e-13,
-    )

@@ -4,57 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 from pathlib import Path
 from typing import Any
 
-import arm_keys
 import numpy as np
 import own_arm_dynamics as own
 import pytest
+from parquet_files import read_table
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.numbers import arm_schema
 from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.motors import Motors
 from alpha5_model.numbers.parameters import Alpha5Parameters
-
-pytest.importorskip("distributed")
-parquet = pytest.importorskip("pyarrow.parquet")
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
 QUANTITIES = ("torque", "current", "power", "margin", "mount_moment", "reach")
 OUTPUTS = "".join(
     f'[outputs.{name}]\nquantity = "{name}"\nas = "table"\n' for name in QUANTITIES
 )
-#: Keys of an arm file on which no quantity of a study depends. Ranges and speeds are
-#: limits of its states, and the jaw rod is not moved.
-WITHOUT_EFFECT = {
-    "name",
-    "mount.parent",
-    "mount.xyz",
-    "tool.rpy",
-    "attached.name",
-    "links.link_0.inertia",
-    "motors.supply_voltage",
-    *(f"motors.{key}.axis_a" for key in arm_schema.ACTUATORS),
-    *(
-        f"motors.{key}.axis_{joint}"
-        for key in ("inductance", "friction_tolerance", "current_limit")
-        for joint in "edcba"
-    ),
-    "motors.rotor_inertia.axis_a",
-    "motors.viscous_friction.axis_a",
-    # All joints turn forward in this study.
-    *(f"motors.friction_backward.axis_{joint}" for joint in "edcba"),
-    *(f"joint_limits.axis_a.{key}" for key in arm_schema.JOINT_LIMITS["axis_a"]),
-    *(
-        f"joint_limits.axis_{joint}.{key}"
-        for key in ("min_position", "max_position", "max_velocity")
-        for joint in "edcb"
-    ),
-}
 
 
 def study(folder: Path, record: Alpha5Parameters, more: str = "") -> Path:
@@ -73,7 +41,7 @@ def study(folder: Path, record: Alpha5Parameters, more: str = "") -> Path:
 
 def table(folder: Path) -> dict[str, np.ndarray]:
     """The rows of a study by column."""
-    rows = parquet.read_table(folder / "rows")
+    rows = read_table(folder / "rows")
     return {name: rows[name].to_numpy() for name in rows.column_names}
 
 
@@ -115,19 +83,6 @@ def test_an_axis_of_the_mount_replaces_the_records(tmp_path: Path) -> None:
     a5.sweep(file, tmp_path / "same", arm=unmounted)
     found = table(tmp_path / "out")["torque.axis_d"]
     assert np.array_equal(found, table(tmp_path / "same")["torque.axis_d"])
-
-
-def test_workers_and_chunks_give_the_same_bytes(tmp_path: Path) -> None:
-    record = a5.arm_file(EXAMPLE)
-    file = study(tmp_path, record, "payload_mass = [0, 0.2]\nparameters = 3")
-    alone = a5.sweep(file, tmp_path / "one", arm=record)
-    words = ["sweep", str(file), "-o", str(tmp_path / "two"), "--workers", "1"]
-    assert main([*words, "--arm", str(EXAMPLE), "--json"]) == 0
-    assert alone.rows == 2 * 3 * 81
-    one = {path.name: path.read_bytes() for path in (tmp_path / "one").glob("*.*")}
-    two = {path.name: path.read_bytes() for path in (tmp_path / "two").glob("*.*")}
-    assert one == two
-    assert json.loads(one["summary.json"])["arm"] == "alpha5_lab_2"
 
 
 def test_samples_have_the_records_half_widths(tmp_path: Path) -> None:
@@ -179,38 +134,6 @@ def test_a_recording_is_read_with_the_records_limits(tmp_path: Path) -> None:
     assert found["current.axis_c"] == pytest.approx(analysis.current[:, 2], abs=1e-8)
 
 
-def sums(folder: Path, file: Path, record: Alpha5Parameters) -> list[float]:
-    """The sum of each quantity over all rows."""
-    folder.mkdir()
-    a5.sweep(file, folder / "out", arm=record)
-    rows = table(folder / "out")
-    return [float(rows[name].sum()) for name in rows if "." in name]
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
-def test_each_key_alone_changes_the_rows(tmp_path: Path) -> None:
-    file = tmp_path / "study.toml"
-    axes = "".join(
-        f"axis_{x}_pos = [1.1, 2.0]\naxis_{x}_vel = 0.1\naxis_{x}_acc = 1\n"
-        for x in "edcb"
-    )
-    file.write_text(f"[axes]\n{axes}{OUTPUTS}", encoding="utf-8")
-    mine = tmp_path / "arm.toml"
-
-    def of(number: int, text: str) -> list[float]:
-        mine.write_text(f"format = 1\n{text}\n", encoding="utf-8")
-        return sums(tmp_path / str(number), file, a5.arm_file(mine))
-
-    whole = arm_keys.WHOLE
-    before = {False: of(0, 'name = "mine"'), True: of(1, whole)}
-    unchanged = set()
-    for number, (key, text) in enumerate(arm_keys.changes(whole), 2):
-        if of(number, text) == before[key.startswith("attached.")]:
-            unchanged.add(key)
-    assert unchanged == WITHOUT_EFFECT
-
-
 @pytest.mark.parametrize(
     ("joint", "axis", "value", "message"),
     [
@@ -244,17 +167,3 @@ def test_a_folder_of_another_arm_is_refused(tmp_path: Path) -> None:
     other = dataclasses.replace(record, links=links)
     with pytest.raises(a5.errors.InputError, match="a part of another study"):
         a5.sweep(file, tmp_path / "out", arm=other)
-
-
-def test_the_catalogues_record_is_no_arm_of_your_own(tmp_path: Path) -> None:
-    file = study(tmp_path, a5.parameters())
-    a5.sweep(file, tmp_path / "plain")
-    a5.sweep(file, tmp_path / "same", arm=a5.parameters())
-    one, two = (tmp_path / name / "torque.parquet" for name in ("plain", "same"))
-    assert not one.exists()
-    assert table(one.parent)["torque.axis_d"].tobytes() == (
-        table(two.parent)["torque.axis_d"].tobytes()
-    )
-    studies = [path.parent.joinpath("study.toml").read_bytes() for path in (one, two)]
-    assert studies[0] == studies[1]
-    assert math.isfinite(table(one.parent)["torque.axis_d"].sum())

@@ -6,29 +6,21 @@ import itertools
 import json
 import os
 import resource
-import shutil
 import signal
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pyarrow
 import pytest
 from least_time import least_time
+from parquet_files import read_table
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.cli import main
-from alpha5_model.studies.sweep.extremes import Extremes
-from alpha5_model.studies.sweep.histograms import _bins_of_levels
-from alpha5_model.studies.sweep.outputs import Output
 from alpha5_model.trajectory import analyse, read_motion
-
-distributed = pytest.importorskip("distributed")
-parquet = pytest.importorskip("pyarrow.parquet")
 
 STATES = """
 axis_e_pos = {from = 0, to = 350, count = 3, unit = "deg"}
@@ -99,12 +91,12 @@ def content(folder: Path) -> dict[str, Any]:
     files = {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
     rows = None
     if (folder / "rows").is_dir():
-        rows = parquet.read_table(folder / "rows").to_pydict()
+        rows = read_table(folder / "rows").to_pydict()
     return {**files, "rows": rows}
 
 
 def columns(folder: Path, *names: str) -> np.ndarray:
-    table = parquet.read_table(folder / "rows")
+    table = read_table(folder / "rows")
     return np.stack([table[name].to_numpy() for name in names], axis=1)
 
 
@@ -119,6 +111,8 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
+    import distributed
+
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None
     ) as cluster:
@@ -252,7 +246,7 @@ def test_water_corrections_and_motors_against_single_calls(tmp_path: Path) -> No
     as = "table"
     """
     a5.sweep(written(tmp_path, study), tmp_path / "out")
-    table = parquet.read_table(tmp_path / "out" / "rows").to_pylist()
+    table = read_table(tmp_path / "out" / "rows").to_pylist()
     v = np.array([0, -0.4, 0, 0])
     a = np.array([0, 0, 0, np.pi / 2])
     for row in (table[3], table[30], table[-1]):
@@ -470,7 +464,7 @@ def test_rows_of_recordings_are_those_of_their_analysis(tmp_path: Path) -> None:
     out = tmp_path / "out"
     found = a5.sweep(study, out)
     assert (found.rows, found.failures) == (900, {})
-    table = parquet.read_table(out / "rows").to_pylist()
+    table = read_table(out / "rows").to_pylist()
     assert len(table) == 900
     for k, density in itertools.product(range(3), (0.0, 1025.0)):
         path = folder / f"dive_{k}.csv"
@@ -601,17 +595,6 @@ def test_a_study_that_takes_long_to_read(name: str, tmp_path: Path) -> None:
         assert answers[0].endswith("line 1: a key of more than 20 parts")
 
 
-def test_keys_of_twenty_parts_are_read_by_toml(tmp_path: Path) -> None:
-    """A text that looks like a long key is none; shorter keys are judged by name."""
-    for text, problem in (
-        ('source = "' + "a" * 30 + ', 0.1, 0.2"\n', "unknown key 'source'"),
-        (".".join("a" * 20) + " = 1\n", "unknown key 'a'"),
-        ("values = [" + "0.5, " * 40 + "]\n", "unknown key 'values'"),
-    ):
-        with pytest.raises(a5.errors.FileFormatError, match=problem):
-            a5.sweep(written(tmp_path, text), tmp_path / "out")
-
-
 @pytest.mark.parametrize(
     ("text", "place"),
     [
@@ -629,33 +612,6 @@ def test_a_study_needs_axes_and_outputs(text: str, place: str, tmp_path: Path) -
         a5.sweep(written(tmp_path, text), tmp_path / "out")
 
 
-@pytest.mark.parametrize("kind", ["foreign", "foreign metadata", "folder", "loop"])
-def test_what_stands_in_the_place_of_a_part(
-    kind: str,
-    drawn: tuple[Path, Path],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    out = tmp_path / "out"
-    shutil.copytree(drawn[1], out)
-    part = out / "parts" / "part-000000.parquet"
-    part.unlink()
-    part.with_suffix(".sha256").unlink()
-    table = pyarrow.table({"a": [1.0]})
-    if kind == "foreign":
-        parquet.write_table(table, part)
-    elif kind == "foreign metadata":
-        parquet.write_table(table.replace_schema_metadata({"study": "mine"}), part)
-    elif kind == "folder":
-        part.mkdir()
-    else:
-        part.symlink_to(part.name)
-    assert main(["sweep", str(drawn[0]), "--output", str(out)]) == 2
-    printed = capsys.readouterr().err
-    assert printed.count("\n") == 1
-    assert "part-000000.parquet" in printed
-
-
 def test_outputs_that_cannot_be_written_are_said_before_the_work(
     drawn: tuple[Path, Path], tmp_path: Path
 ) -> None:
@@ -665,13 +621,6 @@ def test_outputs_that_cannot_be_written_are_said_before_the_work(
         with pytest.raises(a5.errors.OutputError, match=f"{name}: it is a folder"):
             a5.sweep(drawn[0], out)
         assert not (out / "parts").exists()
-
-
-def test_the_line_of_a_long_key_is_named(tmp_path: Path) -> None:
-    key = ".".join("abcdefghijklmnopqrstuvwxyz")
-    study = written(tmp_path, f"seed = 1\n\n# third line\n{key} = 1\n")
-    with pytest.raises(a5.errors.FileFormatError, match="line 4: a key of more than"):
-        a5.sweep(study, tmp_path / "out")
 
 
 def test_current_and_power_alone(tmp_path: Path) -> None:
@@ -697,50 +646,15 @@ def test_current_and_power_alone(tmp_path: Path) -> None:
             assert power_e == pytest.approx(power.electrical, rel=1e-9)
 
 
-@pytest.mark.parametrize("counts", [[0, 0, 3, 0, 5, 0], [0, 1, 0], [7], [0, 0, 0]])
-def test_quantiles_of_counts_are_those_of_the_numbers(counts: list[int]) -> None:
-    numbers = np.repeat(np.arange(len(counts)), counts)
-    levels = np.array([0.0, 1e-9, 0.2, 0.375, 0.38, 0.9, 1.0])
-    bins = _bins_of_levels(levels, np.array(counts))
-    if numbers.size == 0:
-        assert (bins == len(counts)).all()
-    else:
-        expected = np.quantile(numbers, levels, method="inverted_cdf")
-        np.testing.assert_array_equal(bins, expected)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_an_extreme_is_in_its_first_row_in_whatever_order_parts_come(seed: int) -> None:
-    output = Output(
-        quantity="torque",
-        unit="N m",
-        columns=("one",),
-        form="maximum",
-        by=(),
-        levels=(),
-        range=(0.0, 0.0),
-        bins=0,
-    )
-    rng = np.random.default_rng(seed)
-    values = rng.integers(0, 4, 60).astype(float)
-    rows = np.arange(60)
-    merged = Extremes(SimpleNamespace(cases={}, states={}), output)
-    for part in rng.permutation(6):
-        mine = slice(10 * part, 10 * part + 10)
-        merged.merge(np.zeros(10, int), values[mine], rows[mine])
-    assert merged.values.tolist() == [values.max()]
-    assert merged.counts.tolist() == [values.argmax()]
-
-
 # At 0 of axis_c the wrist touches link 2 within the micrometre that coal knows.
 FOLDED = """
 seed = 3
-samples = 5
+samples = 3
 {}
 [axes]
-axis_e_pos = {{values = [-60, 0, 60, 170], unit = "deg"}}
-axis_d_pos = {{from = 0, to = 200, count = 9, unit = "deg"}}
-axis_c_pos = {{from = 1, to = 200, count = 9, unit = "deg"}}
+axis_e_pos = {{values = [-60, 60], unit = "deg"}}
+axis_d_pos = {{from = 0, to = 200, count = 6, unit = "deg"}}
+axis_c_pos = {{from = 1, to = 200, count = 6, unit = "deg"}}
 axis_b_pos = {{random = [-170, 170], unit = "deg"}}
 fluid_density = [1000, 1025]
 [outputs.all]
@@ -766,7 +680,7 @@ def test_states_in_self_collision_are_left_out(tmp_path: Path) -> None:
     left = columns(tmp_path / "free", *names)
     assert np.array_equal(left, everything[free])
     assert found.rows == sum(free) < len(everything)
-    assert len(free) - sum(free) > 50
+    assert len(free) - sum(free) > 20
     peak = found.outputs["peak"]
     assert peak["axis_d"][0] == np.abs(left[:, 5]).max()
     where = found.inputs(peak["axis_d_row"][0])

@@ -9,15 +9,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
+from parquet_files import read_table
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from pinocchio_collision import CollisionModel
 from alpha5_model.studies.sweep.blocks import blocks_of
 from alpha5_model.studies.sweep.study import read_study
-
-pytest.importorskip("distributed")
-parquet = pytest.importorskip("pyarrow.parquet")
 
 JOINTS = [f"axis_{x}" for x in "edcb"]
 STATES = """
@@ -53,7 +51,7 @@ def rows_of(folder: Path, text: str, **options: Any) -> list[dict[str, Any]]:
     study = folder / "study.toml"
     study.write_text(text, encoding="utf-8")
     a5.sweep(study, folder / "out", **options)
-    rows: list[dict[str, Any]] = parquet.read_table(folder / "out/rows").to_pylist()
+    rows: list[dict[str, Any]] = read_table(folder / "out/rows").to_pylist()
     return rows
 
 
@@ -254,7 +252,7 @@ def test_rows_in_and_out_of_collision_are_told_apart(tmp_path: Path) -> None:
     assert len(rows) == 4 * 25 * 5
     touching = [collisions.in_collision(position(row)) for row in rows]
     assert [row["in_collision"] for row in rows] == touching
-    found = parquet.read_table(tmp_path / "out" / "peak.parquet").to_pydict()
+    found = read_table(tmp_path / "out" / "peak.parquet").to_pydict()
     assert found["in_collision"] == [True, False]
     for value, peak in zip((True, False), found["axis_d"], strict=True):
         of_value = [row for row in rows if row["in_collision"] == value]

@@ -1,4 +1,4 @@
-"""The arm of a case has what each axis of the case says, alone or with others."""
+"""The arm of a case has what each axis of the case says, by single calls."""
 
 from __future__ import annotations
 
@@ -6,14 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import own_arm_dynamics as own
 import pytest
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
-from alpha5_model.errors import FileFormatError, InputError
-from alpha5_model.studies.sweep import axes as of_axes
-from alpha5_model.studies.sweep.axes import check_arm
 from alpha5_model.studies.sweep.blocks import blocks_of
 from alpha5_model.studies.sweep.study import Study, read_study
 
@@ -118,76 +114,3 @@ def test_margin_and_reach_on_a_vehicle_are_those_of_its_arm(tmp_path: Path) -> N
     assert found["margin"] == pytest.approx(efforts - np.abs(found["torque"]))
     tip = a5.load().forward_kinematics(np.array(Q)).translation
     assert found["reach"] == pytest.approx([*tip, np.linalg.norm(tip)])
-
-
-@pytest.mark.parametrize(
-    "axes",
-    [
-        'vehicle = "small"\ncurrent_speed = 0.0',
-        'vehicle = "small"\ntrim = false\ncurrent_speed = 0.5',
-        'vehicle = "small"\ntrim = [true, false]',
-    ],
-)
-def test_a_vehicle_and_still_water_go_together(axes: str, tmp_path: Path) -> None:
-    study = study_of(tmp_path, axes, VEHICLE)
-    assert "vehicle" in study.cases
-
-
-@pytest.mark.parametrize("rate", ["pos", "vel"])
-@pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize("joint", range(4))
-def test_a_state_at_a_limit_is_within_it(joint: int, side: int, rate: str) -> None:
-    """Degrees in a file are rounded: a nanoradian beyond a limit is at it."""
-    record = own.random_record(0)
-    own_joint = record.joints[joint]
-    ends = {"pos": (own_joint.lower, own_joint.upper)}
-    ends["vel"] = (-own_joint.velocity, own_joint.velocity)
-    limit = ends[rate][0 if side < 0 else 1]
-    name = f"{own_joint.name}_{rate}"
-    within = sum(ends[rate]) / 2
-    check_arm(record, {name: [within, limit + side * 0.5e-9, within]})
-    with pytest.raises(InputError, match=f"axes.{name}: expected values within"):
-        check_arm(record, {name: [within, limit + side * 2e-9, within]})
-
-
-def test_most_values_of_an_axis(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(of_axes, "MOST", 5)
-    pitches = "mount_pitch = {from = 0, to = 1, count = 5}"
-    study = study_of(tmp_path, f"mount_roll = [1, 2, 3, 4, 5]\n{pitches}")
-    assert study.sizes().cases == 25
-    for axis in ("mount_roll = [1, 2, 3, 4, 5, 6]", pitches.replace("5", "6")):
-        with pytest.raises(FileFormatError, match="1 to 5 values"):
-            study_of(tmp_path, axis)
-
-
-def test_most_bins_of_an_output(tmp_path: Path) -> None:
-    text = '[outputs.bars]\nquantity = "torque"\nas = "histogram"\nrange = [0, 1]\n'
-    study = study_of(tmp_path, "", f"{text}bins = 10_000_000\n")
-    assert study.outputs["bars"].bins == 10_000_000
-    with pytest.raises(FileFormatError, match="at most 10000000 groups or bins"):
-        study_of(tmp_path, "", f"{text}bins = 10_000_001\n")
-
-
-@pytest.mark.parametrize(
-    ("change", "place"),
-    [
-        (("axis_e_pos = 0.4", "axis_e_pos = {from = 1, to = 1, count = 2}"), "above"),
-        (("[axes]", "samples = 2\n[axes]"), "none where no axis is random"),
-        (("axis_e_pos = 0.4", "axis_e_pos = {random = [0, 1]}"), "samples"),
-        (("quantile", 'quantile"\nlevels = [0.5, 1.5]#'), "up to 1"),
-        (("quantile", 'quantile"\nlevels = []#'), "numbers above 0"),
-        (("quantile", 'histogram"\nbins = 0\nrange = [0, 1]#'), "bins"),
-        (("quantile", 'histogram"\nbins = 2\nrange = [1, 1]#'), "range"),
-    ],
-)
-def test_values_at_an_edge_are_refused(
-    change: tuple[str, str], place: str, tmp_path: Path
-) -> None:
-    text = f'[axes]\n{STATE}[outputs.one]\nquantity = "torque"\nas = "quantile"\n'
-    assert change[0] in text
-    file = tmp_path / "study.toml"
-    file.write_text(text.replace(*change, 1), encoding="utf-8")
-    with pytest.raises(FileFormatError, match=place):
-        read_study(file)

@@ -170,6 +170,7 @@ def test_what_cannot_be_fitted_is_refused(turned: list[a5.TiltRecording]) -> Non
         a5.fit_tilt([still])
 
 
+@pytest.mark.slow
 @needs_recordings
 def test_recordings_that_nothing_was_fitted_to_are_predicted() -> None:
     """Four recordings of the campaign, then both halves of 26 others."""

@@ -126,6 +126,7 @@ def readings_of(arm: Alpha5Parameters, planned: Any, rng: np.random.Generator) -
     return gain * angles + offset + rng.normal(size=angles.shape) * sensor.noise
 
 
+@pytest.mark.slow
 def test_a_known_arm(planned: calibrate.Session) -> None:
     """Torques that nobody measured lie in their intervals, and are known better."""
     rng = np.random.default_rng(3)

@@ -1,13 +1,11 @@
-"""The tilt of a stiff vehicle, which is fitted exactly, and the edges of recordings."""
+"""The tilt of a stiff vehicle, which is fitted exactly."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from recordings import validate_recordings
 
 import alpha5_model as a5
 from alpha5_model.studies.vehicle_tilt import averaged
@@ -45,21 +43,6 @@ def test_a_stiff_vehicle_is_fitted_exactly(yaw: float, size: float) -> None:
     )
     assert found.stiffness == pytest.approx(STIFFNESS, rel=1e-5)
     assert 1 - found.r2 == pytest.approx(np.zeros(2), abs=1e-9)
-
-
-def test_the_defaults_are_those_of_the_validation() -> None:
-    """The averages and delays by which the recordings of a real arm were judged."""
-    one = recording(0, 0.0, late=0.6)
-    found = a5.fit_tilt([one])
-    lags = validate_recordings.LAGS
-    chosen = a5.fit_tilt([one], average=validate_recordings.AVERAGE, delays=lags)
-    assert found.stiffness == pytest.approx(chosen.stiffness, rel=1e-12)
-    assert found.average == validate_recordings.AVERAGE
-    assert found.delay == 0.6
-    late = a5.fit_tilt([recording(0, 0.0, late=1.2)])
-    assert late.delay == lags[-1] == 1.0
-    once = a5.fit_tilt([one], delays=0.25)
-    assert once.delay == 0.25
 
 
 def test_errors_are_those_of_fits_without_each_recording() -> None:
@@ -115,84 +98,3 @@ def made(**changes: Any) -> a5.TiltRecording:
     up = np.tile([0.0, 0.0, 1.0], (9, 1))
     own: dict[str, Any] = {"motion": motion, "time": time, "up": up}
     return a5.TiltRecording(**(own | changes))
-
-
-@pytest.mark.parametrize(
-    ("first", "last", "grid"), [(1.0, 7.0, (1.0, 7.0)), (-2.0, 9.0, (0.0, 8.0))]
-)
-def test_the_times_that_both_files_cover(
-    first: float, last: float, grid: tuple[float, float]
-) -> None:
-    found = made(time=np.linspace(first, last, 9)).grid
-    assert found is not None
-    assert found == pytest.approx(np.arange(*grid, 0.05))
-    two = made(time=np.array([first, last]), up=np.tile([0.0, 0.0, 1.0], (2, 1)))
-    assert two.grid == pytest.approx(found)
-
-
-def test_five_seconds_are_enough() -> None:
-    found = made(time=np.linspace(3.0, 9.0, 9)).grid
-    assert found is not None
-    assert found == pytest.approx(np.arange(3.0, 8.0, 0.05))
-    with pytest.raises(a5.Alpha5Error, match="grid: expected 5 s that both files"):
-        made(time=np.linspace(3.01, 9.0, 9))
-
-
-@pytest.mark.parametrize(
-    "grid", [np.array([1.0]), np.empty(0), np.array([[1.0, 2.0], [2.0, 3.0]])]
-)
-def test_a_grid_has_two_times_or_more(grid: np.ndarray) -> None:
-    with pytest.raises(a5.Alpha5Error, match="grid"):
-        made(grid=grid)
-    assert made(grid=np.array([1.0, 2.0])).grid == pytest.approx([1.0, 2.0])
-
-
-def test_times_ascend() -> None:
-    for time in (np.linspace(8.0, 0.0, 9), np.array([1.0] * 4 + [2, 3, 4, 5, 6])):
-        with pytest.raises(a5.Alpha5Error, match="time: expected ascending times"):
-            made(time=time)
-    with pytest.raises(a5.Alpha5Error, match="ascending times"):
-        made(time=np.array([1.0]), up=np.array([[0.0, 0.0, 1.0]]))
-    with pytest.raises(a5.Alpha5Error, match=r"up: expected \(9, 3\), one row"):
-        made(up=np.array([[0.0, 0.0, 1.0]]))
-    with pytest.raises(a5.Alpha5Error, match="up"):
-        made(time=np.ones((9, 1)))
-
-
-def test_directions_are_made_of_length_1() -> None:
-    lengths = np.linspace(0.992, 1.008, 9)[:, None]
-    tilted = np.array([0.6, 0.0, 0.8])
-    found = made(up=lengths * tilted)
-    assert found.up == pytest.approx(np.tile(tilted, (9, 1)), abs=1e-15)
-    assert found.tilt == pytest.approx(np.tile([0.0, -np.arcsin(0.6)], (9, 1)))
-    for wrong in (1.012, 0.988):
-        lengths[4] = wrong
-        expected = rf"directions of length 1, got \[0\.0, 0\.0, {wrong}\]"
-        with pytest.raises(a5.Alpha5Error, match=expected):
-            made(up=lengths * [0.0, 0.0, 1.0])
-
-
-def test_an_average_is_as_long_as_a_step() -> None:
-    one = recording(0, 0.0)
-    assert a5.fit_tilt([one], average=0.05, delays=[0.3]).average == 0.05
-    with pytest.raises(a5.Alpha5Error, match="average"):
-        a5.fit_tilt([one], average=0.049)
-
-
-def test_a_tilt_against_the_moment_has_no_stiffness() -> None:
-    """Pitch grows against it for every yaw, roll with it."""
-    one = recording(0, 0.0)
-    other = replace(one, up=one.up * [-1.0, 1.0, 1.0])
-    found = a5.fit_tilt([other], delays=[0.3])
-    assert np.isinf(found.stiffness).any()
-    assert (found.r2 < 1.0).any()
-
-
-def test_the_jaw_rod_is_left_out() -> None:
-    one = recording(0, 0.2)
-    rod = np.linspace(0.0, 0.01, TIME.size)
-    position = np.column_stack([one.motion.position, rod])
-    other = replace(one, motion=a5.trajectory.motion(TIME, position))
-    assert other.motion.position.shape[1] == 5
-    found, again = (a5.fit_tilt([given], delays=[0.3]) for given in (one, other))
-    assert np.array_equal(found.stiffness, again.stiffness)

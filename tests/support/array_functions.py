@@ -10,16 +10,13 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
-import test_public_api
+from public_names import public_names
 
 import alpha5_model as a5
-from alpha5_model import jax as jax_arms
 from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.numbers import arm_checks, fluids, inertia
@@ -57,9 +54,6 @@ NOT_CALLED = {
     "TiltFit": "a record",
     "TiltRecording": "a record",
     "fit_tilt": "takes recordings, whose arrays it has checked",
-    "Unknowns.base_parameters": "inside of identify, with arrays of its own",
-    "Unknowns.by_geometry": "inside of identify, with arrays of its own",
-    "Unknowns.parameter_set": "inside of identify, with arrays of its own",
 }
 
 
@@ -74,22 +68,8 @@ class Call:
 
 def taking_arrays() -> dict[str, Any]:
     """Name -> public function, method or class with a parameter that an array fits."""
-    roots = {"a5": a5} | {
-        name: import_module(f"alpha5_model.{module}")
-        for name, module in test_public_api.MODULES.items()
-    }
-    classes = test_public_api.own_classes()
     found = {}
-    for line in test_public_api.surface():
-        name, bracket, _ = line.partition("(")
-        if not bracket or line.startswith("alpha5 "):
-            continue
-        if name.startswith("-> "):
-            owner, _, rest = name[3:].partition(".")
-            value = attrgetter(rest)(classes[owner])
-        else:
-            owner, _, rest = name.partition(".")
-            value = attrgetter(rest)(roots[owner])
+    for name, value in public_names().functions.items():
         parameters = inspect.signature(value).parameters.values()
         if any(_ARRAY.search(str(p.annotation)) for p in parameters):
             found[name.removeprefix("-> ")] = value
@@ -804,6 +784,8 @@ def _water_calls(rows: _TheoryRows) -> list[_Row]:
 
 def jax_calls() -> list[tuple[str, Call]]:
     """Of `alpha5_model.jax`, one state each, (name, call)."""
+    from alpha5_model import jax as jax_arms
+
     arm = jax_arms.load()
     state = dict(
         zip(("q", "v", "a"), np.random.default_rng(6).normal(size=(3, 4)), strict=True)

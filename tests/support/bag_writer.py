@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rosbags import rosbag1, rosbag2
-from rosbags.typesys import Stores, get_typestore
 
 KINDS = (".bag", ".db3", ".mcap", "folder")
 
@@ -45,6 +43,9 @@ def write_bag(
         compression: ``"bz2"`` or ``"lz4"`` of ROS 1; ``"storage"`` of MCAP;
             ``"message"`` or ``"file"`` of the folder of a ROS 2 bag.
     """
+    from rosbags import rosbag1, rosbag2
+    from rosbags.typesys import Stores, get_typestore
+
     first = kind == ".bag"
     store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
     joint_state, header, time = (

@@ -6,7 +6,8 @@ import importlib.util
 import io
 import os
 import shutil
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -38,6 +39,8 @@ needs_browser = pytest.mark.skipif(
 #: WebGL in software, so that it works on any machine.
 _ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 SIZE = (1000, 640)
+#: Longest wait [s], on a machine that does other work, too.
+LONGEST = 120.0
 #: Smooth edges take four samples for each pixel, half of the time of a software canvas.
 _ONE_SAMPLE = """
 { const own = HTMLCanvasElement.prototype.getContext;
@@ -64,10 +67,20 @@ class Tab:
     def open(self, url: str) -> None:
         """Open and wait until the page's script has run and drawn."""
         self.page.goto(url)
-        while not self.run("() => document.documentElement.dataset.ready"):
+
+        def ready() -> Any:
             assert not self.complaints, self.complaints
-            self.page.wait_for_timeout(20)
+            return self.run("() => document.documentElement.dataset.ready")
+
+        self.wait(ready)
         self.settle()
+
+    def wait(self, condition: Callable[[], Any]) -> None:
+        """Wait for something, while the page's events arrive."""
+        ends = time.monotonic() + LONGEST
+        while not condition():
+            assert time.monotonic() < ends
+            self.page.wait_for_timeout(20)
 
     def settle(self) -> None:
         """Wait until all that was asked for is drawn."""
@@ -157,6 +170,7 @@ def new_tab(running: Any, size: tuple[int, int] = SIZE, **options: Any) -> Tab:
     viewport = {"width": size[0], "height": size[1]}
     options = {"reduced_motion": "reduce", **options}
     page = running.new_page(viewport=viewport, **options)
+    page.set_default_timeout(1e3 * LONGEST)
     page.add_init_script(_ONE_SAMPLE)
     tab = Tab(page)
     page.on(

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
-import os
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pytest
+from compiled_kernels import compiled_kernels
 
-NAME = "alpha5_model.codegen.kernels._compiled"
-if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
-    compiled = importlib.import_module(NAME)
-else:
-    compiled = pytest.importorskip(NAME, exc_type=ImportError)
+compiled = compiled_kernels()
 
 FREE, HIT, UNDECIDED = 0, 1, 2
 AT_ORIGIN = np.eye(4)[:3].ravel()

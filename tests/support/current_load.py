@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import reference
-from scipy.optimize import least_squares
 
 FILES = Path(__file__).parents[2] / "alpha5_model" / "numbers"
 
@@ -53,6 +52,8 @@ def added_mass(row: dict, level: int) -> np.ndarray:
     The kinetic energy of a motion is that of its parts at the centre, each in
     proportion to the root of its share. The centre is found by a search.
     """
+    from scipy.optimize import least_squares
+
     matrix = np.array(row["added_mass"], dtype=float)
     factor = float(row["added_mass_factor"][level])
     if level == 1:

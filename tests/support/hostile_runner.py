@@ -19,13 +19,10 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-# This program runs in a process of its own, without the path of the tests.
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-
 import rosbags.rosbag1
 import rosbags.rosbag2
 import rosbags.typesys
-from fuzzing import watch
+import watch
 
 import alpha5_model as a5
 import xacro

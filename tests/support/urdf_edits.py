@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
-from alpha5_model.description.urdf import urdf
+import alpha5_model as a5
 
-#: Our own arm, expanded once for all tests.
-OWN = urdf()
+#: Our own arm, as it is committed.
+OWN = Path(a5.URDF_PATH).read_text("utf-8")
 _MASS = r'(<link name="{link}">(?:(?!</link>).)*?<mass value=")([^"]*)'
 
 

@@ -8,9 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import pinocchio as pin
 import pytest
-from example_robot_data import load
 from literature import PUMA_560, STANFORD
-from scipy.optimize import brentq
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
@@ -75,7 +74,7 @@ SPHERICAL = axes_chain([(ORIGIN, Z, 0), (ORIGIN, Y, 0), (ORIGIN, X, 1)])
 WRIST_SCARA = axes_chain([(ORIGIN, Z, 0), (X, Z, 0), (2 * X, Z, 1), (2 * X, Y, 0)])
 
 
-@pytest.mark.parametrize(
+@each(
     ("chain", "kind", "joints", "horizontal"),
     [
         (DHChain.alpha5(), "revolute", "RRRR", False),
@@ -106,39 +105,6 @@ def test_classification(
     assert (found.kind, found.joints, found.horizontal) == (kind, joints, horizontal)
     assert found.reason
     assert "\n" not in found.reason
-
-
-@pytest.mark.parametrize(
-    ("chain", "reason"),
-    [
-        (DHChain.alpha5(), "all joints are revolute"),
-        (GANTRY, "the first three joints slide along perpendicular axes"),
-        (OBLIQUE, "the first three joints slide, but not along perpendicular axes"),
-        (
-            axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1)]),
-            "2 prismatic joints, not three perpendicular ones",
-        ),
-        (FALLEN_SCARA, "a prismatic joint, and the first axis is not vertical"),
-        (
-            SPHERICAL,
-            "a prismatic joint, and only 1 vertical revolute axes before one that is "
-            "not vertical",
-        ),
-        (
-            DHChain.from_table(SCARA),
-            "3 vertical revolute axes apart and a vertical prismatic one: the major "
-            "links move in a horizontal plane",
-        ),
-    ],
-)
-def test_why_an_arm_is_of_its_kind(chain: DHChain, reason: str) -> None:
-    assert classify(chain).reason == reason
-
-
-@pytest.mark.parametrize(("tilt", "kind"), [(0.9e-9, "scara"), (1.1e-9, "other")])
-def test_how_vertical_an_axis_must_be(tilt: float, kind: str) -> None:
-    rows = [[0, 0, 1, tilt, 0], [0, 0, 1, 0, 0], [0, 0, 0, 0, 1]]
-    assert classify(DHChain.from_table(rows)).kind == kind
 
 
 def test_the_size_of_an_arm_is_about_its_reach() -> None:
@@ -184,7 +150,7 @@ def test_a_fallen_scara_stands_up_with_another_vertical() -> None:
     assert classify(DHChain.from_table(SCARA), vertical=X).kind == "other"
 
 
-@pytest.mark.parametrize(
+@each(
     ("chain", "dimension", "position", "orientation", "insertion"),
     [
         (DHChain.alpha5(), 4, 3, 3, 3),
@@ -219,32 +185,6 @@ def test_task_capability(chain, dimension, position, orientation, insertion) -> 
     assert task.vertical_insertion == (insertion == 4)
     assert task.general_reason
     assert task.insertion_reason
-
-
-@pytest.mark.parametrize(
-    ("count", "reason"),
-    [
-        (
-            3,
-            (
-                "3 joints reach at most 3 of the 6 dimensions of SE(3); the Jacobian "
-                "has rank 3"
-            ),
-        ),
-        (
-            4,
-            (
-                "4 joints reach at most 4 of the 6 dimensions of SE(3); the Jacobian "
-                "has rank 3"
-            ),
-        ),
-        (6, "6 joints, but the Jacobian never has more than rank 3"),
-        (7, "7 joints, but the Jacobian never has more than rank 3"),
-    ],
-)
-def test_why_an_arm_in_a_plane_is_not_general(count: int, reason: str) -> None:
-    chain = DHChain.from_table([[0, 0, 1, 0, 0]] * count)
-    assert task_capability(chain, samples=20).general_reason == reason
 
 
 def test_a_tool_that_can_never_be_vertical() -> None:
@@ -352,6 +292,8 @@ def test_alpha5_cannot_turn_about_a_point_but_by_its_wrist() -> None:
 
 
 def test_on_the_yaw_axis_the_freedom_is_two() -> None:
+    from scipy.optimize import brentq
+
     chain = DHChain.alpha5()
 
     def radial(x: float) -> float:
@@ -549,6 +491,8 @@ def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> 
     ("robot", "frame"), [("ur5", "tool0"), ("panda", "panda_hand")]
 )
 def test_dexterity_of_real_arms(robot: str, frame: str) -> None:
+    from example_robot_data import load
+
     chain = DHChain.from_pinocchio(load(robot).model, frame)
     estimate = spatial_dexterity(
         chain, [[0.45, 0.1, 0.35], [3.0, 0.0, 0.0]], orientations=24, starts=10

@@ -5,20 +5,17 @@ from __future__ import annotations
 import importlib.util
 import json
 import math
-import struct
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.collections import QuadMesh
-from matplotlib.contour import ContourSet
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import OutputError, UnknownNameError
 from alpha5_model.theory.planar import PlanarArm
-from alpha5_model.viewer.planar_plot import new_axes, plot_planar, save
+from alpha5_model.viewer.planar_plot import plot_planar, save
 
 SCRIPT = (
     Path(__file__).resolve().parents[2] / "scripts" / "checks" / "lecture_examples.py"
@@ -186,7 +183,9 @@ def test_planar_with_limits_states_its_resolution(capsys) -> None:
     assert data["area"] == pytest.approx(math.pi * (64 - low**2), rel=0.03)
 
 
-def test_planar_with_many_limited_joints_is_quick(capsys, tmp_path: Path) -> None:
+def test_planar_leaves_out_what_many_limited_joints_make_long(
+    capsys, tmp_path: Path
+) -> None:
     limits = [x for _ in range(6) for x in ("-l", "-1 1")]
     plot = tmp_path / "six.svg"
     status, out, _ = run(capsys, "planar", *"222221", *limits, "--plot", str(plot))
@@ -211,15 +210,6 @@ def test_planar_writes_a_picture(capsys, tmp_path: Path, suffix: str) -> None:
     start = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}[suffix]
     assert path.read_bytes().startswith(start)
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_planar_names_the_picture_it_wrote(capsys, tmp_path: Path) -> None:
-    path = tmp_path / "arm.svg"
-    assert run(capsys, "planar", "5", "4", "1", "--plot", str(path))[1].endswith(
-        f"wrote {path}\n"
-    )
-    out = run(capsys, "planar", "5", "4", "1", "--plot", str(path), "--json")[1]
-    assert json.loads(out)["joints"] == "RRR"
 
 
 def test_a_picture_that_cannot_be_written(tmp_path: Path) -> None:
@@ -277,6 +267,8 @@ def test_the_dexterous_rings_are_drawn_where_they_are() -> None:
 
 def test_the_line_around_the_dexterous_workspace_has_its_area() -> None:
     """With joint limits it is a contour of a map; the notes' arm has 155.8."""
+    from matplotlib.contour import ContourSet
+
     arm = PlanarArm((5, 4, 1), [(-2.967, 2.967)] * 3)
     axes = plot_planar(arm, resolution=81)
     (contour,) = [line for line in axes.collections if isinstance(line, ContourSet)]
@@ -292,6 +284,8 @@ def test_the_line_around_the_dexterous_workspace_has_its_area() -> None:
 
 
 def test_without_a_turning_hand_there_is_no_map_of_orientations() -> None:
+    from matplotlib.collections import QuadMesh
+
     limits = [(-2.0, 2.0), (-2.0, 2.0), (0.5, 1.0)]
     axes = plot_planar(PlanarArm((5, 4, 1), limits, "RRP"), resolution=21)
     assert not any(isinstance(drawn, QuadMesh) for drawn in axes.collections)
@@ -299,15 +293,6 @@ def test_without_a_turning_hand_there_is_no_map_of_orientations() -> None:
     axes = plot_planar(PlanarArm((5, 4, 1), limits, "RRR"), resolution=21)
     (mesh,) = [drawn for drawn in axes.collections if isinstance(drawn, QuadMesh)]
     assert 0 < mesh.get_array().max() < 1
-
-
-def test_many_axes_on_one_figure(tmp_path: Path) -> None:
-    axes = new_axes(2, 1)
-    plot_planar(PlanarArm((1, 1)), axes=axes[0])
-    plot_planar(PlanarArm((1,), [(0, 1)]), axes=axes[1])
-    save(axes, tmp_path / "two.png")
-    width, height = struct.unpack(">II", (tmp_path / "two.png").read_bytes()[16:24])
-    assert width == 2 * height
 
 
 @pytest.mark.slow

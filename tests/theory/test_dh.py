@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from literature import PUMA_560, STANFORD
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.errors import (
@@ -346,7 +347,7 @@ def test_urdf_needs_limits_where_the_format_does() -> None:
         DHChain((DHLink(0, 0, 1, 0, lower=0.0),)).to_urdf()
 
 
-@pytest.mark.parametrize(
+@each(
     ("call", "error", "words"),
     [
         (lambda: DHLink(0, 0, 0, 0, 2), InputError, "sigma"),
@@ -468,7 +469,7 @@ def test_a_urdf_may_have_100_joints_that_move_and_1000_links(tmp_path: Path) -> 
         DHChain.from_urdf(written(102, 101), "l2")
 
 
-@pytest.mark.parametrize("frame", ["tooth", "Tool", "", "tcp", 5, -1, True, 1.0])
+@each("frame", ["tooth", "Tool", "", "tcp", 5, -1, True, 1.0])
 def test_a_frame_is_a_number_or_the_tool(frame: object) -> None:
     chain = DHChain.alpha5()
     known = "unknown frame .*; choose from 0, 1, 2, 3, 4, tool"

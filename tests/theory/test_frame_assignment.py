@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pinocchio as pin
 import pytest
-from example_robot_data import load
-from scipy.spatial.transform import Rotation
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
@@ -125,10 +124,8 @@ def test_the_frames_obey_the_rule(kind: str) -> None:
             assert abs(link.alpha) == pytest.approx(math.pi, abs=TIGHT)
 
 
-@pytest.mark.parametrize("point", [(0, 0, 0.3), (0.2, 0, 0), (0, 0.2, 0), (0, 1e-6, 0)])
-@pytest.mark.parametrize(
-    "direction", [(0, 0, 1), (0, 0, -1), (0, 1e-6, 1), (1e-6, 0, 1)]
-)
+@each("point", [(0, 0, 0.3), (0.2, 0, 0), (0, 0.2, 0), (0, 1e-6, 0)])
+@each("direction", [(0, 0, 1), (0, 0, -1), (0, 1e-6, 1), (1e-6, 0, 1)])
 def test_the_world_frame_is_the_first_one_on_its_own_axis(
     point: tuple[float, ...], direction: tuple[float, ...]
 ) -> None:
@@ -272,6 +269,8 @@ def test_without_a_name_the_last_frame_of_the_last_joint_is_meant() -> None:
 )
 def test_real_arms_from_their_urdf(robot: str, frame: str, d, a, alpha) -> None:
     """Manufacturers' tables up to the signs that the direction of x_j leaves free."""
+    from example_robot_data import load
+
     model = load(robot).model
     chain = DHChain.from_pinocchio(model, frame)
     assert [abs(x.d) for x in chain.links] == pytest.approx(np.abs(d), abs=1e-5)
@@ -304,7 +303,7 @@ def test_joints_that_have_no_dh_row_are_refused() -> None:
         DHChain.from_pinocchio(fixed, "nose")
 
 
-@pytest.mark.parametrize(
+@each(
     ("arguments", "words"),
     [
         (([], []), "shape"),
@@ -380,6 +379,8 @@ def test_a_tolerance_that_makes_perpendicular_axes_parallel_is_refused(
 
 @pytest.mark.parametrize("direction", [[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]])
 def test_a_single_joint_turns_about_its_axis(direction: list[float]) -> None:
+    from scipy.spatial.transform import Rotation
+
     point = np.array([0.1, -0.2, 0.3])
     chain = DHChain.from_axes([point], [direction])
     poses = chain.forward_kinematics(np.array([[0.0], [0.7]]))
@@ -387,3 +388,14 @@ def test_a_single_joint_turns_about_its_axis(direction: list[float]) -> None:
     expected = Rotation.from_rotvec(0.7 * np.array(direction)).as_matrix()
     np.testing.assert_allclose(turned[:3, :3], expected, atol=1e-12)
     np.testing.assert_allclose(turned[:3, :3] @ point + turned[:3, 3], point, atol=1e-9)
+
+
+def test_directions_of_any_length() -> None:
+    from alpha5_model.theory.dh.arm_types import classify
+
+    points = [[0.0, 0, 0], [1, 0, 0]]
+    arm = a5.dh.DHChain.alpha5()
+    for scale in (1e-300, 1.0, 1e300):
+        chain = a5.dh.DHChain.from_axes(points, [[0, 0, scale], [0, 0, scale]])
+        assert chain.links[0].a == pytest.approx(1.0)
+        assert classify(arm, [0, 0, scale]) == classify(arm)

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from loops import each
 
-from alpha5_model.theory.planar import Arc, PlanarArm, Segment
-from alpha5_model.theory.planar.arm import within_limits
+from alpha5_model.theory.planar import Arc, Segment
 from alpha5_model.theory.planar.boundary import bounds
 from alpha5_model.theory.planar.intersections import circle_hits, line_hits
 
@@ -40,7 +40,7 @@ CURVES = [
 ]
 
 
-@pytest.mark.parametrize("curve", CURVES)
+@each("curve", CURVES)
 def test_length_area_and_normal_are_those_of_the_points(curve: Curve) -> None:
     points = points_of(curve)
     step = np.diff(points, axis=0)
@@ -56,7 +56,7 @@ def test_length_area_and_normal_are_those_of_the_points(curve: Curve) -> None:
         assert curve.left(at) == pytest.approx([-ahead[1], ahead[0]], abs=1e-8)
 
 
-@pytest.mark.parametrize("curve", CURVES)
+@each("curve", CURVES)
 def test_a_parameter_gives_its_point_back(curve: Curve) -> None:
     low, high = curve.interval
     t = np.linspace(low, high, 21)
@@ -75,7 +75,7 @@ def test_a_parameter_gives_its_point_back(curve: Curve) -> None:
             assert np.isnan(ends).all()
 
 
-@pytest.mark.parametrize("curve", CURVES)
+@each("curve", CURVES)
 def test_a_part_and_a_moved_curve_have_the_points(curve: Curve) -> None:
     low, high = curve.interval
     part = curve.piece(low + 0.1, high - 0.2)
@@ -128,52 +128,6 @@ def test_circles_and_lines_meet_curves_where_the_distance_changes_sign() -> None
         hits = on_circles[~np.isnan(on_circles).any(axis=-1)]
         assert not np.isnan(curve.parameter(hits, TINY)).any()
     assert met > 50
-
-
-@pytest.mark.parametrize(("gap", "touches"), [(0.9e-9, True), (1.1e-9, False)])
-def test_touching_counts_within_the_tolerance(gap: float, touches: bool) -> None:
-    circle = Arc(center=(1.0, 0.0), radius=2.0)
-    line = Segment(start=(-5.0, 2.0), angle=0.0, length=9.0)
-    outside = circle_hits(np.array([[5.0, 0.0]]), np.array([2.0 - gap]), circle, TINY)
-    within = circle_hits(np.array([[2.0, 0.0]]), np.array([1.0 - gap]), circle, TINY)
-    above = circle_hits(np.array([[0.0, 4.0]]), np.array([2.0 - gap]), line, TINY)
-    across = line_hits(
-        np.array([[-4.0, 2.0 + gap]]), np.array([[1.0, 0.0]]), circle, TINY
-    )
-    cases = ((outside, (3, 0)), (within, (3, 0)), (above, (0, 2)), (across, (1, 2)))
-    for found, at in cases:
-        assert np.isnan(found).all() != touches
-        if touches:
-            assert found[0, 0] == pytest.approx(at, abs=1e-4)
-
-
-def test_points_meet_points_and_parallel_lines_nothing() -> None:
-    point = Arc(center=(1.0, 2.0), radius=0.0)
-    centers = np.array([[1.0, 2.0], [1.0, 2.0 + 2e-9]])
-    found = circle_hits(centers, np.zeros(2), point, TINY)
-    assert not np.isnan(found[0]).any()
-    assert found[0, 0] == pytest.approx([1.0, 2.0])
-    assert np.isnan(found[1]).all()
-    line = Segment(start=(0.0, 0.0), angle=0.3, length=2.0)
-    along = np.array([[math.cos(0.3), math.sin(0.3)]])
-    assert np.isnan(line_hits(np.array([[0.0, 1.0]]), along, line, TINY)).all()
-
-
-@pytest.mark.parametrize("kinds", ["R", "P"])
-def test_limits_have_the_slack_on_both_sides(kinds: str) -> None:
-    arm = PlanarArm((1.0,), [(-0.5, 1.2)], kinds)
-    off = np.array([-1.5, -0.5, 0.5, 1.5]) * 1e-6
-    low = within_limits(arm, 0, -0.5 + off, 1e-6)
-    high = within_limits(arm, 0, 1.2 + off, 1e-6)
-    assert low.tolist() == [False, True, True, True]
-    assert high.tolist() == [True, True, True, False]
-    turned = within_limits(arm, 0, np.array([0.3 + math.tau, 0.3 - math.tau]), 0.0)
-    assert turned.tolist() == [kinds == "R"] * 2
-    free = PlanarArm((1.0,))
-    assert within_limits(free, 0, np.array([9.0, np.nan]), 0.0).tolist() == [
-        True,
-        False,
-    ]
 
 
 def test_a_square_of_lines_with_a_hole_and_a_hair() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from loops import each
 
 from alpha5_model.errors import Alpha5Error, InputError
 from alpha5_model.theory.planar import (
@@ -127,7 +128,7 @@ def test_theorem_and_exact_condition_against_brute_force(integers: bool) -> None
 
 def test_intervals_against_brute_force() -> None:
     rng = np.random.default_rng(2)
-    for k in range(400):
+    for k in range(150):
         lengths = rng.integers(1, 7, 3) * 1.0 if k % 2 else rng.uniform(0.1, 3, 3)
         intervals = dexterous_radii(PlanarArm(lengths))
         ends = [x for interval in intervals for x in interval]
@@ -297,7 +298,7 @@ def test_without_limits_the_map_is_the_exact_region() -> None:
         assert np.array_equal(share == 1, exact)
 
 
-@pytest.mark.parametrize("kinds", ["RPR", "PRR", "PPR", "RRR", "RRRR", "PRRR", "RPRR"])
+@each("kinds", ["RPR", "PRR", "PPR", "RRR", "RRRR", "PRRR", "RPRR"])
 def test_reached_orientations_are_reached(kinds: str) -> None:
     """`dexterity` counts the orientation of each sampled configuration."""
     rng = np.random.default_rng(6)
@@ -493,7 +494,7 @@ def test_isolated_radii(lengths, radii) -> None:
         assert dexterous_area(PlanarArm(lengths)) == 0
 
 
-@pytest.mark.parametrize(
+@each(
     ("call", "words"),
     [
         (lambda: lecture_theorem(0, 1, 1, 1), "l_1"),

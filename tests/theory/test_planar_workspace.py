@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.errors import (
@@ -135,7 +136,7 @@ def general_route(arm: PlanarArm, monkeypatch: pytest.MonkeyPatch) -> Workspace:
     return workspace(arm)
 
 
-@pytest.mark.parametrize("name", LIMITED)
+@each("name", LIMITED)
 def test_every_enumerated_point_is_inside(name: str) -> None:
     arm = LIMITED[name]
     tips = random_tips(arm, 20000, np.random.default_rng(1))
@@ -184,7 +185,7 @@ def test_points_inside_are_reached_and_points_outside_are_not(name: str) -> None
     assert np.array_equal(reached, arm.workspace().contains(points))
 
 
-@pytest.mark.parametrize("name", LIMITED)
+@each("name", LIMITED)
 def test_area_is_that_of_a_fine_grid(name: str) -> None:
     """The area is the number of squares whose centre is inside, times their area."""
     arm = LIMITED[name]
@@ -230,7 +231,7 @@ def test_area_of_a_circle_that_slides() -> None:
     assert LIMITED["PR"].workspace().area == pytest.approx(stadium - lens, rel=1e-12)
 
 
-@pytest.mark.parametrize("lengths", FREE)
+@each("lengths", FREE)
 def test_area_of_an_arm_without_limits_is_an_annulus(lengths) -> None:
     inner = max(0, 2 * max(lengths) - sum(lengths))
     area = math.pi * (sum(lengths) ** 2 - inner**2)
@@ -238,7 +239,7 @@ def test_area_of_an_arm_without_limits_is_an_annulus(lengths) -> None:
     assert PlanarArm(lengths).workspace().area == pytest.approx(wanted, rel=1e-13)
 
 
-@pytest.mark.parametrize(
+@each(
     ("arm", "shape"),
     [
         (PlanarArm((5,)), "circle"),
@@ -364,7 +365,7 @@ def test_a_hole_and_a_slit() -> None:
     assert not LIMITED["RR"].workspace().contains([[0, -3], [0, 1], [9, 0]]).any()
 
 
-@pytest.mark.parametrize(
+@each(
     ("call", "error", "words"),
     [
         (lambda: PlanarArm(()), ShapeError, "at least one"),

@@ -253,13 +253,6 @@ def test_jaws_need_the_jaw_column(
     assert got["model"]["gripper"] == "locked"
 
 
-def test_help_shows_units_and_an_example(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["trajectory", "--help"]) == 0
-    help_text = " ".join(capsys.readouterr().out.replace("│", " ").split())
-    for words in ("Example: alpha5 trajectory", "(Hz)", "(V)", "axis_a", "jaws closed"):
-        assert words in help_text
-
-
 def test_progress_is_reported_for_long_work(motion_file: Path) -> None:
     seen: list[tuple[str, float]] = []
 
@@ -285,37 +278,6 @@ def test_plot_keeps_the_extremes_of_long_curves() -> None:
     assert v.max() == values[: 100_003 // 51 * 51].max()
     assert v.min() == values[: 100_003 // 51 * 51].min()
     np.testing.assert_array_equal(v, values[t.astype(int)])
-
-
-def test_plot_draws_what_was_computed(motion_file: Path) -> None:
-    from alpha5_model.viewer.motion_plot import motion_figure
-
-    analysis = a5.trajectory.analyse(a5.trajectory.read_motion(motion_file))
-    page = motion_figure(analysis)
-    assert len(page.axes) == 3 * 6
-    for row in range(5):
-        lines = {
-            line.get_label(): line.get_ydata() for line in page.axes[3 * row + 1].lines
-        }
-        np.testing.assert_array_equal(lines["torque"], analysis.torque[:, row])
-        np.testing.assert_array_equal(lines["buoyancy"], analysis.buoyancy[:, row])
-
-
-def test_a_joint_at_rest_is_drawn_in_the_middle_of_a_wide_panel() -> None:
-    """Its noise does not fill the panel, which has 4 % of the joint's range."""
-    from alpha5_model.viewer.motion_plot import motion_figure
-
-    time = np.linspace(0.0, 2.0, 200)
-    rest = a5.named_pose("home")
-    noise = 1e-5 * np.random.default_rng(0).normal(size=(200, 4))
-    motion = a5.trajectory.motion(time, rest + noise)
-    page = motion_figure(a5.trajectory.analyse(motion))
-    limits = a5.load().limits
-    for k in range(4):
-        low, high = page.axes[3 * k].get_ylim()
-        share = np.radians(high - low) / (limits.upper[k] - limits.lower[k])
-        assert share == pytest.approx(0.04, rel=0.02)
-        assert (low + high) / 2 == pytest.approx(np.degrees(rest[k]), abs=0.01)
 
 
 @needs_recordings

@@ -1,8 +1,7 @@
-"""Thresholds of recorded motions, tried on both of their sides."""
+"""Numbers of recordings that are too large, or in another unit than is said."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,8 +21,6 @@ from short_recording import (
 )
 
 import alpha5_model as a5
-from alpha5_model.errors import InputError
-from alpha5_model.trajectory.filters import _check_even_samples
 
 # --- numbers that are too large -------------------------------------------------------
 
@@ -50,33 +47,6 @@ def test_other_numbers_go_up_to_1e9(quantity: str, more: float, much: bool) -> N
 # --- angles in degrees ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("beyond", "degrees"), [(0.0999, True), (0.1001, False)])
-@pytest.mark.parametrize("end", [0, 1])
-def test_degrees_lie_within_a_range_or_a_tenth_of_it_beyond(
-    beyond: float, degrees: bool, end: int
-) -> None:
-    joint = a5.parameters().joints[2]
-    span = joint.upper - joint.lower
-    edge = joint.upper + beyond * span if end else joint.lower - beyond * span
-    angles = np.tile([90.0, 90.0, math.degrees(edge), 90.0], (20, 1))
-    with refused(degrees, "is an angle of axis_e in degrees"):
-        a5.trajectory.motion(np.arange(20.0), angles)
-
-
-@pytest.mark.parametrize(("times", "degrees"), [(4.01, True), (3.99, False)])
-def test_an_angle_far_off_is_four_times_beyond_its_limit(
-    times: float, degrees: bool
-) -> None:
-    """Each within its range as degrees, and not so far as radians but one."""
-    wrist = times * a5.parameters().joints[3].upper
-    angles = np.tile([10.0, 10.0, 10.0, wrist], (20, 1))
-    with refused(degrees, "is an angle of axis_b in degrees"):
-        found = a5.trajectory.motion(np.arange(20.0), angles)
-        assert [warning.text.endswith("degrees?)") for warning in found.warnings] == [
-            False
-        ] * 4
-
-
 @pytest.mark.parametrize(("far", "degrees"), [(10, False), (11, True)])
 def test_most_samples_decide(far: int, degrees: bool) -> None:
     angles = np.tile([1.5, 1.5, 1.5, 1.5], (20, 1))
@@ -93,24 +63,27 @@ def test_most_samples_decide(far: int, degrees: bool) -> None:
 
 # --- efforts and currents -------------------------------------------------------------
 
-TAKEN = a5.trajectory.analyse(motion())
-#: What each sample may take at most without a payload: torque and friction [N m].
-POSSIBLE = np.abs(TAKEN.torque) + [m.joint_friction for m in TAKEN.actuators]
+
+@pytest.fixture(scope="module")
+def possible() -> Any:
+    """What each sample may take without a payload: torque and friction [N m]."""
+    taken = a5.trajectory.analyse(motion())
+    return np.abs(taken.torque) + [motor.joint_friction for motor in taken.actuators]
 
 
 @pytest.mark.parametrize(("times", "unit"), [(1.99, "N m"), (2.01, "mA")])
 @pytest.mark.parametrize("known", ["all", "few", "one"])
 def test_efforts_are_milliamperes_above_twice_what_is_possible(
-    times: float, unit: str, known: str
+    times: float, unit: str, known: str, possible: Any
 ) -> None:
-    effort = times * POSSIBLE
+    effort = times * possible
     if known == "few":
         effort[::5] = np.nan
         effort[1::5] = np.nan
         effort[2::5, 1] = np.nan
     if known == "one":
         effort[:] = np.nan
-        effort[7, 3] = times * POSSIBLE[7, 3]
+        effort[7, 3] = times * possible[7, 3]
     # As of a file, where a number may be missing.
     recorded = replace(motion(), effort=effort)
     analysis = a5.trajectory.analyse(recorded)
@@ -121,24 +94,14 @@ def test_efforts_are_milliamperes_above_twice_what_is_possible(
         assert "2.01 times the torque with friction" in warning.text
 
 
-def test_the_effort_of_the_jaw_rod_decides_nothing() -> None:
+def test_the_effort_of_the_jaw_rod_decides_nothing(possible: Any) -> None:
     """It is a force, and mostly unknown."""
     position = np.column_stack([POSITION, np.full(TIME.size, 0.005)])
-    effort = np.column_stack([1.5 * POSSIBLE, np.full(TIME.size, 500.0)])
+    effort = np.column_stack([1.5 * possible, np.full(TIME.size, 500.0)])
     with_rod = a5.trajectory.motion(TIME, position, effort=effort)
     analysis = a5.trajectory.analyse(with_rod)
     assert kinds(analysis) == []
     np.testing.assert_array_equal(analysis.effort, effort)
-
-
-@pytest.mark.parametrize(("share", "unit"), [(0.999, "mA"), (1.001, "N m")])
-def test_efforts_beyond_a_stalled_motor_are_no_milliamperes(
-    share: float, unit: str
-) -> None:
-    effort = np.full(POSITION.shape, 100.0)
-    effort[3, 0] = -share * STALLED
-    analysis = a5.trajectory.analyse(motion(effort=effort))
-    assert kinds(analysis) == ["effort_unit"] * (unit == "mA")
 
 
 @pytest.mark.parametrize(("share", "count"), [(0.999, 0), (1.001, 3)])
@@ -182,69 +145,3 @@ def test_only_slow_parts_of_velocities_are_judged(
 ) -> None:
     analysis = a5.trajectory.analyse(with_velocities(0.02, 2000, slow, fast))
     assert kinds(analysis) == ["velocity"] * found
-
-
-@pytest.mark.parametrize(
-    ("step", "method", "bandwidth"),
-    [(1.0, "interpolate", 2.0), (1e-4, "spline", 20.0)],
-    ids=["a plan of few points", "ten thousand samples a second"],
-)
-def test_velocities_of_any_sample_rate_are_judged(
-    step: float, method: str, bandwidth: float
-) -> None:
-    count = 41 if step == 1.0 else 20_001
-    time = step * np.arange(count)
-    pace = 4 * np.pi / time[-1] if step == 1.0 else 2 * np.pi / time[-1]
-    angle = 1.5 + 0.3 * np.sin(pace * time)
-    rate = 0.3 * pace * np.cos(pace * time)
-    for gain, found in ((1.0, 0), (57.3, 1)):
-        q = np.tile(a5.named_pose("home"), (count, 1))
-        v = np.zeros_like(q)
-        q[:, 3] = angle
-        v[:, 3] = gain * rate
-        moved = a5.trajectory.motion(time, q, v)
-        analysis = a5.trajectory.analyse(moved, method=method, bandwidth=bandwidth)
-        assert kinds(analysis).count("velocity") == found
-
-
-@pytest.mark.parametrize("samples", [21, 3000])
-def test_even_times_of_a_filter_take_a_million_and_a_hundred_each(samples: int) -> None:
-    most = 1_000_000 + 100 * samples
-    step = 2.0**-7
-    for count in (most, most + 1):
-        time = step * np.arange(float(samples))
-        time[-1] = step * (count - 1)
-        with refused(count > most, "a gap of the motion takes"):
-            _check_even_samples(time, step)
-
-
-def test_the_constants_named_are_those_of_the_arm_not_of_replaced_motors() -> None:
-    """A caller's motor may have other constants; the first joint's are named."""
-    own = a5.actuators.actuator("axis_b", "torque")
-    other = a5.actuators.actuator("axis_d", "voltage")
-    analysis = a5.trajectory.analyse(
-        motion(), actuators={"axis_b": own, "axis_d": other}
-    )
-    motors = a5.trajectory.summary(analysis)["motors"]
-    assert motors["constants"] == "printed"
-
-
-def test_a_written_analysis_needs_no_progress(tmp_path: Path) -> None:
-    path = a5.trajectory.write(TAKEN, tmp_path / "out.csv")
-    assert len(path.read_text("utf-8").splitlines()) == 1 + TIME.size
-
-
-@pytest.mark.parametrize(("step", "doubt"), [(1.01, True), (0.99, False)])
-def test_less_than_a_sample_a_second_is_doubted(step: float, doubt: bool) -> None:
-    slow = a5.trajectory.motion(step * np.arange(80.0), POSITION)
-    with pytest.raises(InputError) as caught:
-        a5.trajectory.smooth(slow, "spline", 2.0)
-    assert ("is the time in seconds" in str(caught.value)) == doubt
-
-
-def test_too_few_different_times_are_told_at_the_first() -> None:
-    time = np.array([2.5, 3.0, 4.0, 5.0, 5.0])
-    words = "time[0]: expected at least 5 samples with different times, got 2.5"
-    with pytest.raises(InputError) as caught:
-        a5.trajectory.motion(time, POSITION[:5])
-    assert str(caught.value) == words

@@ -207,7 +207,3 @@ def test_what_is_missing_is_named(name: str, tmp_path: Path) -> None:
     path.write_text(text)
     with pytest.raises(FileFormatError, match=words):
         a5.trajectory.read_motion(path)
-
-
-def test_the_layouts_are_many() -> None:
-    assert len(LAYOUTS) + len(INCOMPLETE) >= 20

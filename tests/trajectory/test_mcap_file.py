@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -141,15 +140,3 @@ def test_the_command_writes_what_it_can_read(tmp_path: Path) -> None:
     assert again.warnings == ()
     np.testing.assert_allclose(again.position, analysis.smooth.position, atol=1e-8)
     np.testing.assert_allclose(again.effort, analysis.torque, atol=1e-4)
-
-
-@pytest.mark.parametrize("start", [-0.5, 2.0**31 - 0.5])
-def test_times_that_no_stamp_can_have_are_refused(start: float, tmp_path: Path) -> None:
-    analysis = analysed(start=0.0)
-    smooth = replace(analysis.smooth, time=analysis.smooth.time + start)
-    path = tmp_path / "motion.mcap"
-    given = f"got '{smooth.time[0]:.10g} to {smooth.time[-1]:.10g} s'"
-    words = f"expected 0 to 2147483647 s, as ROS counts, {given}"
-    with pytest.raises(a5.errors.InputError, match=words):
-        a5.trajectory.write(replace(analysis, smooth=smooth), path)
-    assert not path.exists()

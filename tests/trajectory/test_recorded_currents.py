@@ -19,8 +19,11 @@ TIME = np.arange(0.0, 6.0, 0.05)
 POSITION = a5.named_pose("home") + 0.3 * np.sin(
     TIME[:, None] / np.array([1.0, 0.7, 0.5, 0.8])
 )
-MOTION = a5.trajectory.motion(TIME, POSITION)
-COMPUTED = a5.trajectory.analyse(MOTION)
+
+
+@pytest.fixture(scope="module")
+def computed() -> a5.trajectory.Analysis:
+    return a5.trajectory.analyse(a5.trajectory.motion(TIME, POSITION))
 
 
 def table(path: Path, ending: str, values: np.ndarray, **more: np.ndarray) -> Path:
@@ -63,17 +66,19 @@ UNITS: dict[str, tuple[float, set[str]]] = {
 
 
 @pytest.mark.parametrize("ending", UNITS)
-def test_currents_are_compared_with_those_computed(ending: str, tmp_path: Path) -> None:
+def test_currents_are_compared_with_those_computed(
+    computed: a5.trajectory.Analysis, ending: str, tmp_path: Path
+) -> None:
     """A known gain and offset give figures that are known beforehand."""
     count, expected = UNITS[ending]
-    recorded = 2 * COMPUTED.current + 0.125
+    recorded = 2 * computed.current + 0.125
     analysis = analysed(table(tmp_path / "m.csv", ending, count * recorded))
     assert kinds(analysis) == expected
     assert analysis.effort is None
     np.testing.assert_allclose(analysis.recorded_current, recorded, rtol=1e-12)
-    np.testing.assert_array_equal(analysis.torque, COMPUTED.torque)
+    np.testing.assert_array_equal(analysis.torque, computed.torque)
 
-    difference = COMPUTED.current + 0.125
+    difference = computed.current + 0.125
     for k, joint in enumerate(figures(analysis).values()):
         assert joint["samples"] == TIME.size
         assert joint["difference_mean"] == pytest.approx(difference[:, k].mean())
@@ -84,9 +89,11 @@ def test_currents_are_compared_with_those_computed(ending: str, tmp_path: Path) 
         assert joint["correlation"] == pytest.approx(1.0)
 
 
-def test_small_currents_of_a_real_arm_in_milliamperes(tmp_path: Path) -> None:
+def test_small_currents_of_a_real_arm_in_milliamperes(
+    computed: a5.trajectory.Analysis, tmp_path: Path
+) -> None:
     """A public driver's static currents: 43 mA at three joints, 10 at the wrist."""
-    static = np.sign(COMPUTED.smooth.velocity) * [43.0, 43.0, 43.0, 10.0]
+    static = np.sign(computed.smooth.velocity) * [43.0, 43.0, 43.0, 10.0]
     for ending, kind in (("_current", "current_unit"), ("_effort", "effort_unit")):
         analysis = analysed(table(tmp_path / "m.csv", ending, static))
         assert kinds(analysis) == {kind}
@@ -95,36 +102,44 @@ def test_small_currents_of_a_real_arm_in_milliamperes(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("scale", [0.1, 1.0, 1.9])
-def test_efforts_in_newton_metres_stay_so(scale: float, tmp_path: Path) -> None:
+def test_efforts_in_newton_metres_stay_so(
+    computed: a5.trajectory.Analysis, scale: float, tmp_path: Path
+) -> None:
     """Also with all of Table 4's friction, and with almost none."""
-    effort = scale * (COMPUTED.torque + COMPUTED.friction)
+    effort = scale * (computed.torque + computed.friction)
     analysis = analysed(table(tmp_path / "m.csv", "_effort", effort))
     assert kinds(analysis) == set()
     assert analysis.recorded_current is None
     np.testing.assert_allclose(analysis.effort, effort, rtol=1e-12)
 
 
-def test_efforts_beyond_any_current_are_no_milliamperes(tmp_path: Path) -> None:
+def test_efforts_beyond_any_current_are_no_milliamperes(
+    computed: a5.trajectory.Analysis, tmp_path: Path
+) -> None:
     """The largest motor stalls with 7.5 A at 24 V."""
-    counts = 1e5 * COMPUTED.current
+    counts = 1e5 * computed.current
     analysis = analysed(table(tmp_path / "m.csv", "_effort", counts))
     assert kinds(analysis) == set()
     assert analysis.recorded_current is None
     assert analysis.effort is not None
 
 
-def test_recorded_currents_win_over_efforts_in_milliamperes(tmp_path: Path) -> None:
+def test_recorded_currents_win_over_efforts_in_milliamperes(
+    computed: a5.trajectory.Analysis, tmp_path: Path
+) -> None:
     efforts = {
-        f"{name}_effort": 900 * COMPUTED.current[:, k] for k, name in enumerate(JOINTS)
+        f"{name}_effort": 900 * computed.current[:, k] for k, name in enumerate(JOINTS)
     }
-    path = table(tmp_path / "m.csv", "_current", COMPUTED.current, **efforts)
+    path = table(tmp_path / "m.csv", "_current", computed.current, **efforts)
     analysis = analysed(path)
-    np.testing.assert_allclose(analysis.recorded_current, COMPUTED.current)
+    np.testing.assert_allclose(analysis.recorded_current, computed.current)
     assert analysis.effort is None
 
 
-def test_holes_and_text_in_currents(tmp_path: Path) -> None:
-    holes = COMPUTED.current.copy()
+def test_holes_and_text_in_currents(
+    computed: a5.trajectory.Analysis, tmp_path: Path
+) -> None:
+    holes = computed.current.copy()
     holes[3:50, 1] = np.nan
     holes[:, 3] = np.nan
     path = table(tmp_path / "m.csv", "_current", holes)
@@ -134,7 +149,7 @@ def test_holes_and_text_in_currents(tmp_path: Path) -> None:
 
     # Efforts are not lost because the currents hold text.
     efforts = {f"{name}_effort": np.ones(TIME.size) for name in JOINTS}
-    path = table(tmp_path / "m.csv", "_current", COMPUTED.current * np.nan, **efforts)
+    path = table(tmp_path / "m.csv", "_current", computed.current * np.nan, **efforts)
     path.write_text(path.read_text("utf-8").replace("nan", "off"), "utf-8")
     motion = a5.trajectory.read_motion(path)
     assert motion.current is None
@@ -164,22 +179,25 @@ def test_currents_of_arrays_and_of_the_jaw_rod() -> None:
         a5.trajectory.motion(TIME, position, current=1e3 * recorded)
 
 
-def test_a_written_table_returns_what_was_recorded(tmp_path: Path) -> None:
+def test_a_written_table_returns_what_was_recorded(
+    computed: a5.trajectory.Analysis, tmp_path: Path
+) -> None:
     """Not what was computed, whose columns have an interval."""
-    recorded = 2 * COMPUTED.current + 0.125
+    recorded = 2 * computed.current + 0.125
     analysis = analysed(table(tmp_path / "m.csv", "_current", recorded))
     a5.trajectory.write(analysis, tmp_path / "again.csv")
     again = a5.trajectory.read_motion(tmp_path / "again.csv")
     np.testing.assert_allclose(again.current, recorded, rtol=1e-8)
 
-    a5.trajectory.write(COMPUTED, tmp_path / "computed.csv")
+    a5.trajectory.write(computed, tmp_path / "computed.csv")
     assert a5.trajectory.read_motion(tmp_path / "computed.csv").current is None
 
 
+@pytest.mark.slow
 def test_the_command_prints_and_draws_recorded_currents(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    computed: a5.trajectory.Analysis, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = table(tmp_path / "m.csv", "_effort", 1e3 * COMPUTED.current)
+    path = table(tmp_path / "m.csv", "_effort", 1e3 * computed.current)
     assert main(["trajectory", str(path), "--plot", str(tmp_path / "p.png")]) == 0
     out = capsys.readouterr().out
     title = "recorded current, and recorded minus computed"

@@ -10,15 +10,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import pyarrow
 import pytest
 from bag_writer import State, write_bag
-from pyarrow import parquet
 
 import alpha5_model as a5
 from alpha5_model.cli.program import main
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
-from alpha5_model.trajectory.ros_columns import echoed_names
 
 #: In the order of a driver: from the jaws to the base.
 NAMES = [f"axis_{letter}" for letter in "abcde"]
@@ -163,6 +160,9 @@ OTHERS = {
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_joints_with_other_names(name: str, tmp_path: Path) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
     joints = dict(zip(NAMES, OTHERS[name], strict=True))
     header = ["time", *(f"{other}_pos" for other in joints.values())]
     rows: list[list[object]] = [
@@ -212,19 +212,3 @@ def test_a_map_that_does_not_fit_is_one_line(
         assert main(["trajectory", str(path), "--map", wrong]) == 2
         out, err = capsys.readouterr()
         assert (out, err.count("\n")) == ("", 1)
-
-
-@pytest.mark.parametrize("numbers", [0, 3, 5, 7, 13])
-def test_a_row_is_of_joint_states_only_if_each_joint_has_its_numbers(
-    numbers: int,
-) -> None:
-    row = ["12", "500", "", "a", "b", "c", "d"]
-    assert echoed_names([*row, *["1.5"] * numbers]) is None
-    assert echoed_names([*row[:3], *["1.5"] * 4]) is None
-    names = echoed_names([*row, *["1.5"] * 12])
-    assert names is not None
-    assert names[7:] == [
-        f"{quantity}[{k}]"
-        for quantity in ("position", "velocity", "effort")
-        for k in range(4)
-    ]

@@ -92,12 +92,17 @@ FORMS: dict[str, str | bytes] = {
 }
 
 
-@pytest.mark.parametrize("name", FORMS)
-def test_each_form_has_the_same_numbers(name: str, tmp_path: Path) -> None:
-    motion = a5.trajectory.read_motion(written(tmp_path / "m.csv", FORMS[name]))
-    check(motion)
-    assert motion.warnings == ()
-    assert motion.ignored == ()
+def test_each_form_has_the_same_numbers(tmp_path: Path) -> None:
+    failures = []
+    for name, content in FORMS.items():
+        try:
+            motion = a5.trajectory.read_motion(written(tmp_path / "m.csv", content))
+            check(motion)
+            assert motion.warnings == ()
+            assert motion.ignored == ()
+        except (AssertionError, a5.Alpha5Error) as error:
+            failures.append(f"{name}: {error}")
+    assert failures == []
 
 
 @pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
@@ -228,26 +233,23 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
 def test_what_is_refused_is_one_clear_line(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    content, words = REFUSED[name]
-    path = written(tmp_path / "m.csv", content)
-    with pytest.raises(FileFormatError, match=words):
-        a5.trajectory.read_motion(path)
-    assert main(["trajectory", str(path)]) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
+    for content, words in REFUSED.values():
+        path = written(tmp_path / "m.csv", content)
+        with pytest.raises(FileFormatError, match=words):
+            a5.trajectory.read_motion(path)
+        assert main(["trajectory", str(path)]) == 2
+        out, err = capsys.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
 
 
-@pytest.mark.parametrize("suffix", [".parquet", ".bag", ".db3", ".mcap"])
-def test_a_git_lfs_pointer_is_known_whatever_its_name(
-    suffix: str, tmp_path: Path
-) -> None:
+def test_a_git_lfs_pointer_is_known_whatever_its_name(tmp_path: Path) -> None:
     pointer = REFUSED["Git LFS"][0]
-    with pytest.raises(FileFormatError, match="run git lfs pull first"):
-        a5.trajectory.read_motion(written(tmp_path / f"m{suffix}", pointer))
+    for suffix in (".parquet", ".bag", ".db3", ".mcap"):
+        with pytest.raises(FileFormatError, match="run git lfs pull first"):
+            a5.trajectory.read_motion(written(tmp_path / f"m{suffix}", pointer))
 
 
 @pytest.mark.parametrize("name", ["metadata.yaml", "bag_0.db3", "bag_0.mcap"])
@@ -261,9 +263,7 @@ def test_a_git_lfs_pointer_is_known_in_the_folder_of_a_bag(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "line", ["#" * 100, "?;?", '"', "2026-01-01 00:00:00,1,1,1,1", "sep=;"]
-)
+@pytest.mark.parametrize("line", ["#" * 100, "?;?", '"', "2026-01-01 00:00:00,1,1,1,1"])
 def test_many_odd_lines_take_linear_time(line: str, tmp_path: Path) -> None:
     def prepared(count: int) -> Callable[[], None]:
         path = written(tmp_path / f"{count}.csv", text() + f"{line}\n" * count)

@@ -536,25 +536,6 @@ def test_a_planned_motion_at_rated_speed_is_not_beyond_it(tmp_path: Path) -> Non
     assert {j["beyond_rated_velocity"] for j in s["joints"].values()} == {0}
 
 
-@pytest.mark.parametrize(
-    ("beyond", "margin", "warned"),
-    [(-1e-6, 1e-6, 0), (9e-7, 0.0, 0), (1.1e-5, 0.0, 0), (1.3e-5, -1.3e-5, 1)],
-)
-def test_a_margin_within_the_slack_is_none(
-    beyond: float, margin: float, warned: int
-) -> None:
-    """Only a thousandth of the range beyond a limit counts.
-
-    In the recordings the rod rests 0.9 micrometres past its printed limit.
-    """
-    rod = np.full(50, JAW_LOWER - beyond)
-    q = np.column_stack([np.full((50, 4), 1.2), rod])
-    motion = a5.trajectory.motion(np.arange(50) / 50, q)
-    s = a5.trajectory.summary(a5.trajectory.analyse(motion))
-    assert s["joints"]["axis_a"]["position_margin"] == pytest.approx(margin, abs=1e-12)
-    assert [w["kind"] for w in s["warnings"]] == ["outside_limits"] * warned
-
-
 def test_constants_change_what_they_should() -> None:
     runs = {
         c: a5.trajectory.analyse(planned(101), constants=c)

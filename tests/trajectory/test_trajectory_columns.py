@@ -6,12 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import pyarrow
 import pytest
 from bag_writer import State, write_bag
 from column_names import POSITIONS, not_positions
 from least_time import assert_linear_time, least_time
-from pyarrow import parquet
 
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, InputError
@@ -191,6 +189,9 @@ def test_clocks_of_loggers(tmp_path: Path) -> None:
 
 
 def test_parquet_and_bags_have_the_same_rule(tmp_path: Path) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
     table = {"time": TIME, **named("tau_*", OTHERS)}
     parquet.write_table(pyarrow.table(table), tmp_path / "m.parquet")
     with pytest.raises(FileFormatError, match="tau_axis_e is a torque"):

@@ -1,22 +1,18 @@
-"""Each threshold, window, table and sentence of the analysis keeps its definition."""
+"""What an analysis warns of, and its figures by their definitions."""
 
 from __future__ import annotations
 
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from reference import LOWER, UPPER
-from scipy.signal import savgol_coeffs, savgol_filter
 
 import alpha5_model as a5
-from alpha5_model.errors import FileFormatError, InputError
-from alpha5_model.trajectory import arm_loads, columns, time_series
-from alpha5_model.trajectory.smoothing import savitzky_golay
+from alpha5_model.errors import InputError
+from alpha5_model.trajectory import columns
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
 ROD = (0.0013, 0.0133)
@@ -82,17 +78,6 @@ def test_a_gap_is_longer_than_ten_median_steps() -> None:
         assert kinds(a5.trajectory.motion(t, q)) == found
 
 
-def test_the_least_number_of_samples() -> None:
-    t, q = resting(5)
-    assert a5.trajectory.motion(t, q).time.size == 5
-    with pytest.raises(InputError, match="time: expected at least 5 samples, got 4"):
-        a5.trajectory.motion(t[:4], q[:4])
-    with pytest.raises(InputError, match="5 samples with different times"):
-        a5.trajectory.motion(t[[0, 1, 2, 3, 3]], q)
-    t, q = resting(6)
-    assert a5.trajectory.motion(t[[0, 0, 1, 2, 3, 4]], q).time.size == 5
-
-
 def test_of_a_repeated_time_the_first_sample_counts() -> None:
     t, q = resting(10)
     q += np.arange(10)[:, None] * 1e-5
@@ -149,45 +134,6 @@ def test_direction_is_that_of_the_way_in_half_a_second() -> None:
     )
 
 
-def cutoff(window: int) -> float:
-    """The frequency, in cycles per sample, where the cubic filter's gain is -3 dB."""
-    response = np.abs(np.fft.rfft(savgol_coeffs(window, 3), 2**18))
-    return float(np.argmax(response < math.sqrt(0.5))) / 2**18
-
-
-def test_savitzky_golay_takes_the_window_nearest_to_the_bandwidth() -> None:
-    t = 0.5 + 0.02 * np.arange(400)
-    y = np.stack([np.sin(t), t**2], axis=1)
-    windows = np.arange(5, 151, 2)
-    cuts = np.array([cutoff(int(w)) for w in windows]) / 0.02
-    for bandwidth in (0.7, 1.0, 1.3, 2.0, 3.1, 5.0, 9.0, 15.0, 20.0):
-        value, slope, bend, reached = savitzky_golay(t, y, bandwidth)
-        best = int(np.abs(cuts - bandwidth).argmin())
-        assert reached == pytest.approx(cuts[best], rel=1e-3)
-        for got, k in ((value, 0), (slope, 1), (bend, 2)):
-            expected = savgol_filter(y, windows[best], 3, deriv=k, delta=0.02, axis=0)
-            np.testing.assert_allclose(got[:-1], expected[:-1], atol=1e-9 * 10**k)
-
-
-def test_savitzky_golay_on_uneven_times() -> None:
-    """A cubic passes unchanged except for the error of linear interpolation."""
-    rng = np.random.default_rng(3)
-    t = 2.0 + np.cumsum(rng.uniform(0.006, 0.014, 500))
-    y = (0.1 * t**3 - t)[:, None]
-    value, slope, bend, _ = savitzky_golay(t, y, 4.0)
-    assert value.shape == slope.shape == bend.shape == (500, 1)
-    inner = slice(20, -20)
-    np.testing.assert_allclose(value[inner], y[inner], atol=2e-4)
-    np.testing.assert_allclose(slope[inner, 0], (0.3 * t**2 - 1)[inner], atol=5e-3)
-    np.testing.assert_allclose(bend[inner, 0], (0.6 * t)[inner], atol=0.15)
-    short = a5.trajectory.motion(*resting(50))
-    with pytest.raises(
-        InputError,
-        match=r"a window of at most the motion's 50 samples \(it takes \d+\)",
-    ):
-        a5.trajectory.smooth(short, "savgol", 0.3)
-
-
 def test_the_bandwidth_stays_below_half_the_sample_rate() -> None:
     motion = a5.trajectory.motion(*resting(200))
     a5.trajectory.smooth(motion, "spline", 24.99)
@@ -232,44 +178,6 @@ def test_velocities_are_judged_by_their_gain(gain: float, found: int) -> None:
         assert w.text.endswith(" times the slope of its positions")
 
 
-def test_slow_joints_are_not_judged() -> None:
-    """A root mean square speed below 2 % of the rated one says nothing."""
-    for share, found in ((0.018, 0), (0.023, 1)):
-        amplitude = share * RATED[2] * math.sqrt(2) / 0.5
-        motion = moving(count=1885, gain=3.0, speed=amplitude)  # six periods
-        assert len(a5.trajectory.analyse(motion).warnings) == found
-
-
-def test_parts_are_put_together_in_order(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    motion = moving(count=101)
-    whole = a5.trajectory.analyse(motion)
-    seen: list[tuple[str, float]] = []
-    monkeypatch.setattr(arm_loads, "CHUNK", 25)
-    monkeypatch.setattr(time_series, "CHUNK", 40)
-    parts = a5.trajectory.analyse(motion, progress=lambda *report: seen.append(report))
-    a5.trajectory.write(
-        parts, tmp_path / "parts.csv", lambda *report: seen.append(report)
-    )
-    computed = [("compute", k / 101) for k in (25, 50, 75, 100, 101)]
-    assert seen == [*computed, *(("write", k / 101) for k in (40, 80, 101))]
-    for name in (
-        "torque",
-        "inertia",
-        "coriolis",
-        "weight",
-        "buoyancy",
-        "base_wrench",
-        "tcp",
-        "current",
-    ):
-        np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
-    monkeypatch.undo()
-    a5.trajectory.write(whole, tmp_path / "whole.csv")
-    assert (tmp_path / "parts.csv").read_text() == (tmp_path / "whole.csv").read_text()
-
-
 def test_positions_in_another_unit_are_said() -> None:
     t, q = resting()
     for column, size, words in (
@@ -285,16 +193,6 @@ def test_positions_in_another_unit_are_said() -> None:
         other[:, column] = 1.1 * RANGES[column][1]
         [warning] = a5.trajectory.motion(t, other).warnings
         assert "is it in" not in warning.text
-
-
-def test_reading_reports_progress_after_ten_thousand_rows(tmp_path: Path) -> None:
-    path = tmp_path / "m.csv"
-    for count, expected in ((10_000, [1.0]), (10_001, [10_000 / 10_001, 1.0])):
-        rows = "".join(f"{k},1,1,1,1\n" for k in range(count))
-        path.write_text(f"time_secs,axis_e,axis_d,axis_c,axis_b\n{rows}", "utf-8")
-        seen: list[tuple[str, float]] = []
-        a5.trajectory.read_motion(path, lambda *report: seen.append(report))  # noqa: B023
-        assert seen == [("read", done) for done in expected]
 
 
 def test_the_rod_is_left_out_with_its_warnings() -> None:
@@ -396,209 +294,6 @@ def test_columns_by_name(analysis: a5.trajectory.Analysis) -> None:
         np.testing.assert_array_equal(moment, r.base_wrench[:, 3 + k])
         np.testing.assert_array_equal(table.pop(f"tcp_{axis}"), r.tcp[:, k])
     assert list(table) == ["time_secs"]
-
-
-def test_written_times_keep_the_digits_that_recordings_need(
-    analysis: a5.trajectory.Analysis, tmp_path: Path
-) -> None:
-    time = 1.7e9 + analysis.smooth.time
-    late = replace(analysis, smooth=replace(analysis.smooth, time=time))
-    a5.trajectory.write(late, tmp_path / "t.csv")
-    lines = (tmp_path / "t.csv").read_text("utf-8").splitlines()
-    written = [float(line.split(",")[0]) for line in lines[1:]]
-    np.testing.assert_allclose(written, time, rtol=0, atol=5e-7)
-
-
-def test_a_missing_number_is_written_and_is_null_in_json(
-    analysis: a5.trajectory.Analysis, tmp_path: Path
-) -> None:
-    torque = analysis.torque.copy()
-    torque[7] = np.nan
-    holes = replace(analysis, torque=torque, warnings=())
-    a5.trajectory.write(holes, tmp_path / "t.csv")
-    column = time_series._json_column(torque[:, 0])
-    assert [k for k, number in enumerate(column) if number is None] == [7]
-
-
-def test_quoted_cells_and_unused_columns(tmp_path: Path) -> None:
-    """A comma in quotes separates no cells, and an unused column may hold anything."""
-    header = 'note,time,axis_e,axis_d,"axis_c",axis_b'
-    rows = [f'"a, {k}",{k / 10},1.0,"1.5",2,{3 + k / 100}' for k in range(8)]
-    path = tmp_path / "m.csv"
-    path.write_text("\n".join([header, *rows]))
-    motion = a5.trajectory.read_motion(path)
-    np.testing.assert_array_equal(motion.position[:, 1], 1.5)
-    np.testing.assert_array_equal(motion.position[:, 3], 3 + np.arange(8) / 100)
-    assert motion.ignored == ("note",)
-    for bad, words in (
-        ('"a",0.3,1.0,"1.5",2', "line 5: 5 fields, expected 6 as in line 1"),
-        ('"a",0.3,1.0,"1.5",2,3,4', "line 5: 7 fields, expected 6"),
-        (
-            '"a",0.3,1.0,"1,5",2,3',
-            r"line 5, column 4 \(axis_d\): expected a finite number, got '1,5'",
-        ),
-        ('"a",0.3,1.0,1_0,2,3', "line 5, column 4 .* finite number, got '1_0'"),
-        ('"a",0.3,1.0,١,2,3', "line 5, column 4 .* finite number, got '١'"),
-        (f'"a",0.3,1.0,{"?" * 90},2,3', r"got '\?{40}'$"),
-    ):
-        path.write_text("\n".join([header, *rows[:3], bad, bad, *rows[5:]]))
-        with pytest.raises(FileFormatError, match=words):
-            a5.trajectory.read_motion(path)
-
-
-def record(**joint: Any) -> dict[str, Any]:
-    """A summary with one joint, as `text` takes it."""
-    units = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
-    one = {
-        "units": units,
-        "torque_peak": {"value": -1.25},
-        "torque_margin": 7.75,
-        "current_peak": {"value": -0.5, "interval": [-0.625, -0.375]},
-        "current_margin": None,
-        "velocity_peak": {"value": -0.75},
-        "velocity_margin": 0.125,
-        "position_margin": -0.25,
-        "beyond_rated_velocity": 0,
-        "beyond_drive_limits": None,
-        "causes_peak": {
-            "inertia": 0.5,
-            "coriolis": 1e-13,
-            "weight": 2e-12,
-            "buoyancy": 0.0,
-            "friction": None,
-        },
-        **joint,
-    }
-    return {
-        "source": "x.csv",
-        "samples": 77,
-        "duration_s": 3.14159,
-        "time_unit_of_file": "s",
-        "model": {
-            "gripper": "locked",
-            "fluid_density": 1025.0,
-            "gravity": [0.0, 0.5, -9.81],
-        },
-        "smoothing": {
-            "method": "spline",
-            "bandwidth_hz": 2.0,
-            "derivatives_from": "positions",
-        },
-        "motors": {
-            "constants": "printed",
-            "constants_ratio": {"axis_e": 1.1551},
-            "efficiency": "gearbox",
-            "supply_voltage": None,
-            "current_limit": None,
-        },
-        "joints": {"axis_e": one},
-        "energy": {
-            "electrical_peak_w": 4.5,
-            "drawn_j": 50.0,
-            "drawn_interval_j": [40.0, 60.0],
-            "fed_back_j": 0.25,
-            "mechanical_j": 0.5,
-            "contradiction_j": -5.0,
-        },
-        "mount": {"force_peak_n": {"value": 6.5}, "moment_peak_nm": {"value": 0.75}},
-        "tcp": {
-            "first_m": [0.1, -0.00001, 0.3],
-            "last_m": [0.4, 0.5, 0.6],
-            "lowest_m": [0.0, -0.25, 0.125],
-            "highest_m": [0.5, 0.75, 0.875],
-            "path_length_m": 1.5,
-        },
-        "warnings": [{"kind": "gap", "count": 2, "first": "line 9", "text": "a gap"}],
-    }
-
-
-TEXT = """\
-x.csv: 77 samples, 3.14 s
-  model: locked gripper, fluid 1025 kg/m³, gravity (0, 0.5, -9.81) m/s²
-  smoothing: spline, 2 Hz (-3 dB); derivatives from positions
-
-  peaks
-          torque  current  by friction's tolerance  speed
-             N·m        A                        A  rad/s
-  axis_e   -1.25   -0.500         -0.625 .. -0.375  -0.75
-  warning: a gap: 2 x, first: line 9
-
-  left to the limits, negative beyond them
-           speed  range
-           rad/s    rad
-  axis_e  +0.125  -0.25
-
-  largest torque by cause
-          inertia  coriolis  weight  buoyancy  friction
-              N·m       N·m     N·m       N·m       N·m
-  axis_e      0.5         0   2e-12         0         -
-
-  power: peak 4.5 W; drawn 50 J (40 .. 60), fed back 0.25 J, mechanical work 0.5 J
-  mount: force up to 6.5 N, moment up to 0.75 N·m
-  TCP: path 1.5 m, from (0.100, 0.000, 0.300) to (0.400, 0.500, 0.600) m,
-       within (0.000, -0.250, 0.125) .. (0.500, 0.750, 0.875) m"""
-NOTES = """
-
-  note: below 0.2% of its rated speed a joint is at rest: friction holds it, \
-its motor helps with the least current
-  note: friction, at the motor, is a cause of its own; it is in the current, \
-not in the torque
-  note: no torque limit is published; torque_margin of --json is to the 9 N·m \
-(jaw rod 10 N) of most public models
-  note: Table 4's constants contradict each other (K_t/K_v: axis_e 1.155); \
-used here: printed, which leaves -5 J of the electrical energy unexplained
-  note: Table 4 does not say whose efficiency eta_max is; \
-taken here for that of the gearbox
-  note: current limits need --supply-voltage and --current-limit; \
-neither is published"""
-
-
-def test_the_text_of_a_summary() -> None:
-    assert a5.trajectory.text(record()) == TEXT
-    assert a5.trajectory.text(record(), verbose=True) == TEXT + NOTES
-    own = record()
-    own["model"]["arm"] = "mine.toml"
-    said = a5.trajectory.text(own, verbose=True)
-    assert "  axis_e    7.75  +0.125  -0.25" in said
-    assert "  note: torque limits are those of mine.toml\n" in said
-
-
-def test_the_text_has_no_rounding_of_gravity() -> None:
-    """Nor a negative zero."""
-    tilted = record()
-    tilted["model"]["gravity"] = [-0.0, 4e-10, -6e-9]
-    assert "gravity (0, 0, -6e-09) m/s²\n" in a5.trajectory.text(tilted)
-
-
-def test_the_text_says_limits_units_and_what_is_missing() -> None:
-    said = a5.trajectory.text(
-        record(
-            beyond_rated_velocity=3,
-            velocity_margin=-0.25,
-            beyond_drive_limits=4,
-            current_margin=-0.5,
-        )
-    )
-    assert (
-        "\n  limit: axis_e is beyond its rated speed of 0.5 rad/s "
-        "in 3 samples, up to 0.75\n"
-        "  limit: axis_e is beyond the speed-torque limit in 4 samples\n" in said
-    )
-    assert "  axis_e   -0.500  -0.25  -0.25" in said
-    other = record(current_peak=None)
-    other["time_unit_of_file"] = "ms"
-    other["smoothing"] |= {"method": "interpolate", "bandwidth_hz": None}
-    other["motors"] |= {"constants": "torque", "supply_voltage": 24.0}
-    said = a5.trajectory.text(other, verbose=True)
-    assert said.startswith("x.csv: 77 samples, 3.14 s (time column in ms)\n")
-    assert "  smoothing: interpolate; derivatives" in said
-    assert (
-        "  axis_e   -1.25  needs --screw-lead                           -0.75" in said
-    )
-    assert "  axis_e  +0.125  -0.25" in said
-    assert "used here: torque\n  note: Table 4 does not say" in said
-    assert said.endswith("taken here for that of the gearbox")
-    assert "current limits need" not in said
 
 
 def test_energies_peaks_and_missing_motors_in_the_record() -> None:

@@ -401,16 +401,6 @@ def test_each_joint_in_a_message_of_its_own_is_refused(tmp_path: Path) -> None:
         a5.trajectory.read_motion(path)
 
 
-def test_long_names_of_other_joints_are_cut(tmp_path: Path) -> None:
-    other = [State(s.stamp, ["x" * 500], [0.0]) for s in samples()]
-    path = write_bag(tmp_path, ".bag", other)
-    with pytest.raises(FileFormatError) as caught:
-        a5.trajectory.read_motion(path)
-    _, _, got = str(caught.value).partition(", but ")
-    topic = "/joint_states: "
-    assert got == topic + "x" * (400 - len(topic))
-
-
 def test_publishers_of_the_same_joints_are_said(tmp_path: Path) -> None:
     states = samples()
     for s in states[1::2]:
@@ -628,23 +618,6 @@ def test_the_command_prints_the_recorded_effort(
 ) -> None:
     assert main(["trajectory", str(effort_recording.path)]) == 0
     assert "recorded effort" in capsys.readouterr().out
-
-
-def test_the_effort_is_drawn_where_there_is_one(tmp_path: Path) -> None:
-    from alpha5_model.viewer.motion_plot import motion_figure
-
-    states = samples()
-    for s in states[3:9]:
-        s.effort = [float("nan")] * 5
-    path = write_csv(tmp_path / "m.csv", states, lambda s: s.stamp)
-    r = a5.trajectory.analyse(a5.trajectory.read_motion(path))
-    page = motion_figure(r)
-    for row in range(5):
-        axes = page.axes[3 * row + 1]
-        [line] = [x for x in axes.lines if x.get_label() == "recorded effort"]
-        kept = [k for k in range(40) if not 3 <= k < 9]
-        np.testing.assert_array_equal(line.get_ydata(), r.motion.effort[kept, row])
-        np.testing.assert_array_equal(line.get_xdata(), r.smooth.time[kept])
 
 
 def test_efforts_of_arrays_and_of_a_locked_arm() -> None:

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.interpolate import make_smoothing_spline
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, UnknownNameError
@@ -27,6 +26,8 @@ def uneven(count: int, mean_step: float, seed: int) -> np.ndarray:
 
 @pytest.mark.parametrize("bandwidth", [0.5, 2.0, 8.0])
 def test_spline_is_the_one_scipy_finds(bandwidth: float) -> None:
+    from scipy.interpolate import make_smoothing_spline
+
     time = uneven(400, 0.02, seed=3)
     y = np.random.default_rng(4).normal(size=(400, 2)) + np.sin(time)[:, None]
     value, slope, bend = smoothing_spline(time, y, bandwidth)
@@ -132,14 +133,6 @@ def test_the_least_bandwidth_is_as_good_as_it_says(jitter: float) -> None:
     assert a5.trajectory.smooth(motion, "spline", width).bandwidth == width
     with pytest.raises(InputError, match="at least"):
         a5.trajectory.smooth(motion, "spline", width * (1 - 1e-12))
-
-
-def test_default_bandwidth() -> None:
-    """The default is the spline at 2 Hz, as the module and --help document."""
-    motion, _, _ = cubic_motion()
-    s = a5.trajectory.smooth(motion)
-    assert (s.method, s.bandwidth) == ("spline", 2.0)
-    assert a5.trajectory.analyse(motion).smooth.bandwidth == 2.0
 
 
 def test_noise_is_taken_out() -> None:

@@ -141,9 +141,9 @@ def test_signals_that_do_not_fit_are_refused(
         build_scene(arm, curves={"depth": TIME})
 
 
-@pytest.fixture(scope="module")
-def live() -> Iterator[ArmVisualizer]:
-    viewer = a5.view(a5.load())
+@pytest.fixture
+def live(arm: a5.Arm) -> Iterator[ArmVisualizer]:
+    viewer = a5.view(arm)
     yield viewer
     viewer.close()
 
@@ -189,7 +189,7 @@ def test_curves_and_sliders_that_cannot_be_are_refused(live: ArmVisualizer) -> N
     ):
         with pytest.raises(InputError, match=reason):
             refused()
-    for k in range(18):
+    for k in range(19):
         live.curve(f"curve {k}", 1.0)
     with pytest.raises(InputError, match="at most 20"):
         live.curve("one more", 1.0)

@@ -34,7 +34,7 @@ from alpha5_model.viewer.visualizer import ArmVisualizer
 POSE = np.array([2.0, 1.0, 2.2, 0.4, 0.005])
 ELSEWHERE = [1.0, 1.5, 2.0, 2.5, 0.002]
 #: Longest wait for an answer [s], on a machine that does other work, too.
-SOON = 10.0
+SOON = 60.0
 
 
 @pytest.fixture(scope="module")

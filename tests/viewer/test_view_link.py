@@ -50,8 +50,15 @@ def opened(chromium: Any, address: str) -> Iterator[Tab]:
 
 def followed(tab: Tab, link: str) -> str:
     """Put a link into the address of an open page; what the page says of it."""
-    tab.run("(link) => { location.hash = link; }", link)
-    tab.page.wait_for_timeout(50)
+    tab.run(
+        """(link) => new Promise((done) => {
+          const before = location.hash;
+          addEventListener("hashchange", done, { once: true });
+          location.hash = link;
+          if (location.hash === before) done();
+        })""",
+        link,
+    )
     tab.settle()
     return str(tab.run(MESSAGE))
 

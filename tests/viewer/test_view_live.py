@@ -1,4 +1,4 @@
-"""The live viewer without a browser: its server, its clients' protocol, its speed."""
+"""The live viewer without a browser: its server, its clients' protocol."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ import asyncio
 import gc
 import json
 import os
+import queue
 import signal
 import socket
 import subprocess
 import sys
 import threading
+import time
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,7 +21,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from least_time import least_time
 
 import alpha5_model as a5
 from alpha5_model._support.paths import REPOSITORY_PATH
@@ -27,6 +28,8 @@ from alpha5_model.errors import Alpha5Error, InputError, ShapeError
 from alpha5_model.viewer.visualizer import ArmVisualizer
 
 POSE = np.array([2.0, 1.0, 2.2, 0.4])
+#: Longest wait [s], on a machine that does other work, too.
+SOON = 60.0
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +74,7 @@ def test_deleting_a_node_leaves_its_neighbours(visualizer: ArmVisualizer) -> Non
 def test_it_serves_its_page_on_this_machine_only(visualizer: ArmVisualizer) -> None:
     url = visualizer.url()
     assert url.startswith("http://127.0.0.1:")
-    with urllib.request.urlopen(url, timeout=5) as answer:
+    with urllib.request.urlopen(url, timeout=SOON) as answer:
         text = answer.read().decode("utf-8")
         assert answer.headers["Cache-Control"] == "no-store"
     assert "<title>Reach Alpha 5</title>" in text
@@ -104,7 +107,7 @@ def test_other_programs_connect_by_its_address(visualizer: ArmVisualizer) -> Non
         check=False,
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=SOON,
     )
     assert visualizer.url() in done.stdout, done.stderr
     assert "guest" in visualizer.window.server.live.tree["meshcat"]
@@ -131,19 +134,12 @@ def test_static_html_holds_the_scene_as_it_stands(visualizer: ArmVisualizer) -> 
     assert data["q"] == dict(zip(visualizer.scene.sliders, q, strict=True))
 
 
-def test_play_keeps_up_with_real_time(visualizer: ArmVisualizer) -> None:
-    # faster than it can be drawn: frames are dropped, time is not
-    q = np.linspace([0.5, 0.5, 0.5, 0.5], [2.0, 2.0, 2.0, 2.0], 4000)
-    took = visualizer.play(q, dt=0.00025)
-    assert took == pytest.approx(1.0, abs=0.4)
-    expected = visualizer.arm.forward_kinematics(q[-1], frame="link_4").homogeneous
-    np.testing.assert_allclose(in_scene(visualizer, "link_4"), expected, atol=1e-14)
-
-
 def status(visualizer: ArmVisualizer, path: str = "/static/", **headers: str) -> int:
     import http.client
 
-    connection = http.client.HTTPConnection(visualizer.url().split("/")[2], timeout=5)
+    connection = http.client.HTTPConnection(
+        visualizer.url().split("/")[2], timeout=SOON
+    )
     connection.request("GET", path, headers=headers)
     answer = connection.getresponse()
     answer.read()
@@ -211,7 +207,7 @@ def test_pages_call_back_and_tell_each_other(visualizer: ArmVisualizer) -> None:
 
     def pose(page: object) -> list[float]:
         while True:
-            said = umsgpack.unpackb(page.recv(timeout=5))
+            said = umsgpack.unpackb(page.recv(timeout=SOON))
             if said["type"] == "pose":
                 return said["q"]
 
@@ -223,7 +219,7 @@ def test_pages_call_back_and_tell_each_other(visualizer: ArmVisualizer) -> None:
         visualizer.display(POSE)
         assert [pose(one)[-4:], pose(other)[-4:]] != [], "what they were opened with"
         one.send(json.dumps({"q": [1.0, 1.5, 2.0, 2.5]}))
-        assert called.wait(5)
+        assert called.wait(SOON)
         while (heard := pose(other)) != [1.0, 1.5, 2.0, 2.5]:
             pass
         while pose(one) != [1.25, 1.75, 2.25, 2.75]:
@@ -231,6 +227,46 @@ def test_pages_call_back_and_tell_each_other(visualizer: ArmVisualizer) -> None:
         assert heard == [1.0, 1.5, 2.0, 2.5]
     np.testing.assert_array_equal(seen[0], [1.0, 1.5, 2.0, 2.5])
     visualizer._listeners.clear()
+
+
+def test_a_busy_callback_gets_the_latest_pose() -> None:
+    """Of those that a page has sent meanwhile."""
+    from websockets.sync.client import connect
+
+    poses = np.array([1.0, 1.1, 1.2, 1.3])[:, None] * np.ones(4)
+    heard: queue.Queue[np.ndarray] = queue.Queue()
+    may_go_on = threading.Event()
+    viewer = a5.view(a5.load(), POSE)
+    try:
+
+        @viewer.on_change
+        def follow(q: np.ndarray) -> None:
+            heard.put(q)
+            may_go_on.wait(SOON)
+
+        address = viewer.url().split("/")[2]
+        with connect(
+            f"ws://{address}/",
+            origin=f"http://{address}",
+            max_size=None,
+            max_queue=None,
+        ) as page:
+            page.send(json.dumps({"q": poses[0].tolist()}))
+            np.testing.assert_array_equal(heard.get(timeout=SOON), poses[0])
+            for q in poses[1:]:
+                page.send(json.dumps({"q": q.tolist()}))
+            ends = time.monotonic() + SOON
+            while not np.array_equal(viewer.q, poses[-1]):
+                assert time.monotonic() < ends
+                time.sleep(0.005)
+            # This call is carried out after what moved the arm there.
+            viewer.show("frames", visible=False)
+            may_go_on.set()
+            np.testing.assert_array_equal(heard.get(timeout=SOON), poses[-1])
+    finally:
+        may_go_on.set()
+        viewer.close()
+    assert heard.empty()
 
 
 def test_pinocchios_names(visualizer: ArmVisualizer) -> None:
@@ -370,11 +406,6 @@ def test_close_frees_the_port_and_a_taken_one_is_named() -> None:
     second.close()
 
 
-def test_starting_is_quick_after_imports() -> None:
-    arm = a5.load(gripper="jaws")
-    assert least_time(lambda: a5.view(arm).close(), 1.5) < 1.5
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_waiting_ends_with_a_signal_and_puts_the_handlers_back(number: int) -> None:
     from alpha5_model.cli.view import _wait_until_stopped
@@ -428,10 +459,10 @@ def test_serve_runs_until_it_is_told_to_end() -> None:
     )
     try:
         url = process.stdout.readline().split()[0]
-        with urllib.request.urlopen(url, timeout=10) as answer:
+        with urllib.request.urlopen(url, timeout=SOON) as answer:
             assert answer.status == 200
         process.terminate()
-        _, errors = process.communicate(timeout=10)
+        _, errors = process.communicate(timeout=SOON)
         assert process.returncode == 0
         assert errors == ""
     finally:

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import alpha5_model as a5
-from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.viewer import page, visualizer
+from alpha5_model.viewer import visualizer
 from alpha5_model.viewer.build import _loaded
-from alpha5_model.viewer.scene import Compared, MotionTrack, Payload
+from alpha5_model.viewer.scene import Payload
 from alpha5_model.viewer.tracks import motion_track, resampled, tour
 from alpha5_model.viewer.video_file import film
 from alpha5_model.viewer.visualizer import ArmVisualizer
@@ -36,21 +32,6 @@ def moved(step: float, count: int = 9) -> a5.trajectory.Motion:
 
 
 # ---- tracks
-
-
-@pytest.mark.parametrize(("step", "method"), [(0.24, "spline"), (0.25, "interpolate")])
-def test_a_motion_is_smoothed_if_it_has_over_two_samples_in_a_period(
-    step: float, method: str
-) -> None:
-    """The default bandwidth is 2 Hz, so a period lasts half a second."""
-    arm = a5.load()
-    played = moved(step)
-    track = motion_track(played, arm, HOME)
-    expected = a5.trajectory.analyse(played, arm, method=method)
-    np.testing.assert_allclose(
-        track.loads["mount"], expected.base_wrench, rtol=1e-6, atol=1e-9
-    )
-    assert set(track.loads) == {*expected.causes(), "mount"} - {"friction"}
 
 
 def test_a_motion_without_the_jaws_leaves_them_at_rest(jaws: a5.Arm) -> None:
@@ -75,32 +56,6 @@ def test_a_motion_without_the_jaws_leaves_them_at_rest(jaws: a5.Arm) -> None:
         np.testing.assert_array_equal(recorded, beside(rows, np.nan))
 
 
-def test_a_page_has_at_most_2000_samples_of_a_motion() -> None:
-    """The first, the last, and steady ones between, to a millionth."""
-    for count in (2000, 2001):
-        time = np.linspace(0.0, 1.0, count)
-        recorded = np.where(time == 0.0, np.nan, time)[:, None]
-        third = time[:, None] / 3
-        track = MotionTrack(
-            name="",
-            time=time,
-            q=third,
-            loads={},
-            compared={"effort": Compared(recorded=recorded, computed=third)},
-            signals={"s": time},
-        )
-        sent = page._track(track)
-        assert sent["q"].tolist() == sent["compared"]["effort"]["computed"]
-        assert sent["q"][-1] == [0.333333]
-        assert sent["compared"]["effort"]["recorded"][0] == [None]
-        assert sent["compared"]["effort"]["recorded"][-1] == [1.0]
-        assert len(sent["time"]) == len(sent["q"]) == len(sent["signals"]["s"]) == 2000
-        assert sent["time"][0] == 0.0
-        assert sent["time"][-1] == 1.0
-        np.testing.assert_allclose(np.diff(sent["signals"]["s"]), 5e-4, atol=5.1e-4)
-        np.testing.assert_array_equal(sent["time"], sent["signals"]["s"].round(6))
-
-
 # ---- tours
 
 
@@ -123,12 +78,6 @@ def test_a_tour_rests_and_goes_as_its_docstring_says() -> None:
         pieces.append(start + np.outer(share, end - start))
         pieces.append(np.tile(end, (15, 1)))
     np.testing.assert_allclose(found.position, np.concatenate(pieces), atol=1e-12)
-
-
-@pytest.mark.parametrize("shape", [(4,), (1, 4), (2, 2, 4), (0, 4)])
-def test_a_tour_needs_two_poses_in_rows(shape: tuple[int, ...]) -> None:
-    with pytest.raises(InputError, match="at least two poses in rows"):
-        tour(np.ones(shape), a5.parameters())
 
 
 @pytest.mark.parametrize(
@@ -197,47 +146,6 @@ def test_rows_are_shown_when_they_are_due_or_dropped(
     assert took == shown[-1][0] + takes - 8.0
 
 
-@pytest.mark.parametrize("shape", [(4,), (0, 4), (2, 2, 4), (3, 5)])
-def test_only_rows_of_positions_are_played(
-    viewer: ArmVisualizer, shape: tuple[int, ...]
-) -> None:
-    with pytest.raises(ShapeError):
-        viewer.play(np.ones(shape), 0.1)
-
-
-def test_a_sample_of_a_curve_has_the_time_since_the_start(
-    viewer: ArmVisualizer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    clock = FakeClock()
-    clock.now = viewer._began + 7.5
-    monkeypatch.setattr(visualizer, "clock", clock)
-    viewer.curve("depth", 2.0)
-    viewer.curve("depth", 3.0, time=9.0)
-    samples = viewer.window.server.live.controls.curves["depth"].samples
-    assert [*samples] == [(7.5, 2.0), (9.0, 3.0)]
-
-
-def test_pictures_and_videos_have_these_sizes_by_default(
-    viewer: ArmVisualizer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[Any] = []
-
-    @contextmanager
-    def fake(path: Path, fps: float) -> Iterator[tuple[float, Callable[..., None]]]:
-        asked.append((path.parent, path.suffix, fps))
-        yield fps, asked.append
-
-    monkeypatch.setattr(visualizer, "film", fake)
-    with viewer.create_video_ctx() as path:
-        assert viewer._video is not None
-        assert viewer._video.size == (1280, 720)
-    assert viewer._video is None
-    assert asked == [(Path(tempfile.gettempdir()), ".mp4", 30.0)]
-    assert path.parent == Path(tempfile.gettempdir())
-    monkeypatch.setattr(visualizer, "picture", lambda scene, size: size)
-    assert viewer.captureImage() == (1600, 1000)
-
-
 # ---- video files
 
 
@@ -255,14 +163,6 @@ def test_a_gif_has_the_nearest_rate_in_hundredths_and_never_ends(
         assert video.n_frames == 3
         assert video.info["duration"] == pytest.approx(1000 / rate)
         assert video.info["loop"] == 0
-
-
-def test_less_than_a_frame_a_second_is_refused(tmp_path: Path) -> None:
-    with (
-        pytest.raises(InputError, match="fps"),
-        film(tmp_path / "a.gif", 0.99),
-    ):
-        raise AssertionError
 
 
 # ---- what a scene does with a motion

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import importlib.util
 import io
 import math
 import sys
 import threading
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
-from shared_recordings import JOINT_STATES
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
-from alpha5_model.viewer import annotations, film_frames
+from alpha5_model.viewer import annotations
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.canvas import Canvas, Window, shade
 from alpha5_model.viewer.film_frames import pictures
@@ -135,60 +131,6 @@ def test_a_film_has_the_pictures_of_its_scenes_in_their_order(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux can fork safely")
-@pytest.mark.parametrize(
-    ("system", "threads", "expected"),
-    [
-        ("linux", 1, ProcessPoolExecutor),
-        ("linux", 2, ThreadPoolExecutor),
-        ("darwin", 1, ThreadPoolExecutor),
-        ("win32", 2, ThreadPoolExecutor),
-    ],
-)
-def test_a_film_forks_only_on_linux_and_where_no_other_thread_runs(
-    system: str, threads: int, expected: type, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sys, "platform", system)
-    monkeypatch.setattr(threading, "active_count", lambda: threads)
-    with film_frames._pool(1) as pool:
-        assert type(pool) is expected
-
-
-class Pool(ThreadPoolExecutor):
-    """Draws at once, and counts."""
-
-    def __init__(self, workers: int) -> None:
-        super().__init__(1)
-        self.workers = workers
-        self.count = 0
-
-    def submit(self, draw: Any, scene: Any, size: Any) -> Future[Any]:  # type: ignore[override]
-        self.count += 1
-        done: Future[Any] = Future()
-        done.set_result((scene, size))
-        return done
-
-
-@pytest.mark.parametrize(("processors", "first"), [(3, 3), (None, 1)])
-def test_a_film_begins_with_a_picture_for_each_processor(
-    processors: int | None, first: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Further scenes are taken one by one, as pictures are wanted."""
-    pools = []
-
-    def pool(workers: int) -> Pool:
-        pools.append(Pool(workers))
-        return pools[-1]
-
-    monkeypatch.setattr(film_frames, "_pool", pool)
-    monkeypatch.setattr(film_frames.os, "cpu_count", lambda: processors)
-    film = pictures(iter("abcdefg"), (16, 16))  # type: ignore[arg-type]
-    (made,) = pools
-    assert (made.workers, made.count) == (first, first)
-    assert next(film) == ("a", (16, 16))
-    assert made.count == first + 1
-    assert [scene for scene, _ in film] == [*"bcdefg"]
-
-
 @pytest.mark.parametrize("near_first", [True, False])
 def test_the_nearer_triangle_hides_the_farther(near_first: bool) -> None:
     canvas = Canvas(FRONT, 300, 200)
@@ -384,6 +326,7 @@ def test_bars_say_how_long_things_are_where_the_camera_looks(arm: a5.Arm) -> Non
     assert max(lengths) == pytest.approx(0.1 * scale + 2, abs=1.5), "and its two ends"
 
 
+@pytest.mark.slow
 def test_a_motion_stays_in_its_video(
     tmp_path: Path, arm: a5.Arm, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -431,35 +374,6 @@ def test_sizes_that_make_no_picture(arm: a5.Arm, size: tuple[int, int]) -> None:
         picture_png(build_scene(arm), size)
     for allowed in ((16, 8000), (8000, 16)):
         assert check_size(allowed) == allowed
-
-
-def test_the_readmes_figures_are_of_the_present_arm(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    root = Path(__file__).resolve().parents[2]
-    monkeypatch.syspath_prepend(root / "scripts")
-    spec = importlib.util.spec_from_file_location(
-        "make_figures", root / "scripts/figures/make_figures.py"
-    )
-    figures = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(figures)
-    committed = np.asarray(
-        Image.open(root / "scripts/figures/arm.png").convert("RGB")
-    ).astype(int)
-    fresh = np.asarray(
-        Image.open(io.BytesIO(figures.arm_picture())).convert("RGB")
-    ).astype(int)
-    assert fresh.shape == committed.shape
-    # text may be set a little differently elsewhere; bodies and markers may not
-    assert (np.abs(fresh - committed).max(axis=2) > 24).mean() < 0.003
-    for name, content in (
-        ("workspace.png", figures.workspace_figure()),
-        ("torque.png", figures.torque_figure() if JOINT_STATES else None),
-    ):
-        assert (root / "scripts/figures" / name).read_bytes().startswith(b"\x89PNG")
-        if content is not None:
-            image = np.asarray(Image.open(io.BytesIO(content)).convert("RGB"))
-            assert image.std() > 10
 
 
 def test_a_picture_that_cannot_be_drawn_leaves_no_page(

@@ -69,7 +69,7 @@ def walk_tree(scene: Scene, values: dict[str, float]) -> dict[str, np.ndarray]:
     [
         {},
         {"gripper": "jaws"},
-        {"corrections": ()},
+        pytest.param({"corrections": ()}, marks=pytest.mark.slow),
         {"gripper": "jaws", "floating_base": True},
     ],
     ids=["locked", "jaws", "to the letter", "floating"],

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import own_arm_dynamics as own
 import pytest
 
 import alpha5_model as a5
 from alpha5_model.errors import SelfCollisionError
 from alpha5_model.kinematics.arm_kinematics import ArmKinematics
-from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
-from alpha5_model.viewer.build import _beside, build_scene
+from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.viewer.build import build_scene
 
 HOME = a5.named_pose("home")
 
@@ -36,31 +35,3 @@ def test_a_target_that_is_reached_only_in_self_collision_is_still_reached() -> N
     tcp = arm.forward_kinematics(scene.q, "tcp").translation
     np.testing.assert_allclose(tcp, point, atol=1e-9)
     assert scene.q[4] == arm.limits.lower[4]  # the jaws are closed
-
-
-def test_a_tool_beside_the_wrist_axis_turns_as_little_as_needed() -> None:
-    """In steps of a ninetieth of its range; not at all if the target is in reach."""
-    kinematics = kinematics_of(own.RECORDS[0])
-    low = kinematics.shape.lower[3]
-    step = (kinematics.shape.upper[3] - low) / 90
-    wrists = low + step * np.arange(91)
-    rng = np.random.default_rng(5)
-    turned = []
-    for point in rng.uniform(-0.3, 0.3, (30, 3)):
-        found = _beside(kinematics, point, HOME)
-        tried = [HOME[3], *wrists]
-        solutions = [kinematics.inverse_kinematics(point, wrist) for wrist in tried]
-        free = [
-            bool((each.within_limits & ~kinematics.collides(each)).any())
-            for each in solutions
-        ]
-        away = np.abs(np.array(tried) - HOME[3])
-        if any(free):
-            assert found is not None
-            least = away[np.array(free)].min()
-            assert abs(found[3] - HOME[3]) == pytest.approx(least, abs=1e-12)
-            turned.append(least)
-        elif found is not None:
-            assert kinematics.inverse_kinematics(point, found[3]).within_limits.any()
-    assert min(turned) == 0.0
-    assert max(turned) > 10 * step

@@ -45,7 +45,7 @@ def arm() -> a5.Arm:
     return a5.load()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def opened(
     chromium: Any, tmp_path_factory: pytest.TempPathFactory
 ) -> Callable[..., Tab]:
@@ -60,9 +60,18 @@ def opened(
     return show
 
 
+@pytest.fixture(scope="module")
+def shared(opened: Callable[..., Tab], arm: a5.Arm) -> Tab:
+    """One page for many tests, because a page costs seconds."""
+    return opened(arm)
+
+
 @pytest.fixture
-def tab(opened: Callable[..., Tab], arm: a5.Arm) -> Iterator[Tab]:
-    tab = opened(arm)
+def tab(shared: Tab) -> Iterator[Tab]:
+    """That page, at rest at home, without a target."""
+    tab = shared
+    tab.run("() => { alpha5.setAim(null); alpha5.setPose(alpha5.data.poses.home); }")
+    frames(tab, 2)
     yield tab
     assert tab.complaints == []
 

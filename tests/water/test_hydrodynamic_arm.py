@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pinocchio as pin
@@ -17,6 +18,7 @@ from dynamics_cases import (
     random_q,
     random_v,
 )
+from loops import each
 
 import alpha5_model as a5
 from alpha5_model.dynamics.arm import Arm
@@ -35,18 +37,21 @@ def definite(rng, n=6, scale=0.1):
     return scale * (a @ a.T)
 
 
-@pytest.fixture(scope="module", params=list(VARIANTS))
-def arm(request):
-    return make(request.param)
+every_arm = each("variant", list(VARIANTS))
+made = cache(make)
 
 
-@pytest.fixture(scope="module")
-def wet(arm):
+@cache
+def wetted(variant):
     """An arm and a body with added mass of its own, which couples all joints."""
     strip = a5.DragStrip([0.0, 0.0, 0.0], [0.02, 0.05, -0.1], 0.05, 1.1, 0.2)
     added = definite(np.random.default_rng(7), scale=0.02)
-    return arm.with_hydrodynamics(CURRENT).with_payload(
-        0.2, volume=1e-4, frame="link_2", added_mass=added, strips=[strip]
+    return (
+        made(variant)
+        .with_hydrodynamics(CURRENT)
+        .with_payload(
+            0.2, volume=1e-4, frame="link_2", added_mass=added, strips=[strip]
+        )
     )
 
 
@@ -55,7 +60,10 @@ def rng():
     return np.random.default_rng(11)
 
 
-def test_forward_and_inverse_dynamics_undo_each_other(wet, rng):
+@every_arm
+def test_forward_and_inverse_dynamics_undo_each_other(variant) -> None:
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     for _ in range(10):
         q = random_q(wet, rng)
         v = random_v(wet, rng)
@@ -66,8 +74,11 @@ def test_forward_and_inverse_dynamics_undo_each_other(wet, rng):
             close(wet.forward_dynamics(q, v, tau, fext=outside), a, 1e-10)
 
 
-def test_terms_add_up_in_still_water(wet, rng):
+@every_arm
+def test_terms_add_up_in_still_water(variant) -> None:
     """Nonlinear effects are Coriolis, weight less buoyancy, and drag."""
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     still = np.zeros(3)
     for _ in range(5):
         q = random_q(wet, rng)
@@ -81,7 +92,10 @@ def test_terms_add_up_in_still_water(wet, rng):
         assert drag @ v == pytest.approx(dissipated, rel=1e-9, abs=1e-12)
 
 
-def test_rate_of_the_mass_matrix_less_twice_coriolis_is_skew(wet, rng):
+@every_arm
+def test_rate_of_the_mass_matrix_less_twice_coriolis_is_skew(variant) -> None:
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     for _ in range(3):
         q = random_q(wet, rng)
         v = random_v(wet, rng, 0.5)
@@ -99,8 +113,11 @@ def rate_of(function, arm, q, v):
     return (45 * (f[1] - f[-1]) - 9 * (f[2] - f[-2]) + (f[3] - f[-3])) / (60 * h)
 
 
-def test_power_balance(wet, rng):
+@every_arm
+def test_power_balance(variant) -> None:
     """In still water, the joints' power is the energies' rate and what drag takes."""
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     none = np.zeros(3)
     for _ in range(5):
         q = random_q(wet, rng)
@@ -114,7 +131,10 @@ def test_power_balance(wet, rng):
         assert power == pytest.approx(rate + lost, rel=1e-8, abs=1e-8)
 
 
-def test_drag_never_adds_energy(wet, rng):
+@every_arm
+def test_drag_never_adds_energy(variant) -> None:
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     for _ in range(20):
         q = random_q(wet, rng)
         v = random_v(wet, rng, 3.0)
@@ -169,7 +189,10 @@ def random_state(wet, rng):
     return q, v, a
 
 
-def test_inverse_dynamics_derivatives(wet, rng):
+@every_arm
+def test_inverse_dynamics_derivatives(variant) -> None:
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     for _ in range(2):
         state = random_state(wet, rng)
         derivatives = wet.inverse_dynamics_derivatives(*state)
@@ -178,7 +201,11 @@ def test_inverse_dynamics_derivatives(wet, rng):
         close(derivatives[2], wet.mass_matrix(state[0]), 1e-12)
 
 
-def test_base_wrench_derivatives(wet, rng):
+@every_arm
+def test_base_wrench_derivatives(variant) -> None:
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
+
     def wrench(q, v, a, current=None):
         return wet.base_wrench(q, v, a, current=current).vector
 
@@ -189,7 +216,10 @@ def test_base_wrench_derivatives(wet, rng):
         check_derivatives(wrench, wet, state, derivatives, by_current)
 
 
-def test_forward_dynamics_derivatives(wet, rng):
+@every_arm
+def test_forward_dynamics_derivatives(variant) -> None:
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     q = random_q(wet, rng)
     v = random_v(wet, rng, 0.5)
     a = random_v(wet, rng, 0.5)
@@ -213,7 +243,10 @@ def test_forward_dynamics_derivatives(wet, rng):
         close(du[:, i], (ahead - behind) / (2 * h), 1e-6)
 
 
-def test_batches_are_the_single_calls(wet, rng):
+@every_arm
+def test_batches_are_the_single_calls(variant) -> None:
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     n = 7
     q = np.array([random_q(wet, rng) for _ in range(n)])
     v, a = (np.array([random_v(wet, rng) for _ in range(n)]) for _ in range(2))
@@ -283,10 +316,8 @@ def test_kernels_compute_what_pinocchios_tree_does(
     )
 
 
-@pytest.mark.parametrize(
-    "call", ["inverse_dynamics", "inverse_dynamics_batch", "forward_dynamics_batch"]
-)
-@pytest.mark.parametrize(
+@each("call", ["inverse_dynamics", "inverse_dynamics_batch", "forward_dynamics_batch"])
+@each(
     "wrong",
     [
         {"q": np.full(4, np.nan)},
@@ -305,7 +336,10 @@ def test_what_kernels_refuse_is_told(call, wrong):
         getattr(make("locked").with_hydrodynamics(), call)(**given)
 
 
-def test_without_moving_water_it_is_the_arm(arm, rng):
+@every_arm
+def test_without_moving_water_it_is_the_arm(variant) -> None:
+    arm = made(variant)
+    rng = np.random.default_rng(11)
     dry = HydrodynamicArm(arm, ())
     q = random_q(arm, rng)
     v = random_v(arm, rng)
@@ -390,7 +424,10 @@ def test_levels_are_in_order():
     )
 
 
-def test_current_load_is_what_the_current_adds_at_rest(wet, rng):
+@every_arm
+def test_current_load_is_what_the_current_adds_at_rest(variant) -> None:
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     q = random_q(wet, rng)
     still = np.zeros(wet.model.nv)
     torque, wrench = wet.current_load(q)
@@ -599,7 +636,10 @@ def test_a_payload_brings_its_own_water(rng):
     close(bare.current_load(q)[0], arm.current_load(q)[0], 1e-14)
 
 
-def test_it_can_be_pickled_and_printed(wet, rng):
+@every_arm
+def test_it_can_be_pickled_and_printed(variant) -> None:
+    wet = wetted(variant)
+    rng = np.random.default_rng(11)
     again = pickle.loads(pickle.dumps(wet))
     q = random_q(wet, rng)
     v = random_v(wet, rng)
@@ -616,7 +656,7 @@ INDEFINITE = np.diag([1.0, 1, 1, 1, 1, -1e-3])
 SKEWED = np.eye(6) + np.eye(6, k=1) * 1e-3
 
 
-@pytest.mark.parametrize(
+@each(
     "mistake",
     [
         lambda arm: arm.with_hydrodynamics(level="medium"),

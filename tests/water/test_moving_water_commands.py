@@ -18,7 +18,6 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.viewer import figures
-from alpha5_model.viewer.motion_plot import motion_figure
 from alpha5_model.viewer.mount_plot import mount_load_figure
 from alpha5_model.water.terms import water_terms
 
@@ -241,26 +240,6 @@ def test_without_a_current_nothing_is_said_of_moving_water(file):
     assert a.moving_water is None
     assert "water" not in a5.trajectory.text(a5.trajectory.summary(a))
     assert not any("water" in name for name in a5.trajectory.columns(a))
-    figure = motion_figure(a)
-    assert "moving water" not in [
-        text.get_text() for text in figure.legends[0].get_texts()
-    ]
-
-
-def test_the_plot_shows_the_cause_with_a_band(file):
-    a = a5.trajectory.analyse(a5.trajectory.read_motion(file), current=CURRENT)
-    figure = motion_figure(a)
-    assert "moving water" in [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "current (0.4, -0.7, 0.3) m/s, its effect estimated" in figure.get_suptitle()
-    for k in range(len(a.smooth.joints)):
-        band, digits = figure.axes[3 * k + 1].collections
-        assert digits.get_label() == "printed digits"
-        reach = digits.get_paths()[0].vertices[:, 1]
-        assert reach.min() <= a.torque[0, k] <= reach.max()
-        corners = band.get_paths()[0].vertices[:, 1]
-        ends = a.moving_water.torque[:, [0, 2], k]
-        assert corners.min() == pytest.approx(ends.min())
-        assert corners.max() == pytest.approx(ends.max())
 
 
 def test_a_floating_base_has_no_mount_to_load():

@@ -12,7 +12,6 @@ import current_load
 import numpy as np
 import pytest
 import reference
-from test_mjcf import mass_matrix
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -183,6 +182,15 @@ def moving(gripper: str = "locked", **options):
     )
     model = mujoco.MjModel.from_xml_string(text)
     return mujoco, model, mujoco.MjData(model)
+
+
+def mass_matrix(model, data) -> np.ndarray:
+    import mujoco
+
+    columns = np.zeros((model.nv, model.nv))
+    for column, unit in zip(columns, np.eye(model.nv), strict=True):
+        mujoco.mj_mulM(model, data, column, unit)
+    return columns
 
 
 def own_torque(q, v, current) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import reference
+from loops import each
 
 import alpha5_model as a5
 
@@ -24,8 +25,8 @@ def state(seed: int, arm: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return q, rng.normal(size=arm.model.nv), rng.normal(size=arm.model.nv)
 
 
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+@each("seed", range(4))
+@each("gripper", ["locked", "jaws"])
 def test_in_the_frame_of_the_water_gravity_is_another(seed: int, gripper: str) -> None:
     """In the frame that accelerates with the water, the water is steady.
 

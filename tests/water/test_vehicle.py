@@ -12,9 +12,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from dynamics_cases import PAYLOAD, close, random_q, random_v
+from loops import each
 from shared_recordings import RECORDINGS, needs_recordings
 
 import alpha5_model as a5
+from alpha5_model.water.carrier import read_carrier
 
 SCRIPT = (
     Path(__file__).resolve().parents[2]
@@ -52,6 +54,13 @@ def vehicle(**changes):
     return a5.Vehicle(**(values | changes))
 
 
+BODY = {
+    "mass": 13.5,
+    "com": np.array([0.01, 0.02, -0.03]),
+    "inertia": np.diag([0.26, 0.23, 0.37]),
+    "volume": 0.0134,
+    "cob": np.array([0.0, -0.01, 0.02]),
+}
 NOTHING = {
     "mass": 0.0,
     "com": np.zeros(3),
@@ -320,7 +329,7 @@ def test_trim_follows_the_recorded_tilt(name):
         assert 0.5 < ours[:, k].std() / recorded[:, k].std() < 1.5
 
 
-@pytest.mark.parametrize(
+@each(
     "changes",
     [
         {"mass": -1.0},
@@ -399,3 +408,64 @@ def test_a_wrong_inverse_of_the_mount_is_refused(named, words):
 def test_wrong_use_is_told(mistake):
     with pytest.raises(a5.Alpha5Error):
         mistake(a5.load())
+
+
+def test_a_table_of_a_vehicle() -> None:
+    table = {"mass": 11.5, "com": [0, 0, -0.02], "volume": 0.0115, "cob": [0, 0, 0.03]}
+    found = read_carrier("rov", table)
+    np.testing.assert_array_equal(found.mount, np.eye(4))
+    assert (found.mass, found.volume) == (11.5, 0.0115)
+    for key, wrong in (
+        ("mass", -0.5),
+        ("volume", -0.5),
+        ("com", [0, 0]),
+        ("cob", [0, 0, np.nan]),
+        ("xyz", [0, 0]),
+        ("rpy", [0, 0, 0, 0]),
+    ):
+        with pytest.raises(a5.errors.InputError, match=f"rov.{key}"):
+            read_carrier("rov", {**table, key: wrong})
+
+
+# --- trim -----------------------------------------------------------------------------
+
+
+@pytest.mark.filterwarnings("ignore:gravity")
+def test_a_trim_where_z_points_down() -> None:
+    """In a world whose gravity is along +z, the vehicle rests upside down."""
+    for gravity in (-9.81, 9.81):
+        system = a5.load(gravity=(0.0, 0.0, gravity)).on_vehicle(a5.Vehicle(**BODY))
+        trim = system.trim(Q)
+        world = np.eye(4)
+        world[:3, :3] = trim.rotation_vehicle_to_world
+        load = pin.Force(system.hydrostatic_torque(system.configuration(world, Q))[:6])
+        np.testing.assert_allclose(load.angular, np.zeros(3), atol=1e-10)
+        held = trim.rotation_vehicle_to_world @ load.linear
+        weight = -np.sign(gravity) * trim.net_weight
+        np.testing.assert_allclose(held, [0.0, 0.0, weight], atol=1e-10)
+        assert trim.righting_moment > 0
+
+
+@pytest.mark.parametrize("gravity", [(1.0, 0, -9.0), (0, 1.0, -9.0), (0, 0, 0)])
+def test_a_trim_needs_gravity_along_z(gravity: tuple[float, ...]) -> None:
+    system = a5.load(gravity=gravity).on_vehicle(a5.Vehicle(**BODY))
+    with pytest.raises(a5.errors.InputError, match="gravity along the world's z"):
+        system.trim(Q)
+
+
+def test_a_vehicle_without_a_righting_moment() -> None:
+    """Its centre of mass is moved until the moment is gone."""
+    system = a5.load().on_vehicle(a5.Vehicle(**BODY))
+    trim = system.trim(Q)
+    lever = trim.righting_moment * trim.rotation_vehicle_to_world[2] / 9.81
+    for rest, refused in ((0.0, True), (1e-5, False)):
+        com = BODY["com"] + (1.0 - rest) * lever / BODY["mass"]
+        system = a5.load().on_vehicle(a5.Vehicle(**{**BODY, "com": com}))
+        if refused:
+            with pytest.raises(
+                a5.errors.InputError, match="expected a righting moment"
+            ):
+                system.trim(Q)
+            continue
+        moment = system.trim(Q).righting_moment
+        assert moment == pytest.approx(rest * trim.righting_moment, rel=1e-3)

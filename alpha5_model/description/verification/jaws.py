@@ -9,8 +9,11 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.description.urdf_robot import UrdfJoint
-from alpha5_model.description.verification.frames import FRAME_BOUND
-from alpha5_model.description.verification.own_arm import closed_links, inertia_error
+from alpha5_model.description.verification.own_arm import (
+    INERTIA_BOUND,
+    closed_links,
+    inertia_error,
+)
 from alpha5_model.description.verification.subject import (
     JAW_LINKS,
     FileCheck,
@@ -38,11 +41,11 @@ def check_closed_jaws(text: Subject) -> FileCheck:
     error = inertia_error(total, _closed_link_4(text))
     return text.row(
         "closed jaws",
-        verdict="passed" if error <= FRAME_BOUND else "failed",
+        verdict="passed" if error <= INERTIA_BOUND else "failed",
         finding="wrist, rod and fingers have link 4's mass, "
         "first and second moments (relative)",
         measured=error,
-        bound=FRAME_BOUND,
+        bound=INERTIA_BOUND,
     )
 
 

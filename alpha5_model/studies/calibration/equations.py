@@ -32,6 +32,9 @@ from alpha5_model.studies.calibration.unknowns import NAMES, ArmUnknowns
 
 #: Prior of friction that is not known at all [N m, N m s/rad].
 _ANY_FRICTION = 10.0
+#: A joint that is slower rests: what is left is rounding, whose sign says nothing
+#: [rad/s].
+_AT_REST = 1e-12
 
 
 class OfSession(NamedTuple):
@@ -307,6 +310,7 @@ def _tilt_slopes(session: Session, tilt: FloatArray) -> FloatArray:
 def _friction_columns(motion: Motion) -> FloatArray:
     """Coulomb and viscous friction of size 1, (N, 4, 8)."""
     unit = np.eye(4)
-    coulomb = np.sign(motion.v)[..., None] * unit
+    moving = np.abs(motion.v) > _AT_REST
+    coulomb = np.where(moving, np.sign(motion.v), 0.0)[..., None] * unit
     viscous = motion.v[..., None] * unit
     return np.concatenate([coulomb, viscous], axis=-1)

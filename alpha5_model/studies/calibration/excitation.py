@@ -134,7 +134,8 @@ def plan_excitation(
         seed: Of the random numbers.
 
     Raises:
-        InputError: Scales, or not such numbers; no motion free of self-collision.
+        InputError: Scales, or not such numbers; a joint that cannot move as far as the
+            margin; no motion free of self-collision.
     """
     chosen = instance("sensor", sensor, Sensor)
     if chosen.kind not in ("force-torque", "efforts"):
@@ -262,6 +263,11 @@ class _Search:
         rng: np.random.Generator,
     ) -> None:
         joints = arm.joints[:4]
+        for joint in joints:
+            if not joint.upper - joint.lower > 2.0 * FROM_LIMITS:
+                limits = (joint.lower, joint.upper)
+                expected = f"limits more than {2.0 * FROM_LIMITS:.3g} rad apart"
+                raise InputError(joint.name, limits, expected)
         self.period = period
         self.compared = 0
         self._rng = rng

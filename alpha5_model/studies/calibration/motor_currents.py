@@ -192,6 +192,8 @@ def _fit(
 ) -> _Fit:
     """Fit a joint's current by weighted least squares with the prior."""
     joint = arm.parameters.joints[k]
+    if not joint.velocity > 0.0:
+        raise InputError(f"{joint.name}.velocity", joint.velocity, "a speed above 0")
     velocity = motion.velocity[:, k]
     used = (np.abs(velocity) > _SLOW * joint.velocity) & np.isfinite(current)
     for sign, way in ((1.0, "forward"), (-1.0, "backward")):

@@ -24,6 +24,11 @@ SIGNIFICANCE = 1e-4
 _CERTAIN = 4.0
 #: Parts of a column that the fit explains up to this share are not told apart.
 _UNSEEN = 1e-6
+#: Columns below this share of the largest one are rounding errors.
+_ROUNDING = 1e-14
+#: A joint that is slower rests: what is left is rounding, whose sign says nothing
+#: [rad/s].
+_AT_REST = 1e-12
 #: Fluids that are taken for one another.
 _FLUIDS = (AIR, FRESH_WATER, SEA_WATER)
 _COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -150,7 +155,9 @@ def suspects(
         ),
     ]
     if efforts:
-        found.append(each("Coulomb", "N m", np.sign(velocity)))
+        moving = np.abs(velocity) > _AT_REST
+        direction = np.where(moving, np.sign(velocity), 0.0)
+        found.append(each("Coulomb", "N m", direction))
         found.append(each("viscous", "N m s/rad", velocity))
     for link, slope in enumerate(by_mass):
         columns = (regressor @ slope)[..., None]
@@ -258,7 +265,8 @@ def _scores(equations: Equations, causes: tuple[Suspect, ...]) -> list[_Score]:
     unexplained = columns - basis @ (basis.T @ columns)
     rest = equations.rest - basis @ (basis.T @ equations.rest)
     length = np.linalg.norm(unexplained, axis=0)
-    seen = length > _UNSEEN * np.linalg.norm(columns, axis=0)
+    size = np.linalg.norm(columns, axis=0)
+    seen = (length > _UNSEEN * size) & (size > _ROUNDING * size.max())
     scores = []
     first = 0
     for cause in causes:
@@ -279,13 +287,15 @@ def _scores(equations: Equations, causes: tuple[Suspect, ...]) -> list[_Score]:
 
 
 def _chance(squared: float, count: int, independent: float) -> float:
-    """Chance of a squared misfit this large by noise alone.
+    """Chance of a squared misfit this large by noise alone; 1 if nothing explains it.
 
     The size of slow noise is known from the independent samples only, so that F's
     distribution replaces that of chi-squared.
     """
     from scipy.stats import f
 
+    if not count:
+        return 1.0
     return float(f.sf(squared / count, count, independent))
 
 

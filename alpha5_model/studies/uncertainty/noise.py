@@ -193,7 +193,9 @@ def _drawn(
         (_LIKELY, ORDER).
     """
     values, vectors = np.linalg.eigh(_curvature(minus_log_likelihood, best))
-    deviations = vectors / np.sqrt(np.maximum(values, _LEAST_CURVATURE))
+    # The symmetric root: it does not depend on the signs of the vectors, which are
+    # arbitrary.
+    deviations = vectors / np.sqrt(np.maximum(values, _LEAST_CURVATURE)) @ vectors.T
     rng = np.random.default_rng(0)
     steps = _WIDER * rng.normal(size=(_CANDIDATES, ORDER))
     points = best + steps @ deviations.T

@@ -1,0 +1,93 @@
+"""Numbers of options: their units, how many there may be, and how large they may be."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from urdf_edits import OWN, with_mass
+
+import alpha5_model as a5
+from alpha5_model.cli import COMMANDS, main
+
+Capture = pytest.CaptureFixture[str]
+POSE = ["--q", "3.1", "1.2", "1.8", "0"]
+
+
+def answer(capsys: Capture, *words: str) -> Any:
+    assert main([*words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def refused(capsys: Capture, name: str, *words: str) -> bool:
+    """Whether a command ends with status 2 and one line that names an option."""
+    status = main([*words])
+    said = capsys.readouterr().err
+    return status == 2 and said.count("\n") == 1 and name in said
+
+
+def test_units_are_those_of_the_quantity(capsys: Capture) -> None:
+    plain = answer(capsys, "fk", "1.5", "1.2", "1.8", "0")
+    for first in ("1.5rad", f"{float(np.degrees(1.5))}deg"):
+        with_unit = answer(capsys, "fk", first, "1.2", "1.8", "0")
+        np.testing.assert_allclose(with_unit["q"], plain["q"], rtol=1e-14)
+    place = answer(capsys, "ik", "0.25", "-0.1", "0.05")
+    for words in (["250", "-100", "50", "mm"], ["250mm", "-0.1m", "50mm"]):
+        assert answer(capsys, "ik", *words)["branches"] == place["branches"]
+    assert refused(capsys, "q", "fk", "1.5m", "1.2", "1.8", "0")
+    assert refused(capsys, "", "ik", "0.25deg", "-0.1", "0.05")
+
+
+@pytest.mark.parametrize(
+    ("option", "largest", "count"), [("--current", 100, 3), ("--fluid", 100_000, 1)]
+)
+def test_numbers_that_no_water_has_are_refused(
+    option: str, largest: int, count: int, capsys: Capture
+) -> None:
+    others = ["0"] * (count - 1)
+    answer(capsys, "torque", *POSE, option, str(largest), *others)
+    words = ["torque", *POSE, option, f"{largest}.5", *others]
+    assert refused(capsys, option.strip("-"), *words)
+
+
+def test_a_payload_has_one_four_or_five_numbers(capsys: Capture) -> None:
+    arm = a5.load()
+    expected = arm.with_payload(0.5, (0.1, 0.2, 0.3), volume=4e-4)
+    found = answer(capsys, "torque", *POSE, "--payload", "0.5 0.1 0.2 0.3 4e-4")
+    q = [float(word) for word in POSE[1:]]
+    torque = [joint["torque"] for joint in found["joints"][:4]]
+    np.testing.assert_allclose(torque, expected.hydrostatic_torque(q), atol=1e-12)
+    answer(capsys, "torque", *POSE, "--payload", "0.5")
+    answer(capsys, "torque", *POSE, "--payload", "0.5 0.1 0.2 0.3")
+    for count in (2, 3, 6):
+        text = " ".join(["0.1"] * count)
+        assert refused(capsys, "payload", "torque", *POSE, "--payload", text)
+
+
+@pytest.fixture
+def other(tmp_path: Path) -> Path:
+    file = tmp_path / "other.urdf"
+    file.write_text(with_mass(OWN, "0.5"), "utf-8")
+    return file
+
+
+def test_compare_is_the_function(other: Path, capsys: Capture) -> None:
+    assert main(["compare", str(other), "--samples", "20", "--json"]) == 1
+    record = json.loads(capsys.readouterr().out)
+    ours = a5.compare(other, samples=20).as_dict()
+    assert record["verdict"] == ours["verdict"]
+    assert [x["text"] for x in record["findings"]] == [
+        x["text"] for x in ours["findings"]
+    ]
+    for samples in ("0", "100001"):
+        assert refused(capsys, "samples", "compare", str(other), "--samples", samples)
+
+
+def test_the_help_lists_every_command(capsys: Capture) -> None:
+    assert main(["--help"]) == 0
+    listed = re.findall(r"^│ ([a-z]+) ", capsys.readouterr().out, re.MULTILINE)
+    assert set(COMMANDS) <= set(listed)
