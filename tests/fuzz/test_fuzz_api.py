@@ -256,7 +256,6 @@ OTHERS: dict[str, tuple[Callable[..., Any], dict[str, Strategy]]] = {
             "gripper": one_of("locked", "jaws"),
             "floating_base": st.booleans(),
             "corrections": one_of((), ("base_frame",), ("base_frame", "link3_cob")),
-            "backend": one_of("pinocchio", "kernels"),
         },
     ),
     "parameters": (a5.parameters, {"corrections": one_of((), ("base_frame",))}),

@@ -11,11 +11,11 @@ import pytest
 from fk import sample, tip
 from loops import each
 from own_arm import random_arm, tips, within
+from pinocchio_collision import CollisionModel
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.collision.self_collision import SelfCollision, self_collision
-from pinocchio_collision import CollisionModel
 from alpha5_model.errors import JointLimitError, SelfCollisionError, UnreachableError
 from alpha5_model.kinematics import colliding
 from alpha5_model.kinematics.catalogue_arm import catalogue

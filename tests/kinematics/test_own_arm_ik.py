@@ -13,11 +13,10 @@ from own_arm import limits, random_arm, tips, turned_apart, with_tool, within
 
 import alpha5_model as a5
 from alpha5_model.codegen.kernels import numpy_kernels
-from alpha5_model.codegen.kernels.choice import module
 from alpha5_model.errors import JointLimitError, UnreachableError
 from alpha5_model.kinematics.arm_shape import ArmShape
 from alpha5_model.kinematics.ik import ArmSolutions, Solutions
-from alpha5_model.kinematics.solver import OFF_AXIS, ON_AXIS
+from alpha5_model.kinematics.tolerances import DOUBLE
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 TARGETS = 4000
@@ -245,44 +244,6 @@ def test_theta_1_is_free_at_the_shoulder_of_equal_links() -> None:
     assert np.abs(tips(arm, s.q[s.exists]) - shoulder).max() < 1e-9
 
 
-def test_an_arm_as_published_answers_as_the_catalogue() -> None:
-    """The general kernels and the catalogue's, on the same arm."""
-    rng = np.random.default_rng(4)
-    position = rng.uniform(-0.4, 0.4, (TARGETS, 3))
-    wrist = rng.uniform(-10.0, 10.0, TARGETS)
-    ours = a5.inverse_kinematics(position, wrist)
-    numbers = ArmShape.from_parameters(a5.parameters()).numbers
-    for name in (ON_AXIS, OFF_AXIS):
-        q = np.empty((TARGETS, 4, 4))
-        flags = [np.empty((TARGETS, size)) for size in (4, 4, 1)]
-        assert module().batch(name, numbers, position, wrist, q, *flags)
-        assert (flags[0] == ours.exists).all()
-        assert (flags[1] == ours.within_limits).all()
-        assert (flags[2][:, 0] == ours.singular).all()
-        assert q == pytest.approx(ours.q, abs=2e-12, nan_ok=True)
-
-
-@pytest.mark.parametrize("name", ["43 mm along", "60 mm beside, 1"])
-def test_one_target_is_solved_as_many_are(name: str) -> None:
-    arm = ARMS[name]
-    q = within(arm, 100, seed=9)
-    position = tips(arm, q)
-    many = a5.inverse_kinematics(position, 0.3, arm=arm)
-    shape = ArmShape.from_parameters(arm)
-    kernel = ON_AXIS if shape.has_tool_on_axis else OFF_AXIS
-    in_numpy = numpy_kernels.bind(kernel, shape.numbers)
-    for i, target in enumerate(position):
-        one = a5.inverse_kinematics(target, 0.3, arm=arm)
-        listed = a5.inverse_kinematics(target.tolist(), 0.3, arm=arm)
-        plain = numpy_kernels.inverse_kinematics(ArmSolutions, target, 0.3, in_numpy)
-        assert one.q == pytest.approx(many.q[i], abs=1e-13, nan_ok=True)
-        assert plain.q == pytest.approx(many.q[i], abs=1e-12, nan_ok=True)
-        np.testing.assert_array_equal(one.q, listed.q)
-        for answer in (one, listed, plain):
-            assert (answer.within_limits == many.within_limits[i]).all()
-            assert not answer.q.flags.writeable
-
-
 @pytest.mark.parametrize("count", [1, 5, 500])
 @pytest.mark.parametrize("name", ["43 mm along", "60 mm beside, 2"])
 def test_numpy_solves_few_and_many_targets_alike(name: str, count: int) -> None:
@@ -290,15 +251,30 @@ def test_numpy_solves_few_and_many_targets_alike(name: str, count: int) -> None:
     arm = ARMS[name]
     position = tips(arm, within(arm, count, seed=3))
     expected = a5.inverse_kinematics(position, 0.3, arm=arm)
-    q = np.empty((count, 4, 4))
-    flags = [np.empty((count, size)) for size in (4, 4, 1)]
-    shape = ArmShape.from_parameters(arm)
-    numbers = shape.numbers
+    numbers = np.array([*ArmShape.from_parameters(arm).numbers, *DOUBLE])
     wrist = np.full(count, 0.3)
-    kernel = ON_AXIS if shape.has_tool_on_axis else OFF_AXIS
-    assert numpy_kernels.batch(kernel, numbers, position, wrist, q, *flags)
+    q, exists, within_limits, singular = numpy_kernels.rows(
+        "inverse_kinematics", numbers, position, wrist
+    )
     assert q == pytest.approx(expected.q, abs=1e-12, nan_ok=True)
-    assert (flags[1] == expected.within_limits).all()
+    assert (exists == expected.exists).all()
+    assert (within_limits == expected.within_limits).all()
+    assert (singular[:, 0] == expected.singular).all()
+
+
+@pytest.mark.parametrize("name", ["43 mm along", "60 mm beside, 1"])
+def test_one_target_is_solved_as_many_are(name: str) -> None:
+    arm = ARMS[name]
+    position = tips(arm, within(arm, 100, seed=9))
+    many = a5.inverse_kinematics(position, 0.3, arm=arm)
+    for i, target in enumerate(position):
+        one = a5.inverse_kinematics(target, 0.3, arm=arm)
+        listed = a5.inverse_kinematics(target.tolist(), 0.3, arm=arm)
+        np.testing.assert_array_equal(one.q, many.q[i])
+        np.testing.assert_array_equal(one.q, listed.q)
+        for answer in (one, listed):
+            assert (answer.within_limits == many.within_limits[i]).all()
+            assert not answer.q.flags.writeable
 
 
 def test_targets_far_off_are_out_of_reach() -> None:

@@ -159,11 +159,9 @@ def kinematics(arm: Alpha5Parameters) -> Any:
 
 
 def kernels(arm: Alpha5Parameters) -> Any:
-    by_kernels = a5.load(arm=arm, backend="kernels")
-    return [
-        by_kernels.inverse_dynamics(Q, V, A),
-        by_kernels.base_wrench(Q, V, A).vector,
-    ]
+    loaded = a5.load(arm=arm)
+    state = [np.array([x]) for x in (Q, V, A)]
+    return [loaded.inverse_dynamics_batch(*state), loaded.base_wrench_batch(*state)]
 
 
 def moving_water(arm: Alpha5Parameters) -> Any:

@@ -157,7 +157,6 @@ def arm_calls() -> list[tuple[str, Call]]:
     rng = np.random.default_rng(3)
     arms = {
         "Pinocchio": a5.load(),
-        "kernels": a5.load(backend="kernels"),
         "floating": a5.load(floating_base=True),
         "jaws": a5.load(gripper="jaws"),
     }
@@ -173,7 +172,7 @@ def arm_calls() -> list[tuple[str, Call]]:
     q, v, a = rng.normal(size=(3, ROWS, 4))
     state = {"q": q, "v": v, "a": a}
     current = {"current": rng.normal(scale=0.3, size=3)}
-    plain = arms["kernels"]
+    plain = arms["Pinocchio"]
 
     def torque(arm: Any) -> Any:
         return arm.inverse_dynamics_batch(q, v, a)
