@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.dynamics.arm_collision import ArmCollision
 from alpha5_model.dynamics.arm_model import ArmModel
-from alpha5_model.dynamics.batch import kernel_rows
+from alpha5_model.dynamics.batch import kernel_rows, solved
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
 from alpha5_model.dynamics.joint_tree import AT_ORIGIN, JointTree
 from alpha5_model.dynamics.model_changes import added_body, with_payload
@@ -413,7 +413,7 @@ class Arm(ArmModel):
         q, v, tau = self._clean_qvtau(q, v, tau)
         if self._mimics:  # which ABA refuses
             bias = self.inverse_dynamics(q, v, np.zeros_like(v), fext)
-            return np.asarray(np.linalg.solve(self.mass_matrix(q), tau - bias))
+            return solved(self.mass_matrix(q), tau - bias)
         scratch = self._scratch
         outside = () if fext is None else (forces(fext, self._model.njoints),)
         total = tau + _gravity(self._fluid, scratch.fluid_data, q)

@@ -24,6 +24,7 @@ from alpha5_model._support.checks import FloatArray, count
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.dynamics.scratch import Scratch
 from alpha5_model.dynamics.states import rows
+from alpha5_model.errors import InputError
 
 #: Number of states for which one more thread pays. They are 3 ms of work, as long as
 #: starting a thread takes on a busy machine.
@@ -214,5 +215,18 @@ def solved_rows(
     a = np.empty(excess.shape)
     for i in _blocks(len(q), threads=1):
         masses = np.array([arm.mass_matrix(row) for row in q[i]])
-        a[i] = np.linalg.solve(masses, excess[i, :, None])[..., 0]
+        a[i] = solved(masses, excess[i, :, None])[..., 0]
     return a
+
+
+def solved(mass: FloatArray, torque: FloatArray) -> FloatArray:
+    """The accelerations at which mass matrices need these torques.
+
+    Raises:
+        InputError: A rod so far out that rounding leaves the matrix no inverse.
+    """
+    try:
+        return np.asarray(np.linalg.solve(mass, torque), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        expected = "positions whose mass matrix has an inverse"
+        raise InputError("q", "a singular mass matrix", expected) from None

@@ -24,7 +24,7 @@ from alpha5_model._support.checks import (
     rigid_transform,
 )
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.batch import solved_rows
+from alpha5_model.dynamics.batch import solved, solved_rows
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
 from alpha5_model.dynamics.regression import Regressor
 from alpha5_model.dynamics.states import Partials, forces, rows
@@ -156,8 +156,7 @@ class HydrodynamicArm(Arm):
         """
         q, v, torque = self._clean_qvtau(q, v, tau)
         bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
-        a = np.linalg.solve(self.mass_matrix(q), torque - bias)
-        return np.asarray(a, dtype=np.float64)
+        return solved(self.mass_matrix(q), torque - bias)
 
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None

@@ -156,21 +156,20 @@ def test_decisions_as_statements() -> None:
     ]
     decide = program(casadi.Function("f", [x, y], out, ["x", "y"], list("abcdefgh")))
     assert {s.op for s in decide.steps} >= {*TRUTHS, "if_else", "if_else_zero"}
-    for language, m, number in (("arrays", np, np.float64), ("numbers", math, float)):
-        names: dict[str, Any] = {}
-        exec(python_source([decide], language), names)
-        for given in ((1.0, 2.0), (2.0, 2.0), (3.0, 2.0), (3.0, -2.0)):
-            found = [float(x) for (x,) in names["f"](*([number(x)] for x in given), m)]
-            smaller = given[0] < given[1]
-            expected = [smaller, given[0] == given[1], smaller or given[1] < 0]
-            assert found[:3] == expected
-            assert found[3] == -given[0] if smaller else math.isnan(found[3])
-            assert found[4:] == [
-                given[0] * smaller,
-                min(given),
-                max(given),
-                abs(given[1]),
-            ]
+    names: dict[str, Any] = {}
+    exec(python_source([decide]), names)
+    for given in ((1.0, 2.0), (2.0, 2.0), (3.0, 2.0), (3.0, -2.0)):
+        found = [float(x) for (x,) in names["f"](*([np.float64(x)] for x in given), np)]
+        smaller = given[0] < given[1]
+        expected = [smaller, given[0] == given[1], smaller or given[1] < 0]
+        assert found[:3] == expected
+        assert found[3] == -given[0] if smaller else math.isnan(found[3])
+        assert found[4:] == [
+            given[0] * smaller,
+            min(given),
+            max(given),
+            abs(given[1]),
+        ]
 
 
 @pytest.mark.parametrize("wrist", [math.nan, math.inf])

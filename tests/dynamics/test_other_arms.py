@@ -150,6 +150,7 @@ ANSWERED = {
     "buoyancy_wrenches",
     "center_of_buoyancy",
     "center_of_mass",
+    "closest_links",
     "collision_distance",
     "collision_distance_gradient",
     "coriolis_matrix",
@@ -181,6 +182,7 @@ ANSWERED = {
 NO_NUMBERS = {
     "approach_directions",
     "buoyancy_wrenches",
+    "closest_links",
     "collision_distance",
     "collision_distance_gradient",
     "in_collision",

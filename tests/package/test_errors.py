@@ -46,7 +46,7 @@ def instances() -> list[errors.Alpha5Error]:
         errors.MissingParameterError("rotor_inertia", "reflected inertia"),
         errors.MissingFileError("arm.urdf", "a URDF"),
         errors.FileFormatError("log.csv", "not a number", "line 3"),
-        errors.KernelError("inverse_dynamics"),
+        errors.KernelError("inverse_dynamics", "rows"),
         errors.OutputError("out.urdf", "no space left"),
         errors.PortInUseError(7000),
         errors.ViewerError("the viewer is closed"),
