@@ -166,16 +166,14 @@ def test_no_pair_moves_faster_than_its_rates(locked: CoalReference) -> None:
 
 @pytest.mark.slow
 def test_lines_that_are_proved_free_are(scene: SelfCollision) -> None:
-    """By coal's answer every 0.1 degrees, close to the nearest place."""
+    """By the exact test every 0.2 degrees, and by coal at the nearest place."""
     rng = np.random.default_rng(11)
-    start, end = sample(250, seed=12), sample(250, seed=13)
-    end[:200] = np.clip(
-        start[:200] + rng.normal(scale=0.5, size=(200, 4)), LOWER, UPPER
-    )
+    start, end = sample(80, seed=12), sample(80, seed=13)
+    end[:70] = np.clip(start[:70] + rng.normal(scale=0.5, size=(70, 4)), LOWER, UPPER)
     shares = scene.free_shares(start, end)
     free = 0
     for share, one, other in zip(shares, start, end, strict=True):
-        steps = int(np.ceil(np.abs(other - one).max() / np.radians(0.1)))
+        steps = int(np.ceil(np.abs(other - one).max() / np.radians(0.2)))
         along = np.linspace(0.0, 1.0, steps + 1)
         line = one + along[:, None] * (other - one)
         hits = scene.touches(line)
@@ -189,16 +187,16 @@ def test_lines_that_are_proved_free_are(scene: SelfCollision) -> None:
         assert not hits[along < share].any()
         at = one + share * (other - one)
         assert scene.distance(at[None])[0] < 2e-6
-    assert 150 < free < 250
+    assert 50 < free < 80
 
 
 def test_a_margin_of_a_line_is_kept(scene: SelfCollision) -> None:
     compiled_kernels()
-    start, end = sample(60, seed=14), sample(60, seed=15)
+    start, end = sample(20, seed=14), sample(20, seed=15)
     wide = scene.free_shares(start, end, 0.01)
     assert (wide <= scene.free_shares(start, end) + 1e-12).all()
     for share, one, other in zip(wide, start, end, strict=True):
-        line = one + np.linspace(0.0, share, 300)[:, None] * (other - one)
+        line = one + np.linspace(0.0, share, 60)[:, None] * (other - one)
         if share > 0.0:
             assert scene.distance(line).min() > 0.01 - 1e-9
     still = start[~scene.touches(start)][:1]

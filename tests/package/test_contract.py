@@ -326,7 +326,6 @@ def arms() -> list[Case]:
         "floating_base": False,
         "gravity": (0.0, 0.0, -9.81),
         "corrections": (),
-        "backend": "pinocchio",
         "arm": None,
     }
     payload = {"mass": 0.5, "com": (0, 0, 0.1), "volume": 1e-4, "frame": "tcp"}

@@ -147,9 +147,6 @@ def test_solutions_share_nothing_that_can_be_written(
     for target in (far, near):
         one = a5.inverse_kinematics(target)
         assert shared(one, a5.inverse_kinematics(target)) == []
-        for array in one[1:4]:
-            with pytest.raises(ValueError, match="WRITEABLE"):
-                array.setflags(write=True)
     assert not a5.inverse_kinematics(far).exists.any()
     for _, call in kinematics_calls():
         first, second = (call.function(**call.arrays, **call.others) for _ in range(2))

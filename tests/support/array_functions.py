@@ -118,7 +118,8 @@ def _of_arm(owner: str, arm: Any, rng: np.random.Generator) -> dict[str, Call]:
             "trim",
         ):
             continue
-        if name == "regressor" and arm._kernel_parameters is None:
+        known = arm._kernel_parameters is not None and not arm.has_hydrodynamics
+        if name == "regressor" and not known:
             continue  # refused
         many = name.endswith(_MANY)
         arrays = {p: state[p] if many else state[p][0] for p in given}
