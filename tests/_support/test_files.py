@@ -217,6 +217,7 @@ def test_a_pipe_whose_reader_leaves_is_one_error(tmp_path: Path) -> None:
     assert names(tmp_path) == ["pipe"]
 
 
+@pytest.mark.slow
 @as_root
 @linux
 def test_devices_are_written_into(tmp_path: Path) -> None:
@@ -627,6 +628,7 @@ def random_path_within(folder: Path, rng: random.Random) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_any_path_ends_in_a_file_or_in_one_error(tmp_path: Path) -> None:
     """Random paths are written or refused; what is no plain file stays what it is."""
     rng = random.Random(7)

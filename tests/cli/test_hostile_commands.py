@@ -33,6 +33,8 @@ RUNNER = Path(__file__).parents[1] / "support" / "hostile_runner.py"
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 #: A plain colour does no harm.
 COLOUR = re.compile(r"\x1b\[(0|3[0-7])m")
+#: Hundreds of processes.
+pytestmark = pytest.mark.slow
 COMMANDS_OF_URDFS = (
     ("compare", "--samples", "3"),
     ("dh", "--urdf"),
@@ -237,7 +239,6 @@ def test_control_characters_are_written_out():
     )
 
 
-@pytest.mark.slow
 def test_the_runner_sees_what_is_forbidden(tmp_path):
     """A xacro file that is expanded on request runs a program, and the runner sees it.
 
@@ -258,7 +259,6 @@ def test_the_runner_sees_what_is_forbidden(tmp_path):
     assert mark.exists()
 
 
-@pytest.mark.slow
 def test_the_program_itself_answers_in_one_line(tmp_path):
     """Without the runner: a process as a user starts it."""
     mark = tmp_path / "made"

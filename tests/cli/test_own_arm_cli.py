@@ -59,6 +59,7 @@ def test_fk_and_ik_are_of_the_file(capsys: Any) -> None:
     )
 
 
+@pytest.mark.slow
 def test_torque_has_the_masses_mount_and_motors_of_the_file(
     capsys: Any, tmp_path: Path
 ) -> None:

@@ -80,6 +80,7 @@ def test_gripper_jaws_adds_the_rod_and_two_fingers():
     assert added == {"axis_a", "finger_1_joint", "finger_2_joint"}
 
 
+@pytest.mark.slow
 def test_mesh_prefix_stands_before_every_mesh():
     root = xml(Variant(mesh_prefix="package://somewhere/"))
     files = [mesh.get("filename") for mesh in root.iter("mesh")]

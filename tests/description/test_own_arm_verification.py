@@ -108,6 +108,7 @@ def test_each_difference_is_found(
     assert failed(text, tmp_path, record) == (expected or {"inertias"})
 
 
+@pytest.mark.slow
 def test_a_missing_mount_is_found(tmp_path: Path) -> None:
     record = RECORDS[9]
     bare = urdf(Variant(arm=dataclasses.replace(record, mount=None)))
@@ -135,6 +136,7 @@ def test_other_corrections_than_the_records_are_refused(tmp_path: Path) -> None:
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
 
 
+@pytest.mark.slow
 def test_the_command_checks_against_the_file(tmp_path: Path, capsys: Any) -> None:
     file = str(tmp_path / "lab.urdf")
     arm = ["--arm", str(EXAMPLE)]

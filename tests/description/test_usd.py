@@ -195,6 +195,7 @@ def _volume_of_coal(shape: Any) -> float:
     return float(shape.computeVolume())
 
 
+@pytest.mark.slow
 def test_an_arm_of_ones_own_stands_on_its_mount(tmp_path):
     record = RECORDS[9]
     path = tmp_path / "own.usda"

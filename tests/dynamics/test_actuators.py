@@ -334,6 +334,7 @@ def test_what_cannot_be_used_is_refused(call, error) -> None:
         call()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 @each("joint", ["axis_e", "axis_a"])
 @each("screw_lead", [1e-51, 1e-3, 2e51])

@@ -47,6 +47,7 @@ def test_the_catalogue_changes_nothing() -> None:
     assert arm_changes(ARM, ARM) == ()
 
 
+@pytest.mark.slow
 def test_a_weighed_link_costs_its_weight_times_its_lever() -> None:
     links = list(ARM.links)
     links[2] = dataclasses.replace(links[2], mass=0.341)
@@ -67,6 +68,7 @@ def test_a_weighed_link_costs_its_weight_times_its_lever() -> None:
     assert found["all"].torque == change.torque
 
 
+@pytest.mark.slow
 def test_a_tool_is_compared_with_the_point_of_table_1() -> None:
     """Frame {5} in link_4: Tz(-180 mm) Rx(90 deg) Rz(-90 deg)."""
     from scipy.spatial.transform import Rotation

@@ -43,6 +43,7 @@ def test_distance_is_the_least_over_all_joint_positions() -> None:
     np.testing.assert_allclose(distance, numerical, rtol=0, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_distance_in_the_closed_wedges_and_near_the_axis() -> None:
     rng = np.random.default_rng(51)
     azimuth = np.concatenate(
@@ -76,6 +77,7 @@ def test_a_wedge_is_not_the_solid_of_revolution() -> None:
     assert numerical_distance(np.array(over)) == pytest.approx(gap, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_nearest_point_is_reachable_and_at_the_distance() -> None:
     rng = np.random.default_rng(52)
     target = rng.uniform(-0.6, 0.6, (20_000, 3))

@@ -189,6 +189,7 @@ def test_base_link_turns_with_the_correction() -> None:
     assert np.array_equal(surroundings.touches(q), [world.touches(row) for row in q])
 
 
+@pytest.mark.slow
 def test_without_a_compiler_the_answers_are_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

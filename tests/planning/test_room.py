@@ -33,6 +33,7 @@ def test_a_motion_is_slowed_down_no_more_than_a_tenth_too_much() -> None:
         assert 0.9 * longest < motion.duration <= longest
 
 
+@pytest.mark.slow
 def test_room_beside_a_line_is_that_of_the_farthest_points() -> None:
     """Each joint needs its angle times the farthest distance from its axis."""
     rng = np.random.default_rng(1)

@@ -64,6 +64,7 @@ def audit_of(document: str) -> dict[str, AuditRow]:
 # --- the record -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_rows_are_frozen_unique_and_computed_once() -> None:
     audit = a5.audit()
     assert audit is a5.audit()

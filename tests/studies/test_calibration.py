@@ -387,6 +387,7 @@ def test_the_slopes_of_possible_bodies_are_differences() -> None:
     np.testing.assert_allclose(slopes / scale, np.transpose(columns) / scale, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_moving_arms_tell_moments_of_inertia_of_possible_bodies() -> None:
     rng = np.random.default_rng(6)
     q = random_q(40, seed=6)
@@ -612,6 +613,7 @@ def calibrated(prior: str) -> calibrate.Calibration:
     return calibrate.fit(calibrate.with_readings(planned, readings), prior=prior)
 
 
+@pytest.mark.slow
 def test_bounds_are_those_of_the_ellipsoid() -> None:
     found = calibrated("loose")
     q = random_q(3, seed=12)

@@ -111,6 +111,7 @@ def best_noise(weights: Weights) -> np.ndarray:
     return np.column_stack([weights.correlation, weights.deviation])
 
 
+@pytest.mark.slow
 def test_a_fit_is_the_best_within_the_digits(case: Case) -> None:
     """No other numbers within them fit better, and the noise is what they leave."""
     system = case.system
@@ -134,6 +135,7 @@ def test_a_fit_is_the_best_within_the_digits(case: Case) -> None:
     np.testing.assert_array_equal(fit.correlation, case.weights.correlation)
 
 
+@pytest.mark.slow
 def test_the_prediction_is_that_of_the_fitted_numbers(case: Case) -> None:
     """By Pinocchio, with the lengths that the fit has found."""
     found = u.identify(case.motion, case.arm, method="interpolate")

@@ -189,6 +189,7 @@ def test_coverage_of_predicted_torques(correlation: float) -> None:
     assert 0.88 < np.mean(hits) < 0.99
 
 
+@pytest.mark.slow
 def test_lengths_and_zeros_are_found_within_their_half_widths() -> None:
     """An arm whose a_1 and zero of axis_c are off, by Pinocchio."""
     half_widths = {"lengths.a_1": 2e-3, "zeros.axis_c": 0.02}
@@ -269,6 +270,7 @@ def covariance(partial: np.ndarray, count: int) -> np.ndarray:
     return np.asarray(toeplitz(lagged))
 
 
+@pytest.mark.slow
 def test_the_noise_is_that_of_the_restricted_likelihood_with_full_matrices() -> None:
     rng = np.random.default_rng(4)
     partial = np.array([0.8, -0.3, 0.2])

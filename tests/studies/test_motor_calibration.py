@@ -42,6 +42,7 @@ def by_driver() -> Any:
     return trials.found(BARE, trials.currents(BARE, trials.DRIVER, 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_friction_and_torque_per_ampere_of_rough_motors(seed: int) -> None:
     """The truth has Stribeck's friction, ripple and drift."""
@@ -74,6 +75,7 @@ def test_a_payload_is_weighed_with_little_friction_only(by_driver: Any) -> None:
         trials.found(heavy, current, arm, payload=True)
 
 
+@pytest.mark.slow
 def test_the_arm_file_gives_the_fitted_currents(by_driver: Any, tmp_path: Path) -> None:
     path = tmp_path / "arm.toml"
     path.write_text(arm_file_text(by_driver.parameters))
@@ -126,6 +128,7 @@ def test_recordings_that_tell_nothing_are_refused() -> None:
         a5.calibrate.motors(at_rest, method="interpolate")
 
 
+@pytest.mark.slow
 def test_the_command_writes_an_arm_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -349,6 +349,7 @@ def test_any_size_of_chunks(
     assert content(tmp_path) == content(drawn[1])
 
 
+@pytest.mark.slow
 def test_a_worker_killed_in_the_middle(
     drawn: tuple[Path, Path], tmp_path: Path, cluster: Any
 ) -> None:

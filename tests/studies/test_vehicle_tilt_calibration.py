@@ -229,6 +229,7 @@ def test_what_is_refused() -> None:
         calibrate.plan_excitation(sensor)
 
 
+@pytest.mark.slow
 def test_the_command_plans_and_fits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

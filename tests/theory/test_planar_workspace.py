@@ -136,6 +136,7 @@ def general_route(arm: PlanarArm, monkeypatch: pytest.MonkeyPatch) -> Workspace:
     return workspace(arm)
 
 
+@pytest.mark.slow
 @each("name", LIMITED)
 def test_every_enumerated_point_is_inside(name: str) -> None:
     arm = LIMITED[name]
@@ -185,6 +186,7 @@ def test_points_inside_are_reached_and_points_outside_are_not(name: str) -> None
     assert np.array_equal(reached, arm.workspace().contains(points))
 
 
+@pytest.mark.slow
 @each("name", LIMITED)
 def test_area_is_that_of_a_fine_grid(name: str) -> None:
     """The area is the number of squares whose centre is inside, times their area."""

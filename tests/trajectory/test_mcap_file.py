@@ -91,6 +91,7 @@ def test_joint_states_torques_and_mount_load_are_those_of_the_analysis() -> None
     assert {"axis_d_torque_weight", "axis_b_effort"} <= set(torques.name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_the_frames_are_where_the_arm_has_them(gripper: str) -> None:
     """Chained up from base_link, fingers included."""

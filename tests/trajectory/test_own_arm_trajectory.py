@@ -91,6 +91,7 @@ def test_its_motors_and_drives_are_those_of_the_record() -> None:
     assert np.isfinite(analysis.torque_limits.upper[:, 1]).all()
 
 
+@pytest.mark.slow
 def test_arguments_win_over_the_record() -> None:
     record = with_motors(supply_voltage=23.0, current_limits=(1.0,) * 5)
     arm = a5.load(arm=record)
@@ -118,6 +119,7 @@ def recording(folder: Path, record: Alpha5Parameters) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_the_command_says_which_arm_and_has_its_limits(
     tmp_path: Path, capsys: Any
 ) -> None:

@@ -311,6 +311,7 @@ def test_parquet_that_expands_without_measure(tmp_path: Path) -> None:
     assert a5.trajectory.read_motion(path).time.size == 100_000
 
 
+@pytest.mark.slow
 def test_a_large_parquet_file_may_expand_by_its_size(tmp_path: Path) -> None:
     """Noise does not compress: a file of 2 MB may hold more than the least limit."""
     import pyarrow

@@ -659,5 +659,6 @@ def test_what_is_seen_through_does_not_fight_with_what_it_lies_on(tab: Tab) -> N
     assert offsets == {"bodies": [0], "collision": [-1], "ghosts": [1]}
 
 
+@pytest.mark.slow
 def test_the_page_is_small(files: dict[str, Path]) -> None:
     assert all(path.stat().st_size < 4e6 for path in files.values())

@@ -725,6 +725,7 @@ def test_an_error_reaches_who_called(viewer: ArmVisualizer) -> None:
             viewer.display(wrong)
 
 
+@pytest.mark.slow
 def test_the_command_prints_nothing_but_its_address() -> None:
     """As a user runs it: to its end, and without pytest's handlers of logs."""
     process = subprocess.Popen(

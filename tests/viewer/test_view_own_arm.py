@@ -240,6 +240,7 @@ def test_the_live_page_follows_python(chromium: Any) -> None:
 # --- scenes ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_spacer_moves_the_jaws() -> None:
     record = own.RECORDS[1]
     assert record.spacer > 0.0

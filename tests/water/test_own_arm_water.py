@@ -71,6 +71,7 @@ def munk_torque(record: Alpha5Parameters, q: np.ndarray) -> np.ndarray:
     return np.array([-(energy(q + s) - energy(q - s)) / (2 * h) for s in steps])
 
 
+@pytest.mark.slow
 @every_record
 def test_a_resting_arm_is_loaded_by_drag_at_its_own_places(
     record: Alpha5Parameters,
