@@ -26,7 +26,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, instance
-from alpha5_model.codegen.kernels.generated.formulas import KERNELS
+from alpha5_model.codegen.kernels.generated import formulas
 from alpha5_model.codegen.payload import slope_by_moments_at_the_tcp
 from alpha5_model.collision.approximate_distance import SMOOTHING as _SMOOTHING
 from alpha5_model.collision.approximate_distance import (
@@ -340,7 +340,7 @@ def _only(name: str, *given: Numbers) -> Array:
 def _computed(name: str, *given: Numbers) -> Arrays:
     """The outputs of a formula."""
     formula: Any
-    formula, inputs, outputs = KERNELS[name]
+    formula, inputs, outputs = formulas.KERNELS[name]
     elements = [
         _elements(name, x, shape) for x, shape in zip(given, inputs, strict=True)
     ]

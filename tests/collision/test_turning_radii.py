@@ -22,7 +22,7 @@ from alpha5_model.numbers.parameters import parameters
 #: A circle is enclosed in a polygon, and samples miss the farthest angles a little.
 WIDER = 1.01
 #: Angles of all joints, all the way round.
-SAMPLES = 250
+SAMPLES = 100
 ARMS = ("jaws", "own")
 
 
