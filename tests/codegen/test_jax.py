@@ -208,6 +208,7 @@ def test_a_missing_branch_does_not_spoil_the_others(
 
     from alpha5_model.jax import inverse_kinematics
 
+    far = np.array([9.0, 0.1, 0.2])
     one_elbow = np.array([0.3, 0.1, 0.05])
     expected = a5.inverse_kinematics(one_elbow).exists
     assert expected.any()
