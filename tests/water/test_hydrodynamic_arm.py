@@ -23,6 +23,7 @@ from loops import each
 import alpha5_model as a5
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement
+from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics, hydrodynamics
 from alpha5_model.water.arm import HydrodynamicArm, joint_water
@@ -331,6 +332,31 @@ def test_an_arm_in_moving_water_has_no_methods_of_still_water_only():
     assert wet.fluid_density == RHO
     with pytest.raises(InputError, match="arm"):
         wet.regressor(*np.zeros((3, 4)))
+
+
+def test_what_knows_still_water_only_refuses_it():
+    """It would leave out its water, or count a current twice."""
+    wet = a5.load().with_hydrodynamics(CURRENT)
+    q = np.array([1.0, 1.6, 1.5, 0.2])
+    state = (q[None], np.ones((1, 4)), np.ones((1, 4)))
+    for ask in (
+        lambda: torque_terms(wet, *state),
+        lambda: a5.uncertainty.bounds(*state, arm=wet),
+        lambda: a5.plan(q, q + 0.1, arm=wet),
+    ):
+        with pytest.raises(InputError, match=r"arm: .* in still water"):
+            ask()
+
+
+@pytest.mark.tools
+def test_jax_and_casadi_refuse_it():
+    import alpha5_model.casadi as in_casadi
+    import alpha5_model.jax as in_jax
+
+    wet = a5.load().with_hydrodynamics(CURRENT)
+    for library in (in_casadi, in_jax):
+        with pytest.raises(InputError, match=r"arm: .* in still water"):
+            library.load(wet)
 
 
 def test_other_water_replaces_that_of_an_arm():
