@@ -147,7 +147,7 @@ def test_without_self_collision_is_of_the_record(seed: int) -> None:
 def test_reach_without_self_collision_of_an_arm_with_its_tool_on_the_axis() -> None:
     record = RECORDS[1]
     accept = partial(a5.without_self_collision, arm=record)
-    q = own.states(record, 300)[0]
+    q = own.states(record, 80)[0]
     points = np.array([own.tcp(record, each)[:3, 3] for each in q])
     reached = a5.reachable(points, accept=accept, arm=record)
     free = a5.without_self_collision(q, arm=record)

@@ -211,6 +211,11 @@ def arm_calls() -> list[tuple[str, Call]]:
             current,
             {},
         ),
+        "HydrodynamicArm.with_hydrodynamics": (
+            lambda **g: torque(wet.with_hydrodynamics(**g)),
+            current,
+            {},
+        ),
         "ArmOnVehicle.configuration": (
             on_vehicle.configuration,
             {"transform_vehicle_to_world": np.eye(4), "q": q[0]},

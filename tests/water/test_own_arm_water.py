@@ -90,6 +90,7 @@ def test_a_resting_arm_is_loaded_by_drag_at_its_own_places(
         assert np.abs(found - still.inverse_dynamics(row, rest, rest)).max() > 1e-3
 
 
+@pytest.mark.slow
 @every_record
 def test_batches_are_single_calls_and_jaws_follow_the_spacer(
     record: Alpha5Parameters,
