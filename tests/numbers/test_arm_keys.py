@@ -47,7 +47,7 @@ _WATER = f"{_DYNAMICS} mjcf sdf water"
 #: the record and the arm file that is written of it.
 KINDS = {
     "name": ('name = "other"', f"{_ROBOTS} srdf"),
-    "corrections": ("corrections = []", f"{_DYNAMICS} {_ROBOTS}"),
+    "corrections": ("corrections = []", f"{_DYNAMICS} {_ROBOTS} srdf"),
     "mount.parent": ('[mount]\nparent = "rov"', _ROBOTS),
     "mount.xyz": ("[mount]\nxyz = [0.1, 0, 0]", _ROBOTS),
     "mount.rpy": ("[mount]\nrpy = [0.1, 0.2, 0]", f"{_DYNAMICS} {_ROBOTS}"),
@@ -55,7 +55,7 @@ KINDS = {
     "zeros": ("[zeros]\naxis_c = 0.05", _GEOMETRY),
     "min_position": (
         "[joint_limits.axis_c]\nmin_position = 0.1",
-        f"limits inverse_kinematics c_code srdf trajectory viewer {_ROBOTS}",
+        f"limits inverse_kinematics c_code trajectory viewer {_ROBOTS}",
     ),
     "max_velocity": (
         "[joint_limits.axis_c]\nmax_velocity = 0.12",
@@ -67,7 +67,7 @@ KINDS = {
     ),
     "range of the jaws": (
         "[joint_limits.axis_a]\nmax_position = 0.0132",
-        f"srdf trajectory viewer {_ROBOTS}",
+        f"trajectory viewer {_ROBOTS}",
     ),
     "mass": ("[links.link_2]\nmass = 0.39", _BODIES),
     "com": ("[links.link_2]\ncom = [0.074, 0.001, 0]", _BODIES),
