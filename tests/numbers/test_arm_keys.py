@@ -51,11 +51,11 @@ KINDS = {
     "mount.parent": ('[mount]\nparent = "rov"', _ROBOTS),
     "mount.xyz": ("[mount]\nxyz = [0.1, 0, 0]", _ROBOTS),
     "mount.rpy": ("[mount]\nrpy = [0.1, 0.2, 0]", f"{_DYNAMICS} {_ROBOTS}"),
-    "lengths": ("[lengths]\na_1 = 0.152", _GEOMETRY),
-    "zeros": ("[zeros]\naxis_c = 0.05", _GEOMETRY),
+    "lengths": ("[lengths]\na_1 = 0.152", f"{_GEOMETRY} srdf"),
+    "zeros": ("[zeros]\naxis_c = 0.05", f"{_GEOMETRY} srdf"),
     "min_position": (
         "[joint_limits.axis_c]\nmin_position = 0.1",
-        f"limits inverse_kinematics c_code trajectory viewer {_ROBOTS}",
+        f"limits inverse_kinematics c_code srdf trajectory viewer {_ROBOTS}",
     ),
     "max_velocity": (
         "[joint_limits.axis_c]\nmax_velocity = 0.12",
@@ -67,7 +67,7 @@ KINDS = {
     ),
     "range of the jaws": (
         "[joint_limits.axis_a]\nmax_position = 0.0132",
-        f"trajectory viewer {_ROBOTS}",
+        f"srdf trajectory viewer {_ROBOTS}",
     ),
     "mass": ("[links.link_2]\nmass = 0.39", _BODIES),
     "com": ("[links.link_2]\ncom = [0.074, 0.001, 0]", _BODIES),
