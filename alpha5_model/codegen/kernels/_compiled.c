@@ -136,7 +136,7 @@ static PyMethodDef methods[] = {
     {"is_state", (PyCFunction)(void (*)(void))is_state, METH_FASTCALL,
      "is_state(nq, nv, q, *rates) -> bool: whether they are plain float64 (nq,), (nv,), ... that can be computed with."},
     {"scene", (PyCFunction)(void (*)(void))scene, METH_FASTCALL,
-     "scene(bodies, shapes, pairs) -> scene: see `alpha5_model.collision.compiled`."},
+     "scene(bodies, shapes, pairs) -> scene: see `alpha5_model.collision.self_collision`."},
     {"self_collision", (PyCFunction)(void (*)(void))self_collision, METH_FASTCALL,
      "self_collision(scene, angles, margin) -> bool; None if angles are not a row of finite float64."},
     {"self_collision_rows", (PyCFunction)(void (*)(void))self_collision_rows, METH_FASTCALL,
