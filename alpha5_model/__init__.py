@@ -31,11 +31,7 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.load import load, robot_wrapper
     from alpha5_model.kinematics import workspace
     from alpha5_model.kinematics.bus_devices import devices_from_q, q_from_devices
-    from alpha5_model.kinematics.ik import (
-        BRANCHES,
-        inverse_kinematics,
-        published_inverse_kinematics,
-    )
+    from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
     from alpha5_model.kinematics.path import inverse_kinematics_path
     from alpha5_model.kinematics.pose import inverse_kinematics_pose
     from alpha5_model.kinematics.reach import (
@@ -52,6 +48,9 @@ if TYPE_CHECKING:
     from alpha5_model.planning.obstacles import Obstacle
     from alpha5_model.planning.planner import plan
     from alpha5_model.proofs.audit import audit
+    from alpha5_model.proofs.audit.printed_inverse_kinematics import (
+        published_inverse_kinematics,
+    )
     from alpha5_model.proofs.comparison import compare
     from alpha5_model.studies import calibration as calibrate
     from alpha5_model.studies import uncertainty
@@ -136,7 +135,7 @@ _NAMES = {
     # Where the arm can be, and how it moves there.
     "BRANCHES": "kinematics.ik",
     "inverse_kinematics": "kinematics.ik",
-    "published_inverse_kinematics": "kinematics.ik",
+    "published_inverse_kinematics": "proofs.audit.printed_inverse_kinematics",
     "inverse_kinematics_pose": "kinematics.pose",
     "inverse_kinematics_path": "kinematics.path",
     "reachable": "kinematics.reach",

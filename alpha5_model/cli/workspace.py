@@ -17,7 +17,8 @@ from alpha5_model.cli.words import WORDS
 from alpha5_model.collision.self_collision import without_self_collision
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics import workspace as space
-from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.proofs.audit import printed_workspace
 from alpha5_model.studies.uncertainty.effects import reach, sensitivity
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.self_collision_plot import self_collision_figure
@@ -43,8 +44,9 @@ def workspace(
     Example: alpha5 workspace --self-collision --plot collision.pdf
     """
     check_outputs([arm_file], plot=(plot, figures.FORMATS))
-    if arm_file is not None:
-        _of_own_arm(arm_file, plot, samples if self_collision else 0, as_json)
+    own = values.arm_record(arm_file)
+    if own is not None:
+        _of_own_arm(own, plot, samples if self_collision else 0, as_json)
         return
 
     share = None
@@ -57,7 +59,7 @@ def workspace(
             if share:
                 page = self_collision_figure(samples=samples)
             else:
-                page = workspace_figure(catalogue())
+                page = workspace_figure()
             figures.write_figure(page, plot)
 
     record = _record()
@@ -66,8 +68,10 @@ def workspace(
     printing.show(as_json, record, _text(record), plot)
 
 
-def _of_own_arm(file: Path, plot: Path | None, samples: int, as_json: bool) -> None:
-    """The exact workspace of the arm in a file.
+def _of_own_arm(
+    own: Alpha5Parameters, plot: Path | None, samples: int, as_json: bool
+) -> None:
+    """The exact workspace of an arm of one's own.
 
     Args:
         samples: Points that are tried for self-collision; 0 for none.
@@ -76,7 +80,6 @@ def _of_own_arm(file: Path, plot: Path | None, samples: int, as_json: bool) -> N
         expected = "no --plot beside --self-collision and --arm"
         raise InputError("--plot", str(plot), expected)
 
-    own = values.arm_record(file)
     record: dict[str, Any] = {
         "cross_section_area": {
             side: space.cross_section_area(side, arm=own) for side in space.SIDES
@@ -93,7 +96,7 @@ def _of_own_arm(file: Path, plot: Path | None, samples: int, as_json: bool) -> N
         record = {"without_self_collision": share} | record
     if plot is not None:
         with printing.spinner("drawing"):
-            page = own_workspace_figure(kinematics_of(own))
+            page = own_workspace_figure(own)
             figures.write_figure(page, plot)
     printing.show(as_json, record, _own_text(record), plot)
 
@@ -111,7 +114,7 @@ def _own_text(record: dict[str, Any]) -> printing.Lines:
 def _record() -> dict[str, Any]:
     farthest = sensitivity(reach)
     return {
-        "errors_of_the_published_region": space.published_errors(),
+        "errors_of_the_published_region": printed_workspace.published_errors(),
         "cross_section_area": {
             side: space.cross_section_area(side) for side in space.SIDES
         },
@@ -119,7 +122,7 @@ def _record() -> dict[str, Any]:
         "volume": space.volume(),
         "volume_without_limits": space.volume(limits=False),
         "boundary": {side: space.boundary(side) for side in space.SIDES},
-        "published_tori": space.published_tori(),
+        "published_tori": printed_workspace.published_tori(),
         "singular_theta_2": space.singular_elbow_angles(),
     }
 
@@ -144,7 +147,9 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         yield _collision(record["without_self_collision"], words["collision"])
 
 
-def _regions(errors: space.PublishedErrors, names: dict[str, str]) -> list[str]:
+def _regions(
+    errors: printed_workspace.PublishedErrors, names: dict[str, str]
+) -> list[str]:
     """Area and volume of the reachable, the published and the differing regions."""
     sizes = vars(errors)
     rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
