@@ -73,10 +73,10 @@ def inverse_kinematics_path(
 
     The sum of the Euclidean joint steps is the least possible. On the yaw axis theta_0
     turns from its value before the axis to its value after it, in proportion to the
-    steps of the other joints, or evenly if a step would exceed ``max_step``. If the
-    whole path lies on the axis, theta_0 is the middle of its range. There are two
-    exceptions to the least sum: a turn that is spread evenly, and ways along the axis
-    that collide only while theta_0 turns: no other way is tried instead.
+    steps of the other joints. If the whole path lies on the axis, theta_0 is the middle
+    of its range. There are two exceptions to the least sum. If ``max_step`` limits the
+    turn of theta_0, the elbow is chosen as if it did not. And if the way along the axis
+    collides only while theta_0 turns, no other way is tried.
 
     Args:
         positions: tcp in ``base_link``, (N, 3) [m].
@@ -295,11 +295,9 @@ class _Path(NamedTuple):
         for first, last in pairwise(known.tolist()):
             turn = yaw[last] - yaw[first]
             sizes = np.linalg.norm(np.diff(way[first : last + 1, 1:], axis=0), axis=1)
-            total = sizes.sum()
-            if abs(turn) * sizes.max() > total * self.max_step or total == 0.0:
-                sizes = np.ones(last - first)
-            shares = np.cumsum(sizes) / sizes.sum()
-            yaw[first + 1 : last] = yaw[first] + turn * shares[:-1]
+            steps = shared_turn(sizes, abs(turn), self.max_step)
+            turns = np.copysign(np.cumsum(steps[:-1]), turn)
+            yaw[first + 1 : last] = yaw[first] + turns
         yaw[1:] = np.where(self.on_axis, self._within_limits(yaw[1:]), yaw[1:])
 
         # The search has looked at other theta_0.
@@ -370,3 +368,28 @@ class _Path(NamedTuple):
         """theta_0 within its limits."""
         geometry = Geometry.of(self.solutions.arm)
         return np.clip(yaw, geometry.lower[0], geometry.upper[0])
+
+
+def shared_turn(sizes: FloatArray, turn: float, most: float) -> FloatArray:
+    """Steps of theta_0 that add up to a turn, for the least joint travel.
+
+    They are in proportion to the steps of the other joints, and equal if these are 0.
+    Where a step would exceed the most, the others share the rest.
+
+    Args:
+        sizes: Of the steps of the other joints, (N,) [rad].
+        turn: At most N times ``most`` [rad].
+        most: No step is larger [rad].
+
+    Returns:
+        (N,) [rad].
+    """
+    steps = np.zeros(len(sizes))
+    left = turn
+    largest_first = np.argsort(-sizes)
+    for done, k in enumerate(largest_first):
+        total = sizes[largest_first[done:]].sum()
+        share = sizes[k] / total if total > 0.0 else 1 / (len(sizes) - done)
+        steps[k] = min(left * share, most)
+        left -= steps[k]
+    return steps
