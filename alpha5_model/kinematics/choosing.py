@@ -62,10 +62,11 @@ def best(
     if stuck.any():
         # Another theta_0 may be free.
         scene = self_collision(solutions.arm)
+        yaw_range = (geometry.lower[0], geometry.upper[0])
         q = solutions.q.copy()
         for index in np.argwhere(stuck[..., None] & solutions.within_limits):
             place = tuple(index)
-            free_yaw = _nearest_free_yaw(scene, q[place], geometry)
+            free_yaw = nearest_free_yaw(scene, q[place], *yaw_range)
             if not math.isnan(free_yaw):
                 q[place][0] = free_yaw
                 valid[place] = True
@@ -235,8 +236,13 @@ def _nearest(q: FloatArray, reference: FloatArray, valid: BoolArray) -> FloatArr
     return np.ascontiguousarray(chosen[..., 0, :])
 
 
-def _nearest_free_yaw(scene: SelfCollision, q: FloatArray, geometry: Geometry) -> float:
-    """The theta_0 nearest to that of q (4,) at which the arm is free [rad], or NaN."""
+def nearest_free_yaw(
+    scene: SelfCollision, q: FloatArray, lower: float, upper: float
+) -> float:
+    """The theta_0 nearest to that of q (4,) at which the arm is free [rad].
+
+    NaN if there is none between ``lower`` and ``upper``.
+    """
 
     def is_free(changes: FloatArray) -> BoolArray:
         rows = np.repeat(q[None], len(changes), axis=0)
@@ -244,9 +250,7 @@ def _nearest_free_yaw(scene: SelfCollision, q: FloatArray, geometry: Geometry) -
         return ~scene.touches(rows)
 
     yaw = float(q[0])
-    least = geometry.lower[0] - yaw
-    most = geometry.upper[0] - yaw
-    return yaw + _least_change(is_free, least, most)
+    return yaw + _least_change(is_free, lower - yaw, upper - yaw)
 
 
 def _is_free(

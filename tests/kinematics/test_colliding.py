@@ -8,17 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from alpha5_model.dynamics.collision import CollisionModel
 from fk import sample, tip
 from own_arm import random_arm, tips, within
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.collision.self_collision import SelfCollision, self_collision
-from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.errors import JointLimitError, SelfCollisionError, UnreachableError
-from alpha5_model.kinematics import colliding
-from alpha5_model.kinematics.catalogue_arm import catalogue
-from alpha5_model.kinematics.colliding import nearest_free_angle
+from alpha5_model.kinematics.choosing import nearest_free_yaw
 
 HOME = np.array([3.0, 1.6, 1.6, 1.4])
 #: Reached only with link_2 in link_0.
@@ -136,7 +134,7 @@ def test_what_an_error_proposes_frees_the_target(coal: CollisionModel) -> None:
         options = s.q[s.within_limits]
         return any(coal.clearance(q).distance > -1e-6 for q in options)
 
-    proposed = {"wrist": 0, "yaw": 0, "nearest": 0}
+    proposed = {"wrist": 0, "yaw": 0}
     for target in np.concatenate([targets(350, seed=7), targets(4000, 8)[:, :]]):
         s = a5.inverse_kinematics(target, 0.0)
         valid = s.within_limits & ~s.collides
@@ -163,12 +161,8 @@ def test_what_an_error_proposes_frees_the_target(coal: CollisionModel) -> None:
                 nearer = np.array([[c, -sn, 0], [sn, c, 0], [0, 0, 1]]) @ target
                 if abs(error.yaw) * (1 - share) > 0.02:
                     assert not is_free(nearer, 0.0)
-        if proposed["nearest"] < 25 and not math.isnan(error.distance):
-            assert is_free(error.nearest, 0.0)
-            assert error.distance == pytest.approx(math.dist(target, error.nearest))
-            proposed["nearest"] += 1
     assert proposed["wrist"] >= 1
-    assert proposed["yaw"] == proposed["nearest"] == 25
+    assert proposed["yaw"] == 25
 
 
 def test_a_wrist_that_collides_on_its_own_is_told_from_a_limit() -> None:
@@ -236,47 +230,11 @@ def test_a_gap_of_a_degree_between_collisions_is_found(
     monkeypatch.setattr(SelfCollision, "touches", touches)
     scene = self_collision(a5.parameters())
     q = np.array([start, 1.0, 1.0, 0.0])
-    found = nearest_free_angle(scene, q, 0, LOWER[0], UPPER[0])
+    found = nearest_free_yaw(scene, q, LOWER[0], UPPER[0])
     assert abs(found - near) < math.radians(0.01)
     assert (found - near) * side >= 0.0
-    none = nearest_free_angle(scene, q, 0, start - 0.1, start + 0.1)
+    none = nearest_free_yaw(scene, q, start - 0.1, start + 0.1)
     assert math.isnan(none)
-
-
-@pytest.mark.parametrize("needed", [1e-3, 0.0042, 0.03, 0.17, 0.4])
-def test_a_free_target_is_little_farther_than_the_nearest(
-    needed: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Behind a wall, at most a third farther than the wall itself."""
-    rng = np.random.default_rng(15)
-    plane = catalogue()
-    for _ in range(6):
-        normal = rng.normal(size=3)
-        normal /= np.linalg.norm(normal)
-        target = rng.uniform(-0.2, 0.2, 3)
-        wall = target @ normal + 0.95 * needed
-
-        def is_free(
-            targets: np.ndarray, *_: Any, wall: float = wall, n: np.ndarray = normal
-        ) -> np.ndarray:
-            return np.asarray(targets @ n > wall)
-
-        monkeypatch.setattr(colliding, "_is_free", is_free)
-        found = colliding._free_target(target, 0.0, plane.shape, plane.self_collision)
-        assert needed * 0.95 < math.dist(found, target) < 1.36 * needed
-
-
-def test_targets_are_tried_in_all_directions_alike() -> None:
-    directions = colliding._directions()
-    assert np.linalg.norm(directions, axis=1) == pytest.approx(np.ones(256))
-    assert np.abs(directions.mean(axis=0)).max() < 1e-3
-    second = directions.T @ directions / len(directions)
-    assert second == pytest.approx(np.eye(3) / 3, abs=1e-3)
-    cosine = directions @ directions.T - 2 * np.eye(len(directions))
-    gap = np.arccos(cosine.max(axis=1))
-    even = math.sqrt(4 * math.pi / len(directions))
-    assert gap.min() > 0.75 * even
-    assert gap.max() < 1.1 * even
 
 
 def test_best_of_poses_is_free(coal: CollisionModel) -> None:
@@ -308,28 +266,6 @@ def test_only_true_or_false_allows_a_collision() -> None:
             s.best(HOME, bad)
         with pytest.raises(ValueError, match="allow_collision"):
             a5.inverse_kinematics_path([[0.25, 0.1, 0.1]], allow_collision=bad)
-
-
-def test_the_quick_choice_declines_what_is_not_plain() -> None:
-    quick = catalogue()._best_of_one
-    s = a5.inverse_kinematics([0.25, 0.1, 0.1])
-    if a5.backend() != "numpy":
-        assert np.array_equal(quick(s, HOME, False), s.best(HOME))
-    for solutions, reference, allow in (
-        (s, HOME[:3], False),
-        (s, "here", False),
-        (s, [np.nan] * 4, False),
-        (s, HOME, 1),
-        (tuple(s)[:4], HOME, False),
-        (s._replace(q=s.q[:2]), HOME, False),
-        (s._replace(q=np.asfortranarray(s.q)), HOME, False),
-        (s._replace(within_limits=s.within_limits.astype(float)), HOME, False),
-        (a5.inverse_kinematics([[0.25, 0.1, 0.1]]), HOME, False),
-        (a5.inverse_kinematics([0.0, 0.0, 0.3]), HOME, False),
-        (a5.inverse_kinematics([0.9, 0.0, 0.3]), HOME, False),
-        (a5.inverse_kinematics(BEHIND), HOME, False),
-    ):
-        assert quick(solutions, reference, allow) is None
 
 
 def assert_free(path: np.ndarray, coal: CollisionModel) -> None:
@@ -457,19 +393,7 @@ def test_a_collision_on_the_yaw_axis_is_named(monkeypatch: pytest.MonkeyPatch) -
         ({}, ""),
         ({"wrist": 1.25}, "; theta_3 = 1.25 rad is free"),
         ({"yaw": -0.5}, "; turned by -0.5 rad about the yaw axis it is free"),
-        (
-            {"nearest": (0.1, 0.0, 0.03)},
-            "; (0.1, 0, 0.03) m is free, 30 mm away",
-        ),
-        (
-            {"yaw": 0.5, "nearest": (0.1, 0.0, 0.03)},
-            "; turned by 0.5 rad about the yaw axis it is free; "
-            "(0.1, 0, 0.03) m is free, 30 mm away",
-        ),
-        (
-            {"wrist": 1.25, "yaw": 0.5, "nearest": (0.1, 0.0, 0.03)},
-            "; theta_3 = 1.25 rad is free",
-        ),
+        ({"wrist": 1.25, "yaw": 0.5}, "; theta_3 = 1.25 rad is free"),
     ],
 )
 def test_the_error_names_the_least_change(found: dict[str, Any], said: str) -> None:
