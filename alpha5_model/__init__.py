@@ -21,7 +21,7 @@ from alpha5_model.errors import (
 __version__ = "1.0.0"
 
 if TYPE_CHECKING:
-    from alpha5_model import trajectory
+    from alpha5_model import trajectory, workspace
     from alpha5_model._support.paths import PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH
     from alpha5_model.codegen.kernels.choice import backend
     from alpha5_model.collision.self_collision import without_self_collision
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics import actuators
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.dynamics.load import load, robot_wrapper
-    from alpha5_model.kinematics import workspace
     from alpha5_model.kinematics.bus_devices import devices_from_q, q_from_devices
     from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
     from alpha5_model.kinematics.path import inverse_kinematics_path
@@ -170,7 +169,7 @@ _MODULES = {
     "corrections": "numbers.corrections",
     "fluids": "numbers.fluids",
     "inertia": "numbers.inertia",
-    "workspace": "kinematics.workspace",
+    "workspace": "workspace",
     "actuators": "dynamics.actuators",
     "trajectory": "trajectory",
     "uncertainty": "studies.uncertainty",

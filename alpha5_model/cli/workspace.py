@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 from typer import Option
 
+from alpha5_model import workspace as space
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
@@ -16,9 +17,7 @@ from alpha5_model.cli.units import LITRE, MILLIMETRE, SQUARE_CENTIMETRE
 from alpha5_model.cli.words import WORDS
 from alpha5_model.collision.self_collision import without_self_collision
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics import workspace as space
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.proofs.audit import printed_workspace
 from alpha5_model.studies.uncertainty.effects import reach, sensitivity
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.self_collision_plot import self_collision_figure
@@ -114,7 +113,7 @@ def _own_text(record: dict[str, Any]) -> printing.Lines:
 def _record() -> dict[str, Any]:
     farthest = sensitivity(reach)
     return {
-        "errors_of_the_published_region": printed_workspace.published_errors(),
+        "errors_of_the_published_region": space.published_errors(),
         "cross_section_area": {
             side: space.cross_section_area(side) for side in space.SIDES
         },
@@ -122,7 +121,7 @@ def _record() -> dict[str, Any]:
         "volume": space.volume(),
         "volume_without_limits": space.volume(limits=False),
         "boundary": {side: space.boundary(side) for side in space.SIDES},
-        "published_tori": printed_workspace.published_tori(),
+        "published_tori": space.published_tori(),
         "singular_theta_2": space.singular_elbow_angles(),
     }
 
@@ -147,9 +146,7 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         yield _collision(record["without_self_collision"], words["collision"])
 
 
-def _regions(
-    errors: printed_workspace.PublishedErrors, names: dict[str, str]
-) -> list[str]:
+def _regions(errors: space.PublishedErrors, names: dict[str, str]) -> list[str]:
     """Area and volume of the reachable, the published and the differing regions."""
     sizes = vars(errors)
     rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,13 +21,10 @@ from alpha5_model.errors import (
     UnreachableError,
 )
 from alpha5_model.kinematics.geometry import Geometry, on_axis
-from alpha5_model.kinematics.ik import Solutions, solve
 from alpha5_model.kinematics.reach import nearest_reachable, reachable
+from alpha5_model.kinematics.solver import Branches, solve
 from alpha5_model.kinematics.tolerances import LIMIT_TOLERANCE
 from alpha5_model.numbers.parameters import Alpha5Parameters
-
-if TYPE_CHECKING:
-    from alpha5_model.kinematics.pose import PoseSolutions
 
 #: Rotation errors that differ by less count as equal; the joint travel decides [rad].
 TIE = 1e-7
@@ -39,13 +35,16 @@ _HALVINGS = 12
 
 
 def best(
-    solutions: Solutions, q_reference: ArrayLike, allow_collision: bool
+    solutions: Branches,
+    arm: Alpha5Parameters,
+    q_reference: ArrayLike,
+    allow_collision: bool,
 ) -> FloatArray:
-    """See `Solutions.best`."""
+    """`alpha5_model.kinematics.ik.Solutions.best` for the record of an arm."""
     allow_collision = flag("allow_collision", allow_collision)
-    require_solution(solutions)
+    require_solution(solutions, arm)
     reference = _reference(solutions.q, q_reference)
-    geometry = Geometry.of(solutions.arm)
+    geometry = Geometry.of(arm)
 
     free = on_axis(solutions.position)
     if free.any():
@@ -57,11 +56,11 @@ def best(
     if allow_collision:
         return _nearest(solutions.q, reference, solutions.within_limits)
 
-    valid = solutions.within_limits & ~collides(solutions)
+    valid = solutions.within_limits & ~collides(solutions, arm)
     stuck = free & ~valid.any(axis=-1)
     if stuck.any():
         # Another theta_0 may be free.
-        scene = self_collision(solutions.arm)
+        scene = self_collision(arm)
         yaw_range = (geometry.lower[0], geometry.upper[0])
         q = solutions.q.copy()
         for index in np.argwhere(stuck[..., None] & solutions.within_limits):
@@ -71,46 +70,41 @@ def best(
                 q[place][0] = free_yaw
                 valid[place] = True
         solutions = solutions._replace(q=q)
-    _require_free(solutions, valid, reference)
+    _require_free(solutions, arm, valid, reference)
     return _nearest(solutions.q, reference, valid)
 
 
 def best_pose(
-    solutions: PoseSolutions, q_reference: ArrayLike, allow_collision: bool
+    solutions: Branches,
+    rotation_error: FloatArray,
+    arm: Alpha5Parameters,
+    q_reference: ArrayLike,
+    allow_collision: bool,
 ) -> FloatArray:
-    """See `PoseSolutions.best`."""
+    """`alpha5_model.kinematics.pose.PoseSolutions.best` for the record of an arm."""
     allow_collision = flag("allow_collision", allow_collision)
-    require_solution(solutions)
+    require_solution(solutions, arm)
     reference = _reference(solutions.q, q_reference)
     valid = solutions.within_limits
     if not allow_collision:
-        valid = valid & ~collides(solutions)
-        _require_free(solutions, valid, reference)
-    error = np.where(valid, solutions.rotation_error, np.inf)
+        valid = valid & ~collides(solutions, arm)
+        _require_free(solutions, arm, valid, reference)
+    error = np.where(valid, rotation_error, np.inf)
     least = error <= error.min(axis=-1, keepdims=True) + TIE
     return _nearest(solutions.q, reference, least & valid)
 
 
-def collides(solutions: Solutions | PoseSolutions) -> BoolArray:
+def collides(solutions: Branches, arm: Alpha5Parameters) -> BoolArray:
     """Which solutions within the limits touch the arm itself, (..., 4), read-only."""
-    hits = touching(solutions.q, solutions.within_limits, solutions.arm)
+    asked = solutions.within_limits
+    angles = solutions.q.reshape(-1, 4)
+    hits = self_collision(arm).touches(angles, asked=asked.reshape(-1))
+    hits = hits.reshape(asked.shape)
     hits.flags.writeable = False
     return hits
 
 
-def touching(q: FloatArray, asked: BoolArray, arm: Alpha5Parameters) -> BoolArray:
-    """Which of the joint positions (..., 4) that are asked (...) touch the arm, (...).
-
-    Args:
-        q: [rad].
-        asked: Others count as free.
-        arm: Its record.
-    """
-    hits = self_collision(arm).touches(q.reshape(-1, 4), asked=asked.reshape(-1))
-    return hits.reshape(asked.shape)
-
-
-def require_solution(solutions: Solutions | PoseSolutions) -> None:
+def require_solution(solutions: Branches, arm: Alpha5Parameters) -> None:
     """Raise for the first target that has no solution within the limits.
 
     Raises:
@@ -126,7 +120,6 @@ def require_solution(solutions: Solutions | PoseSolutions) -> None:
     index, row = _first(np.logical_not(solved))
     target = solutions.position[index]
     reason = f" within the joint limits{row}"
-    arm = solutions.arm
     if not Geometry.of(arm).tool_on_axis:
         exists = solutions.exists[index]
         for angle in solutions.q[index][exists, 3]:
@@ -182,7 +175,10 @@ def collision_error(
 
 
 def _require_free(
-    solutions: Solutions | PoseSolutions, valid: BoolArray, reference: FloatArray
+    solutions: Branches,
+    arm: Alpha5Parameters,
+    valid: BoolArray,
+    reference: FloatArray,
 ) -> None:
     """Raise for the first target that no valid solution reaches.
 
@@ -193,9 +189,7 @@ def _require_free(
     if not solved.all():
         index, row = _first(np.logical_not(solved))
         chosen = _nearest(solutions.q, reference, solutions.within_limits)
-        raise collision_error(
-            solutions.position[index], chosen[index], solutions.arm, row
-        )
+        raise collision_error(solutions.position[index], chosen[index], arm, row)
 
 
 def _first(which: BoolArray) -> tuple[tuple[int, ...], str]:
@@ -258,8 +252,8 @@ def _is_free(
 ) -> BoolArray:
     """Which targets (N, 3) have a free solution within the limits, (N,)."""
     solved = solve(Geometry.of(arm), targets, wrists)
-    hits = touching(solved.q, solved.within_limits, arm)
-    return np.asarray((solved.within_limits & ~hits).any(axis=-1))
+    valid = solved.within_limits & ~collides(solved, arm)
+    return np.asarray(valid.any(axis=-1))
 
 
 def _least_change(

@@ -28,7 +28,7 @@ from alpha5_model._support.checks import BoolArray, FloatArray, choice, flag, to
 from alpha5_model._support.spatial import wrap
 from alpha5_model.kinematics.arcs import Arc, planar_arc
 from alpha5_model.kinematics.geometry import Geometry
-from alpha5_model.kinematics.ik import solve
+from alpha5_model.kinematics.solver import solve
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.theory import planar

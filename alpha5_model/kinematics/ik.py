@@ -17,28 +17,26 @@ References:
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import LARGEST, BoolArray, FloatArray, float_array
-from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.errors import InputError, KernelError
+from alpha5_model._support.checks import BoolArray, FloatArray, float_array
+from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.solver import Branches, solve, solve_rows
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Names of the branches: the arm faces the target (underarm) or faces away (overarm);
 #: flipped is the other elbow.
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
-#: Targets in a block: the results of so many stay in the cache.
-BLOCK = 8192
 
 Kind = TypeVar("Kind", bound=tuple[Any, ...])
 
 
-class Solutions(NamedTuple):
+class Solutions(Branches):
     """All solutions of a set of targets. Arrays are read-only.
 
     Attributes:
@@ -52,11 +50,7 @@ class Solutions(NamedTuple):
         position: The targets, (..., 3) [m].
     """
 
-    q: FloatArray
-    exists: BoolArray
-    within_limits: BoolArray
-    singular: BoolArray
-    position: FloatArray
+    __slots__ = ()
 
     @property
     def arm(self) -> Alpha5Parameters:
@@ -71,7 +65,7 @@ class Solutions(NamedTuple):
         """
         from alpha5_model.kinematics import choosing
 
-        return choosing.collides(self)
+        return choosing.collides(self, self.arm)
 
     def best(self, q_reference: ArrayLike, allow_collision: bool = False) -> FloatArray:
         """The solution nearest to a joint position, within limits and free.
@@ -97,7 +91,7 @@ class Solutions(NamedTuple):
         """
         from alpha5_model.kinematics import choosing
 
-        return choosing.best(self, q_reference, allow_collision)
+        return choosing.best(self, self.arm, q_reference, allow_collision)
 
 
 def inverse_kinematics(
@@ -136,8 +130,9 @@ def inverse_kinematics(
     target = float_array("position", position, (3,))
     angle = float_array("wrist", wrist, ())
 
+    answer: tuple[Any, ...]
     if target.ndim == 1 and angle.ndim == 0:
-        q, *flags = _kernel(geometry, target[None], angle.reshape(1))
+        q, *flags = solve_rows(geometry, target[None], angle.reshape(1))
         exists, within_limits, singular = (flag[0] != 0.0 for flag in flags)
         answer = (q[0], exists, within_limits, singular.reshape(()), target.copy())
     else:
@@ -147,71 +142,11 @@ def inverse_kinematics(
             expected = f"a shape that broadcasts with {target.shape[:-1]}"
             raise InputError("wrist", angle.shape, expected) from None
         target = np.broadcast_to(target, (*lead, 3))
-        answer = (*solve(geometry, target, angle), target)
+        answer = solve(geometry, target, angle)
 
     for array in answer:
         array.flags.writeable = False
     return answer_of(Solutions, record, answer)
-
-
-class Branches(NamedTuple):
-    """`Solutions` of targets, without their arm: q, exists, within_limits, singular."""
-
-    q: FloatArray
-    exists: BoolArray
-    within_limits: BoolArray
-    singular: BoolArray
-
-
-def solve(
-    geometry: Geometry,
-    position: FloatArray,
-    wrist: FloatArray | float,
-    angles: bool = True,
-) -> Branches:
-    """Solve finite targets of any shape.
-
-    Args:
-        geometry: Of the arm.
-        position: (..., 3) [m].
-        wrist: Broadcasts to (...) [rad].
-        angles: False if q is not needed: it is then empty.
-    """
-    lead = position.shape[:-1]
-    target = np.ascontiguousarray(position.reshape(-1, 3))
-    count = len(target)
-    theta_3 = np.broadcast_to(wrist, lead).reshape(-1)
-
-    q = np.empty((count if angles else 0, 4, 4))
-    exists = np.empty((count, 4), np.bool_)
-    within_limits = np.empty((count, 4), np.bool_)
-    singular = np.empty((count, 1), np.bool_)
-    for start in range(0, count, BLOCK):
-        rows = slice(start, start + BLOCK)
-        solved = _kernel(geometry, target[rows], np.ascontiguousarray(theta_3[rows]))
-        if angles:
-            q[rows] = solved[0]
-        exists[rows], within_limits[rows], singular[rows] = solved[1:]
-
-    return Branches(
-        q=q.reshape(*lead, 4, 4) if angles else q,
-        exists=exists.reshape(*lead, 4),
-        within_limits=within_limits.reshape(*lead, 4),
-        singular=singular.reshape(lead),
-    )
-
-
-def _kernel(
-    geometry: Geometry, target: FloatArray, theta_3: FloatArray
-) -> tuple[FloatArray, ...]:
-    """q, exists, within_limits and singular of N targets, as float64."""
-    parameters = geometry.ik_parameters
-    try:
-        return kernels.rows("inverse_kinematics", parameters, target, theta_3)
-    except KernelError:
-        # Numbers too large to compute with are clipped: still out of reach.
-        near = (x.clip(-LARGEST, LARGEST) for x in (target, theta_3))
-        return kernels.rows("inverse_kinematics", parameters, *near)
 
 
 def answer_of(

@@ -49,7 +49,8 @@ from alpha5_model.kinematics.choosing import (
     require_solution,
 )
 from alpha5_model.kinematics.geometry import Geometry, on_axis
-from alpha5_model.kinematics.ik import Solutions, inverse_kinematics
+from alpha5_model.kinematics.ik import inverse_kinematics
+from alpha5_model.kinematics.solver import Branches
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
@@ -118,8 +119,8 @@ def inverse_kinematics_path(
     hits = np.zeros(solutions.exists.shape, np.bool_)
     if not flag("allow_collision", allow_collision):
         scene = self_collision(record)
-        hits = collides(solutions)
-    path = _Path(solutions, hits, on_axis(target), max_step, scene)
+        hits = collides(solutions, record)
+    path = _Path(record, solutions, hits, on_axis(target), max_step, scene)
 
     fronts = [_Front.at(start)]
     for k in range(len(target)):
@@ -190,6 +191,7 @@ class _Path(NamedTuple):
     """The points of a path.
 
     Attributes:
+        arm: Record of the arm.
         solutions: All solutions of all N points.
         hits: Which of them touch the arm itself, (N, 4).
         on_axis: Which points lie on the yaw axis, (N,).
@@ -197,7 +199,8 @@ class _Path(NamedTuple):
         scene: Where the arm touches itself; None if it may.
     """
 
-    solutions: Solutions
+    arm: Alpha5Parameters
+    solutions: Branches
     hits: BoolArray
     on_axis: BoolArray
     max_step: float
@@ -288,7 +291,7 @@ class _Path(NamedTuple):
         free = np.append(np.isnan(way[0, 0]), self.on_axis)
         known = np.flatnonzero(~free)
         if not len(known):
-            yaw[1:] = Geometry.of(self.solutions.arm).middle[0]
+            yaw[1:] = Geometry.of(self.arm).middle[0]
         else:
             yaw[: known[0]] = yaw[known[0]]
             yaw[known[-1] :] = yaw[known[-1]]
@@ -321,7 +324,7 @@ class _Path(NamedTuple):
         within_limits = self.solutions.within_limits[k]
         if not within_limits.any():
             so_far: Any = (array[: k + 1] for array in self.solutions)
-            require_solution(type(self.solutions)(*so_far))
+            require_solution(Branches(*so_far), self.arm)
         valid = within_limits
         if not self.on_axis[k]:
             valid = valid & ~self.hits[k]
@@ -329,7 +332,7 @@ class _Path(NamedTuple):
             raise collision_error(
                 self.solutions.position[k],
                 self.solutions.q[k][within_limits][0],
-                self.solutions.arm,
+                self.arm,
                 f" (row {k})",
             )
         options: FloatArray = self.solutions.q[k][valid]
@@ -366,7 +369,7 @@ class _Path(NamedTuple):
 
     def _within_limits(self, yaw: FloatArray) -> FloatArray:
         """theta_0 within its limits."""
-        geometry = Geometry.of(self.solutions.arm)
+        geometry = Geometry.of(self.arm)
         return np.clip(yaw, geometry.lower[0], geometry.upper[0])
 
 

@@ -35,8 +35,9 @@ from alpha5_model._support.checks import BoolArray, FloatArray, float_array, is_
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry, on_axis
 from alpha5_model.kinematics.hand import Hand
-from alpha5_model.kinematics.ik import Branches, answer_of, solve
+from alpha5_model.kinematics.ik import answer_of
 from alpha5_model.kinematics.pose_search import search_poses
+from alpha5_model.kinematics.solver import Branches, solve
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
@@ -82,7 +83,7 @@ class PoseSolutions(NamedTuple):
         """
         from alpha5_model.kinematics import choosing
 
-        return choosing.collides(self)
+        return choosing.collides(self._branches, self.arm)
 
     def best(self, q_reference: ArrayLike, allow_collision: bool = False) -> FloatArray:
         """The solution with the least rotation error, within limits and free.
@@ -105,7 +106,14 @@ class PoseSolutions(NamedTuple):
         """
         from alpha5_model.kinematics import choosing
 
-        return choosing.best_pose(self, q_reference, allow_collision)
+        return choosing.best_pose(
+            self._branches, self.rotation_error, self.arm, q_reference, allow_collision
+        )
+
+    @property
+    def _branches(self) -> Branches:
+        """Without the orientations."""
+        return Branches._make(self[:5])
 
 
 def inverse_kinematics_pose(
@@ -145,7 +153,7 @@ def inverse_kinematics_pose(
 
     solved.q[~solved.exists] = np.nan
     error[~solved.exists] = np.nan
-    answer = (*solved, position, error, error <= EXACT_TOLERANCE)
+    answer = (*solved, error, error <= EXACT_TOLERANCE)
     for array in answer:
         array.flags.writeable = False
     return answer_of(PoseSolutions, record, answer)

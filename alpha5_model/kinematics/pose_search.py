@@ -27,7 +27,7 @@ from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.spatial import wrap
 from alpha5_model.kinematics.geometry import on_axis
 from alpha5_model.kinematics.hand import Hand
-from alpha5_model.kinematics.ik import Branches, solve
+from alpha5_model.kinematics.solver import Branches, solve
 
 #: Even steps of theta_3.
 _STARTS = 192
@@ -118,6 +118,7 @@ def search_poses(
         exists=found.exists.reshape(*lead, 4),
         within_limits=found.within_limits.reshape(*lead, 4),
         singular=np.reshape((found.singular & found.exists).any(axis=-1), lead),
+        position=position,
     )
     return branches, found.error.reshape(*lead, 4)
 

@@ -33,7 +33,7 @@ from alpha5_model.kinematics.half_plane import (
     branches_reaching,
     contains,
 )
-from alpha5_model.kinematics.ik import BLOCK, solve
+from alpha5_model.kinematics.solver import BLOCK, solve
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 

@@ -2,8 +2,7 @@
 
 `boundary` gives the exact arcs. `reachable`, `distance_to_reach` and
 `nearest_reachable` answer for points, `manipulability` and `singularities` for joint
-positions. The functions about the published region are in
-`alpha5_model.proofs.audit.printed_workspace`.
+positions.
 
 Joint 0 moves the tcp across the plane in proportion to its distance r from the yaw
 axis. Joints 1 and 2 move it within the plane, in proportion to sin(gamma). The linear
@@ -26,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -327,12 +326,3 @@ def manipulability(q: ArrayLike, *, arm: Alpha5Parameters | None = None) -> Floa
     jacobian = Hand.of(record).chain.jacobian(position)[..., :3, :]
     square = np.linalg.det(jacobian @ np.swapaxes(jacobian, -1, -2))
     return np.asarray(np.sqrt(np.maximum(square, 0.0)))
-
-
-def __getattr__(name: str) -> Any:
-    """What is published of the workspace: it belongs to the audit, a later layer."""
-    from alpha5_model.proofs.audit import printed_workspace
-
-    if name in printed_workspace.__all__:
-        return getattr(printed_workspace, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -22,7 +22,6 @@ from descriptions import described, figure, inline
 from PIL import Image
 
 import alpha5_model as a5
-from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
 from alpha5_model.trajectory import Motion
 from alpha5_model.viewer import motion_plot
 from alpha5_model.viewer.build import build_scene
@@ -154,10 +153,10 @@ def without_arrays(part: object) -> object:
 
 @AS_LAID_OUT
 def test_the_plot_of_the_workspace() -> None:
-    lines = [*figure(workspace_figure(catalogue()))]
+    lines = [*figure(workspace_figure())]
     printed = a5.parameters()
     rows = [dataclasses.replace(row, a=3 * row.a, d=3 * row.d) for row in printed.dh]
-    large = kinematics_of(dataclasses.replace(printed, dh=tuple(rows)))
+    large = dataclasses.replace(printed, dh=tuple(rows))
     lines += figure(own_workspace_figure(large))
     check_lines("workspace", lines)
 
