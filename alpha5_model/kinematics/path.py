@@ -111,17 +111,18 @@ def inverse_kinematics_path(
     angle = float_array("wrist", theta_3, ())
     if angle.shape not in ((), (len(target),)):
         raise InputError("wrist", angle.shape, f"shape () or ({len(target)},)")
+    allow_collision = flag("allow_collision", allow_collision)
 
-    if not len(target):
-        return np.empty((0, 4))
     solutions = inverse_kinematics(target, angle, arm=record)
     scene = None
     hits = np.zeros(solutions.exists.shape, np.bool_)
-    if not flag("allow_collision", allow_collision):
+    if not allow_collision:
         scene = self_collision(record)
         hits = collides(solutions, record)
     path = _Path(record, solutions, hits, on_axis(target), max_step, scene)
 
+    if not len(target):
+        return np.empty((0, 4))
     fronts = [_Front.at(start)]
     for k in range(len(target)):
         fronts.append(path.step(k, fronts[-1]))

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from alpha5_model.dynamics.collision import CollisionModel
 from browser import Tab, needs_browser, new_tab
 from own_arm import random_arm
 
 import alpha5_model as a5
+from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import static_page
 
