@@ -21,7 +21,7 @@ from alpha5_model.errors import (
 __version__ = "1.0.0"
 
 if TYPE_CHECKING:
-    from alpha5_model import trajectory
+    from alpha5_model import trajectory, workspace
     from alpha5_model._support.paths import PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH
     from alpha5_model.codegen.kernels.choice import backend
     from alpha5_model.collision.self_collision import without_self_collision
@@ -29,13 +29,8 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics import actuators
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.dynamics.load import load, robot_wrapper
-    from alpha5_model.kinematics import workspace
     from alpha5_model.kinematics.bus_devices import devices_from_q, q_from_devices
-    from alpha5_model.kinematics.ik import (
-        BRANCHES,
-        inverse_kinematics,
-        published_inverse_kinematics,
-    )
+    from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
     from alpha5_model.kinematics.path import inverse_kinematics_path
     from alpha5_model.kinematics.pose import inverse_kinematics_pose
     from alpha5_model.kinematics.reach import (
@@ -52,6 +47,9 @@ if TYPE_CHECKING:
     from alpha5_model.planning.obstacles import Obstacle
     from alpha5_model.planning.planner import plan
     from alpha5_model.proofs.audit import audit
+    from alpha5_model.proofs.audit.printed_inverse_kinematics import (
+        published_inverse_kinematics,
+    )
     from alpha5_model.proofs.comparison import compare
     from alpha5_model.studies import calibration as calibrate
     from alpha5_model.studies import uncertainty
@@ -136,7 +134,7 @@ _NAMES = {
     # Where the arm can be, and how it moves there.
     "BRANCHES": "kinematics.ik",
     "inverse_kinematics": "kinematics.ik",
-    "published_inverse_kinematics": "kinematics.ik",
+    "published_inverse_kinematics": "proofs.audit.printed_inverse_kinematics",
     "inverse_kinematics_pose": "kinematics.pose",
     "inverse_kinematics_path": "kinematics.path",
     "reachable": "kinematics.reach",
@@ -171,7 +169,7 @@ _MODULES = {
     "corrections": "numbers.corrections",
     "fluids": "numbers.fluids",
     "inertia": "numbers.inertia",
-    "workspace": "kinematics.workspace",
+    "workspace": "workspace",
     "actuators": "dynamics.actuators",
     "trajectory": "trajectory",
     "uncertainty": "studies.uncertainty",

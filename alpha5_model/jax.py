@@ -39,7 +39,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_dimensions, arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import ShapeError, needing
-from alpha5_model.kinematics.catalogue_arm import kinematics_of
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -90,7 +90,7 @@ class JaxArm:
             compiled; a JAX array is an input like any other.
         fluid_density: Around a payload [kg/m^3].
         dimensions: Lengths, zeros and tool, (24,), see
-            `alpha5_model.codegen.dimensions`.
+            `alpha5_model.kinematics.geometry`.
         payload_slope: Of the parameters by the moments of a body at the tcp, (41, 32).
     """
 
@@ -246,9 +246,9 @@ def inverse_kinematics(
         arm: Record of the arm; None is the catalogue's. Its lengths, zeros, limits and
             tool point are constants of what is compiled.
     """
-    shape = kinematics_of(arm).shape
+    geometry = Geometry.of(chosen_arm(arm))
     is_single = jnp.result_type(_given(position), float) == np.float32
-    numbers = np.array([*shape.numbers, *(SINGLE if is_single else DOUBLE)])
+    numbers = geometry.ik_parameters_with(SINGLE if is_single else DOUBLE)
     q, exists, within, singular = _computed(
         "inverse_kinematics", position, wrist, numbers
     )

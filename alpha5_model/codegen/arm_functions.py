@@ -10,15 +10,15 @@ from typing import Any
 from alpha5_model.codegen.payload import slope_by_moments_at_the_tcp
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, moments
 from alpha5_model.errors import needing
-from alpha5_model.kinematics.arm_shape import ArmShape
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.tolerances import DOUBLE, Tolerances
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 with needing("making code of the equations", "pip install casadi"):
     import casadi as casadi  # for alpha5_model.casadi, too
 
 from alpha5_model.codegen.casadi_functions import folded, named
-from alpha5_model.codegen.dimensions import Dimensions, twists
+from alpha5_model.codegen.chain import Dimensions
 from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
 from alpha5_model.codegen.still_water import dynamics, dynamics_of_any_arm
 from alpha5_model.codegen.words import WORDS
@@ -30,10 +30,10 @@ SUMMARIES = WORDS["functions"]
 def functions() -> dict[str, casadi.Function]:
     """The functions of any arm, by name.
 
-    Their last input, ``parameters``, holds the base parameters, then the dimensions. Of
-    the inverse kinematics it holds the numbers of an `ArmShape`, then the tolerances.
+    Their last input, ``parameters``, holds the base parameters, then the dimensions of
+    a `Geometry`. Of the inverse kinematics it holds its ``ik_parameters``.
     """
-    every = (*dynamics_of_any_arm(twists(parameters())), inverse_kinematics())
+    every = (*dynamics_of_any_arm(), inverse_kinematics())
     return {function.name(): function for function in every}
 
 
@@ -51,7 +51,8 @@ def products(
     Raises:
         PublishedDataError: Not a vertical plane with two links in it.
     """
-    known = {one.name(): one for one in dynamics(Dimensions.from_parameters(arm))} | {
+    dimensions = Dimensions.from_numbers(Geometry.of(arm).dimensions.tolist())
+    known = {one.name(): one for one in dynamics(dimensions)} | {
         "inverse_kinematics": inverse_kinematics_of(arm, tolerances),
         "with_payload": _with_payload(arm),
     }
@@ -62,7 +63,7 @@ def inverse_kinematics_of(
     arm: Alpha5Parameters, tolerances: Tolerances = DOUBLE
 ) -> casadi.Function:
     """The inverse kinematics of one arm: of ``position`` (3,) and ``wrist``."""
-    numbers = [*ArmShape.from_parameters(arm).numbers, *tolerances]
+    numbers = Geometry.of(arm).ik_parameters_with(tolerances)
     return folded(inverse_kinematics(), parameters=numbers)
 
 

@@ -1,6 +1,6 @@
 """Inverse kinematics of an arm with any lengths and any tool point, in CasADi.
 
-`alpha5_model.kinematics.arm_shape` has the letters. At a given theta_3 the arm is a
+`alpha5_model.kinematics.geometry` has the letters. At a given theta_3 the arm is a
 vertical plane with two links in it, which passes the yaw axis at the distance w. A
 target at the distance R from that axis is in the plane at
 
@@ -54,8 +54,31 @@ from casadi import (
 )
 
 from alpha5_model.codegen.casadi_functions import named
-from alpha5_model.kinematics.arm_shape import SHAPE_NUMBERS, ArmShape
 from alpha5_model.kinematics.tolerances import Tolerances
+
+
+class _Shape(NamedTuple):
+    """Symbols for the lengths, zeros and limits of an arm.
+
+    Attributes:
+        a_0, d_0, a_1, a_2, x, y, z: As of a `Geometry` [m].
+        azimuth_offset, phi_offset, elbow_offset, wrist_offset: Its zeros [rad].
+        lower, upper: Limits of theta_0 to theta_3, (4,) [rad].
+    """
+
+    a_0: SX
+    d_0: SX
+    a_1: SX
+    a_2: SX
+    x: SX
+    y: SX
+    z: SX
+    azimuth_offset: SX
+    phi_offset: SX
+    elbow_offset: SX
+    wrist_offset: SX
+    lower: list[SX]
+    upper: list[SX]
 
 
 class _Forearm(NamedTuple):
@@ -162,18 +185,18 @@ class _Branch(NamedTuple):
 def inverse_kinematics() -> casadi.Function:
     """The branches of a target, in the order of `alpha5_model.kinematics.ik.BRANCHES`.
 
-    Inputs: ``position`` (3,) [m], ``wrist`` [rad], and ``parameters``: the numbers of
-    an `ArmShape`, then those of `Tolerances`.
+    Inputs: ``position`` (3,) [m], ``wrist`` [rad], and ``parameters``, the
+    ``ik_parameters`` (26,) of a `Geometry`.
 
     Outputs: ``q`` (4, 4) [rad], NaN if a branch does not reach the target; ``exists``
     and ``within_limits`` (4,) and ``singular``, 0 or 1.
     """
     position = SX.sym("position", 3)
     wrist = SX.sym("wrist")
-    parameters = SX.sym("parameters", SHAPE_NUMBERS + len(Tolerances._fields))
+    parameters = SX.sym("parameters", 26)
     numbers = vertsplit(parameters)
-    shape = ArmShape.from_numbers(numbers[:SHAPE_NUMBERS])
-    tolerances = Tolerances._make(numbers[SHAPE_NUMBERS:])
+    shape = _Shape._make([*numbers[:11], numbers[11:15], numbers[15:19]])
+    tolerances = Tolerances._make(numbers[19:])
 
     theta_3 = _wrist_angle(wrist, shape, tolerances)
     forearm = _forearm(theta_3, shape, tolerances)
@@ -203,13 +226,13 @@ def inverse_kinematics() -> casadi.Function:
     )
 
 
-def _wrist_angle(wrist: SX, shape: ArmShape, tolerances: Tolerances) -> _Angle:
+def _wrist_angle(wrist: SX, shape: _Shape, tolerances: Tolerances) -> _Angle:
     """theta_3: the wrist, shifted by full turns to the middle of its range."""
     start = _middle(3, shape) - math.pi
     return _in_range(_from(start, wrist), 3, tolerances.limit, shape)
 
 
-def _forearm(theta_3: _Angle, shape: ArmShape, tolerances: Tolerances) -> _Forearm:
+def _forearm(theta_3: _Angle, shape: _Shape, tolerances: Tolerances) -> _Forearm:
     """The second link at a wrist angle."""
     psi = theta_3.value + shape.wrist_offset
     cosine = cos(psi)
@@ -225,7 +248,7 @@ def _forearm(theta_3: _Angle, shape: ArmShape, tolerances: Tolerances) -> _Forea
 
 
 def _target(
-    position: SX, shape: ArmShape, forearm: _Forearm, tolerances: Tolerances
+    position: SX, shape: _Shape, forearm: _Forearm, tolerances: Tolerances
 ) -> _Target:
     """A position in the plane of the arm that faces it."""
     x, y, z = vertsplit(position)
@@ -255,7 +278,7 @@ def _azimuth_slack(distance: SX, tolerances: Tolerances) -> SX:
 
 
 def _yaw_angle(
-    target: _Target, faces_it: bool, forearm: _Forearm, shape: ArmShape
+    target: _Target, faces_it: bool, forearm: _Forearm, shape: _Shape
 ) -> _Angle:
     """theta_0 that puts the tool point at the target; its middle if it is free."""
     r = target.radius if faces_it else -target.radius
@@ -294,9 +317,7 @@ class _Sides(NamedTuple):
     below: SX
 
 
-def _sides(
-    target: _Target, faces_it: bool, shape: ArmShape, forearm: _Forearm
-) -> _Sides:
+def _sides(target: _Target, faces_it: bool, shape: _Shape, forearm: _Forearm) -> _Sides:
     """The sides if the plane faces the target, or faces away."""
     l_1 = SX(shape.a_1)
     l_2 = forearm.length
@@ -321,7 +342,7 @@ def _sides(
 def _triangle(
     target: _Target,
     faces_it: bool,
-    shape: ArmShape,
+    shape: _Shape,
     forearm: _Forearm,
     tolerances: Tolerances,
 ) -> _Triangle:
@@ -397,7 +418,7 @@ def _branch(
     forearm: _Forearm,
     theta_0: _Angle,
     theta_3: _Angle,
-    shape: ArmShape,
+    shape: _Shape,
     tolerances: Tolerances,
 ) -> _Branch:
     """The solution with the elbow to a side of the line to the tool point: 1 or -1."""
@@ -415,7 +436,7 @@ def _branch(
 
 
 def _shoulder_angle(
-    side: float, triangle: _Triangle, shape: ArmShape, tolerances: Tolerances
+    side: float, triangle: _Triangle, shape: _Shape, tolerances: Tolerances
 ) -> _Angle:
     """theta_1; the middle of its range if it is free."""
     r = triangle.ahead_r
@@ -433,7 +454,7 @@ def _elbow_angle(
     triangle: _Triangle,
     forearm: _Forearm,
     theta_1: _Angle,
-    shape: ArmShape,
+    shape: _Shape,
     tolerances: Tolerances,
 ) -> _Angle:
     """theta_2; the middle of its range if it is free."""
@@ -459,7 +480,7 @@ def _elbow_angle(
 
 
 def _after_elbow(
-    triangle: _Triangle, theta_1: _Angle, theta_2: _Angle, shape: ArmShape
+    triangle: _Triangle, theta_1: _Angle, theta_2: _Angle, shape: _Shape
 ) -> _Angle:
     """theta_1 that keeps the tool point in place if theta_2 was put on its limit."""
     moved = theta_1.value - triangle.shoulder_by_elbow * theta_2.beyond
@@ -467,7 +488,7 @@ def _after_elbow(
     return theta_1._replace(value=if_else(theta_1.fits, within, moved))
 
 
-def _middle(joint: int, shape: ArmShape) -> SX:
+def _middle(joint: int, shape: _Shape) -> SX:
     """Middle of the range of a joint."""
     return SX(0.5) * (shape.lower[joint] + shape.upper[joint])
 
@@ -485,7 +506,7 @@ def _from(start: SX, angle: SX) -> SX:
     return angle - turns * math.tau
 
 
-def _in_range(angle: SX, joint: int, slack: SX | float, shape: ArmShape) -> _Angle:
+def _in_range(angle: SX, joint: int, slack: SX | float, shape: _Shape) -> _Angle:
     """An angle within the limits of a joint, which it may pass by less than a slack."""
     limit = fmin(fmax(angle, shape.lower[joint]), shape.upper[joint])
     beyond = angle - limit

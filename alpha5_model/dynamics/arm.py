@@ -32,8 +32,8 @@ from alpha5_model.dynamics.model_changes import added_body, with_payload
 from alpha5_model.dynamics.regression import Regressor, regressor
 from alpha5_model.dynamics.states import Partials, forces
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.approach import ApproachDirections
-from alpha5_model.kinematics.arm_kinematics import ArmKinematics
+from alpha5_model.kinematics import pose
+from alpha5_model.kinematics.pose import ApproachDirections
 
 if TYPE_CHECKING:
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
@@ -136,7 +136,10 @@ class Arm(ArmModel):
             InputError: Also an arm whose model has other dimensions or limits than its
                 record, or whose tool point is beside the wrist axis.
         """
-        return self._kinematics.approach_directions(position)
+        needed_for = "the inverse kinematics"
+        check_dimensions(self._model, needed_for, arm=self.parameters)
+        check_limits(self._model, needed_for, self.parameters)
+        return pose.approach_directions(position, arm=self.parameters)
 
     def gravity_torque(self, q: ArrayLike) -> FloatArray:
         """Torque that holds the weight.
@@ -678,15 +681,3 @@ class Arm(ArmModel):
     @cached_property
     def _collision(self) -> ArmCollision:
         return ArmCollision(self._model, self.parameters)
-
-    @cached_property
-    def _kinematics(self) -> ArmKinematics:
-        """The kinematics of the arm's record.
-
-        Raises:
-            InputError: Dimensions or limits other than the record's.
-        """
-        needed_for = "the inverse kinematics"
-        check_dimensions(self._model, needed_for, arm=self.parameters)
-        check_limits(self._model, needed_for, self.parameters)
-        return ArmKinematics(self.parameters)

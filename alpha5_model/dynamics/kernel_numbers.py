@@ -12,15 +12,15 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
-from alpha5_model.codegen.dimensions import Dimensions, has_known_structure
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.description.frames import (
     base_placement,
     joint_placements,
     tcp_placement,
 )
-from alpha5_model.dynamics.dimensions import check_dimensions, made_for
-from alpha5_model.errors import InputError
+from alpha5_model.dynamics.dimensions import check_dimensions
+from alpha5_model.errors import InputError, PublishedDataError
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def arm_parameters(arm: Any) -> FloatArray:
 
 
 def arm_dimensions(arm: Any) -> FloatArray:
-    """Numbers of an arm's `alpha5_model.codegen.dimensions.Dimensions`, (24,).
+    """The ``dimensions`` of an arm's `Geometry`, (24,).
 
     Raises:
         InputError: As of `arm_parameters`.
@@ -72,14 +72,15 @@ def kernel_parameters(arm: Any) -> FloatArray | None:
     """
     model = arm._model
     record = arm.parameters
-    if not has_known_structure(record, made_for()):
+    try:
+        geometry = Geometry.of(record)
+    except PublishedDataError:
         return None
     if not _has_the_joints_of(record, model):
         return None
 
     base_parameters = regrouped(moments_of_links(arm), model.gravity.linear, record)
-    dimensions = Dimensions.from_parameters(record)
-    return np.concatenate([base_parameters, dimensions.numbers])
+    return np.concatenate([base_parameters, geometry.dimensions])
 
 
 def moments_of_links(arm: Any) -> FloatArray:

@@ -24,7 +24,7 @@ from alpha5_model.codegen.kernels import choice, numpy_kernels
 from alpha5_model.codegen.kernels.generated.formulas import KERNELS
 from alpha5_model.dynamics.kernel_numbers import kernel_parameters
 from alpha5_model.errors import KernelError
-from alpha5_model.kinematics.tolerances import DOUBLE
+from alpha5_model.kinematics.geometry import Geometry
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Those that batches call; the others are JAX's alone.
@@ -47,9 +47,7 @@ def kernels(request) -> ModuleType:
 def parameters(name: str) -> np.ndarray:
     """Of the catalogue's arm in sea water."""
     if name == "inverse_kinematics":
-        from alpha5_model.kinematics.arm_shape import ArmShape
-
-        return np.array([*ArmShape.from_parameters(a5.parameters()).numbers, *DOUBLE])
+        return Geometry.of(a5.parameters()).ik_parameters
     return np.array(kernel_parameters(a5.load()))
 
 

@@ -14,10 +14,8 @@ from loops import each
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.kinematics.arm_shape import ArmShape
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
-
-NUMBERS = ArmShape.from_parameters(a5.parameters()).numbers
 
 
 def solve(
@@ -30,7 +28,10 @@ def solve(
     from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
 
     count = len(position)
-    function = folded(inverse_kinematics(), parameters=[*NUMBERS, *tolerances])
+    function = folded(
+        inverse_kinematics(),
+        parameters=Geometry.of(a5.parameters()).ik_parameters_with(tolerances),
+    )
     solver = function.map(count)
     found = (
         np.array(x) for x in solver.call([casadi.DM(position.T), casadi.DM(wrist).T])

@@ -9,8 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.kinematics.plane import ArmPlane
-from alpha5_model.kinematics.singular import singular_elbow_angles
+from alpha5_model.kinematics.workspace import singular_elbow_angles
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import Published
 from alpha5_model.proofs.audit.rounding import figure, si
@@ -79,8 +78,7 @@ def _inner_offset(printed: Published) -> AuditRow:
 def _outer_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
     """The longest distance: the elbow stretched, or as near to that as it can get."""
     elbow = parameters.joints[2]
-    plane = ArmPlane.from_parameters(parameters)
-    stretched = singular_elbow_angles(plane)["stretched"]
+    stretched = singular_elbow_angles(arm=parameters)["stretched"]
     bend = float(np.clip(stretched, elbow.lower, elbow.upper))
 
     longest = _shoulder_distance(parameters, bend)

@@ -1,9 +1,12 @@
-"""The region that the document claims to be reachable, and how much of it is wrong."""
+"""The region that the document claims to be reachable, and how much of it is wrong.
+
+References:
+    [ReachAlpha] Manufacturer's document, Section 1.2, Figure 2.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -14,12 +17,28 @@ from numpy.typing import ArrayLike
 from alpha5_model._support import checks
 from alpha5_model._support.checks import BoolArray, FloatArray, float_array
 from alpha5_model.kinematics.arcs import Arc, area, first_moment
-from alpha5_model.kinematics.areas import cross_section_area, revolved, volume
-from alpha5_model.kinematics.boundaries import critical_arcs, trace
-from alpha5_model.kinematics.half_plane import POSES, SIDES, in_half_plane
-from alpha5_model.kinematics.plane import ArmPlane
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.half_plane import (
+    POSES,
+    SIDES,
+    contains,
+    critical_arcs,
+    trace,
+)
+from alpha5_model.kinematics.workspace import cross_section_area, revolved, volume
+from alpha5_model.numbers.parameters import parameters
 from alpha5_model.numbers.printed import published
+
+__all__ = [
+    "PublishedErrors",
+    "Torus",
+    "in_tori",
+    "published_but_unreachable",
+    "published_errors",
+    "published_reachable",
+    "published_tori",
+    "reachable_but_unpublished",
+]
 
 
 class Torus(NamedTuple):
@@ -64,9 +83,12 @@ class PublishedErrors:
 
 
 @cache
-def published_tori(parameters: Alpha5Parameters) -> tuple[Torus, Torus, Torus]:
-    """The three limits of Section 1.2, of an arm of these dimensions."""
-    row_0, row_1, row_2, row_3 = parameters.dh[:4]
+def published_tori() -> tuple[Torus, Torus, Torus]:
+    """The three limits of Section 1.2, as printed.
+
+    They contain 39.94 mm, where Table 1 has 40. d_3 is negative.
+    """
+    row_0, row_1, row_2, row_3, _ = parameters().dh
     printed = published().workspace
     shoulder = (row_0.a, row_0.d)
     inner_radius = math.hypot(
@@ -88,22 +110,25 @@ def published_tori(parameters: Alpha5Parameters) -> tuple[Torus, Torus, Torus]:
     return outer, inner, downward
 
 
-def published_reachable(
-    parameters: Alpha5Parameters, positions: ArrayLike
-) -> BoolArray:
-    """Whether points (..., 3) satisfy all three inequalities of Section 1.2, (...)."""
+def published_reachable(positions: ArrayLike) -> BoolArray:
+    """Whether a point satisfies all three inequalities of Section 1.2.
+
+    Args:
+        positions: In ``base_link``, (..., 3) [m].
+
+    Returns:
+        (...) bool.
+    """
     target = float_array("positions", positions, (3,))
     radius = np.hypot(target[..., 0], target[..., 1])
-    return in_tori(parameters, radius, target[..., 2])
+    return in_tori(radius, target[..., 2])
 
 
-def in_tori(
-    parameters: Alpha5Parameters, radius: FloatArray, z: FloatArray
-) -> BoolArray:
-    """Which points of a half-plane satisfy the three inequalities, (...)."""
+def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
+    """Which points (R, z) [m] satisfy the three inequalities of Section 1.2, (...)."""
     radius, z = checks.together(radius=radius, z=z)
     inside = np.ones(radius.shape, np.bool_)
-    for torus in published_tori(parameters):
+    for torus in published_tori():
         center_radius, center_z = torus.center
         with np.errstate(over="ignore"):  # infinitely far is outside as well
             squared = (radius - center_radius) ** 2 + (z - center_z) ** 2
@@ -114,42 +139,44 @@ def in_tori(
     return inside
 
 
-def published_but_unreachable(
-    parameters: Alpha5Parameters, side: str
-) -> tuple[Arc, ...]:
-    """Boundary of what the document claims and the arm does not reach."""
-    return _difference(parameters, checks.choice("side", side, SIDES), True)
+def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
+    """Boundary of what the document claims and the arm does not reach.
+
+    Args:
+        side: As for `alpha5_model.workspace.boundary`.
+    """
+    return _difference(checks.choice("side", side, SIDES), published=True)
 
 
-def reachable_but_unpublished(
-    parameters: Alpha5Parameters, side: str
-) -> tuple[Arc, ...]:
-    """Boundary of what the arm reaches and the document leaves out."""
-    return _difference(parameters, checks.choice("side", side, SIDES), False)
+def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
+    """Boundary of what the arm reaches and the document leaves out.
+
+    Args:
+        side: As for `alpha5_model.workspace.boundary`.
+    """
+    return _difference(checks.choice("side", side, SIDES), published=False)
 
 
 @cache
-def _difference(
-    parameters: Alpha5Parameters, side: str, published: bool
-) -> tuple[Arc, ...]:
+def _difference(side: str, published: bool) -> tuple[Arc, ...]:
     """Boundary of what is published but not reached, or reached but not published."""
-    plane = ArmPlane.from_parameters(parameters)
-    arcs = _printed_arcs(parameters)
+    geometry = Geometry.of(parameters())
+    arcs = _printed_arcs()
     for pose in POSES:
-        arcs += critical_arcs(plane, pose)
+        arcs += critical_arcs(geometry, pose)
 
-    def contains(radius: FloatArray, z: FloatArray) -> BoolArray:
-        claimed = in_tori(parameters, radius, z)
-        reached = in_half_plane(plane, radius, z, side, limits=True)
+    def differs(radius: FloatArray, z: FloatArray) -> BoolArray:
+        claimed = in_tori(radius, z)
+        reached = contains(geometry, radius, z, side, limits=True)
         return np.asarray((claimed == published) & (reached != published))
 
-    return trace(plane, arcs, contains)
+    return trace(geometry, arcs, differs)
 
 
-def _printed_arcs(parameters: Alpha5Parameters) -> list[Arc]:
+def _printed_arcs() -> list[Arc]:
     """The circles of the three limits."""
     arcs = []
-    for torus in published_tori(parameters):
+    for torus in published_tori():
         arc = Arc(
             center=torus.center,
             radius=torus.radius,
@@ -164,27 +191,19 @@ def _printed_arcs(parameters: Alpha5Parameters) -> list[Arc]:
 
 
 @cache
-def published_errors(parameters: Alpha5Parameters) -> PublishedErrors:
+def published_errors() -> PublishedErrors:
     """How much of the published region cannot be reached, and what it misses."""
-    plane = ArmPlane.from_parameters(parameters)
-    claimed = trace(
-        plane,
-        _printed_arcs(parameters),
-        lambda radius, z: in_tori(parameters, radius, z),
-    )
-    wrong: Mapping[str, tuple[Arc, ...]] = {
-        side: published_but_unreachable(parameters, side) for side in SIDES
-    }
-    missed: Mapping[str, tuple[Arc, ...]] = {
-        side: reachable_but_unpublished(parameters, side) for side in SIDES
-    }
+    geometry = Geometry.of(parameters())
+    claimed = trace(geometry, _printed_arcs(), in_tori)
+    wrong = {side: published_but_unreachable(side) for side in SIDES}
+    missed = {side: reachable_but_unpublished(side) for side in SIDES}
     return PublishedErrors(
         published_area=area(claimed),
-        reachable_area=cross_section_area(plane, "both", limits=True),
+        reachable_area=cross_section_area(),
         unreachable_area=area(wrong["both"]),
         missed_area=area(missed["both"]),
         published_volume=2 * math.pi * first_moment(claimed),
-        reachable_volume=volume(plane, limits=True),
-        unreachable_volume=revolved(plane, wrong),
-        missed_volume=revolved(plane, missed),
+        reachable_volume=volume(),
+        unreachable_volume=revolved(geometry, wrong),
+        missed_volume=revolved(geometry, missed),
     )
