@@ -35,8 +35,10 @@ IMPORTS = 20
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Any]:
     """One browser for all tests: a launch costs seconds."""
-    from browser import browser
+    from browser import MISSING, browser
 
+    if MISSING:
+        pytest.skip(f"there is no {' and no '.join(MISSING)}")
     with browser() as running:
         yield running
 

@@ -50,11 +50,12 @@ QUANTITIES = {
     "buoyancy": "buoyancy [N m]",
     "trajectory": "2 s motion [rad]",
 }
+#: Computed numbers in files have 12 significant digits.
 _DOUBLE = {
-    "fk": 1e-12,
-    "mass": 1e-12,
-    "bias": 1e-12,
-    "buoyancy": 1e-12,
+    "fk": 5e-12,
+    "mass": 5e-12,
+    "bias": 5e-12,
+    "buoyancy": 5e-12,
     "trajectory": 1e-7,
 }
 #: PyBullet reports link poses in single precision.

@@ -23,6 +23,9 @@ from fk import fk
 
 import alpha5_model as a5
 
+#: CMake installs the package.
+pytestmark = pytest.mark.tools
+
 REPOSITORY = Path(__file__).resolve().parents[2]
 EXAMPLE = REPOSITORY / "examples" / "my_rov_description"
 PLAIN = [

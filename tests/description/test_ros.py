@@ -22,6 +22,9 @@ import yaml
 
 import alpha5_model as a5
 
+#: CMake installs the package.
+pytestmark = pytest.mark.tools
+
 REPOSITORY = Path(__file__).resolve().parents[2]
 NAME = "alpha5_description"
 XACRO = [

@@ -25,7 +25,7 @@ def chromium_program() -> str | None:
 
 
 CHROMIUM = chromium_program()
-_MISSING = [
+MISSING = [
     what
     for what, there in (
         ("a Chromium (chromium on the path, or ALPHA5_CHROMIUM)", CHROMIUM),
@@ -33,9 +33,7 @@ _MISSING = [
     )
     if not there
 ]
-needs_browser = pytest.mark.skipif(
-    bool(_MISSING), reason=f"there is no {' and no '.join(_MISSING)}"
-)
+needs_browser = pytest.mark.browser
 #: WebGL in software, so that it works on any machine.
 _ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 SIZE = (1000, 640)

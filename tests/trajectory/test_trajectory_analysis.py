@@ -692,7 +692,7 @@ def test_import_stays_light() -> None:
 
 
 @needs_recordings
-@pytest.mark.parametrize("path", JOINT_STATES, ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", JOINT_STATES, ids=lambda p: getattr(p, "stem", "none"))
 @pytest.mark.parametrize("method", ["spline", "savgol"])
 def test_recordings_end_to_end(path: Path, method: str) -> None:
     r = a5.trajectory.analyse(

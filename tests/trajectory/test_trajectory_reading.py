@@ -466,7 +466,7 @@ def test_times_nearer_than_a_nanosecond_are_the_same() -> None:
 
 
 @needs_recordings
-@pytest.mark.parametrize("path", JOINT_STATES, ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", JOINT_STATES, ids=lambda p: getattr(p, "stem", "none"))
 def test_recordings_are_read_to_the_last_digit(path: Path) -> None:
     motion = a5.trajectory.read_motion(path)
     with path.open(encoding="utf-8") as stream:
