@@ -1,6 +1,6 @@
 """The drawn bodies are closed, have the printed volumes, fit together, and load.
 
-A parser of this file reads the committed OBJ files, and the divergence theorem measures
+A parser of the tests reads the committed OBJ files, and the divergence theorem measures
 them. Table 3 is typed again from the document.
 """
 
@@ -16,16 +16,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference import COB, VOLUME, inertial_frames, rotation_x, rotation_z
+from drawn_bodies import BODIES, LINKS, MESHES, Mesh, finger_pose
+from reference import COB, VOLUME, inertial_frames, rotation_z
 
 import alpha5_model as a5
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.errors import Alpha5Error, InputError, MissingDependencyError
 
-MESHES = Path(REPOSITORY_PATH) / "meshes"
-LINKS = ("link_0", "link_1", "link_2", "link_3", "link_4")
-BODIES = (*LINKS, "finger_1", "finger_2")
 #: Table 3: volume [L], centre of buoyancy [mm].
 TABLE_3 = dict(zip(LINKS, zip(VOLUME, COB, strict=True), strict=True))
 FINGER_VOLUME = {"finger_1": 0.0061, "finger_2": 0.0077}
@@ -39,32 +37,6 @@ BOUNDS = {
     "finger_1": (None, (-5.25, 85), (-16, 16)),
     "finger_2": (None, (-85, 5.25), (-16, 16)),
 }
-#: Pivots of the fingers in link_4 [m].
-PIVOT_X = 0.0155
-PIVOT_Z = -(0.13275 + 0.0069)
-
-
-class Mesh:
-    """An OBJ file: vertices (n, 3) [m], faces (m, 3), normals of corners (m, 3, 3)."""
-
-    def __init__(self, text: str) -> None:
-        rows = [line.split() for line in text.splitlines() if line and line[0] in "vf"]
-        self.v = np.array([row[1:] for row in rows if row[0] == "v"], float)
-        normals = np.array([row[1:] for row in rows if row[0] == "vn"], float)
-        corners = [[c.split("//") for c in row[1:]] for row in rows if row[0] == "f"]
-        index = np.array(corners, int) - 1
-        self.f = index[..., 0]
-        self.normals = normals[index[..., 1]]
-
-    @property
-    def corners(self) -> np.ndarray:
-        return self.v[self.f]
-
-    def volume_and_centroid(self) -> tuple[float, np.ndarray]:
-        """Litres and mm: sums over the tetrahedra from the origin to each triangle."""
-        c = self.corners * 1e3
-        six = np.einsum("fi,fi->f", c[:, 0], np.cross(c[:, 1], c[:, 2]))
-        return six.sum() / 6e6, np.einsum("f,fi->i", six, c.sum(1)) / (4 * six.sum())
 
 
 def open_edges(faces: np.ndarray) -> int:
@@ -91,14 +63,6 @@ def pieces(faces: np.ndarray, n: int) -> int:
 @pytest.fixture(scope="module")
 def meshes() -> dict[str, Mesh]:
     return {name: Mesh((MESHES / f"{name}.obj").read_text("ascii")) for name in BODIES}
-
-
-def finger_pose(name: str, angle: float = 0.0) -> np.ndarray:
-    """Frame of a finger in link_4 [m]."""
-    side = -1 if name == "finger_1" else 1
-    pose = rotation_x(side * math.pi / 2) @ rotation_z(angle)
-    pose[:3, 3] = (side * PIVOT_X, 0.0, PIVOT_Z)
-    return pose
 
 
 def link_poses(q: np.ndarray) -> dict[str, np.ndarray]:

@@ -12,6 +12,7 @@ import current_load
 import numpy as np
 import pytest
 import reference
+from own_drag import own_torque, wrench
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -25,24 +26,6 @@ from alpha5_model.numbers.jaws import GRIPPERS
 LINKS = {f"link_{i}": f"link_{i}" for i in range(5)}
 JAWS = {**LINKS, "link_4": "wrist", "finger_1": "finger_1", "finger_2": "finger_2"}
 NAMES = {"locked": LINKS, "jaws": JAWS}
-
-
-def wrench(
-    row: dict, nu: np.ndarray, density: float = 1025.0, level: int = 1
-) -> np.ndarray:
-    """Drag on a link with the twist nu (6,) in still water, about its origin, (6,)."""
-    total = np.zeros(6)
-    for strip in row["strips"]:
-        points, force = current_load.strip_drag(
-            strip, level, lambda p: -(nu[:3] + np.cross(nu[3:], p)), density
-        )
-        total += np.concatenate(
-            [force.sum(axis=0), np.cross(points, force).sum(axis=0)]
-        )
-    return total
-
-
-# --- SDF ------------------------------------------------------------------------------
 
 
 def coefficients(model: ET.Element) -> dict[str, np.ndarray]:
@@ -191,30 +174,6 @@ def mass_matrix(model, data) -> np.ndarray:
     for column, unit in zip(columns, np.eye(model.nv), strict=True):
         mujoco.mj_mulM(model, data, column, unit)
     return columns
-
-
-def own_torque(q, v, current) -> np.ndarray:
-    """Torque of drag at the joints, (4,), by the tests' own frames and sums."""
-    frames = reference.inertial_frames(q)
-    rows = current_load.bodies()
-    out = np.zeros(4)
-    axes = [(f[:3, 3], f[:3, 2]) for f in frames[1:]]
-    for i, frame in enumerate(frames):
-        turn = frame[:3, :3]
-        at = frame[:3, 3]
-        spin = sum((v[k] * axes[k][1] for k in range(i)), np.zeros(3))
-        speed = sum(
-            (v[k] * np.cross(axes[k][1], at - axes[k][0]) for k in range(i)),
-            np.zeros(3),
-        )
-        nu = np.concatenate([turn.T @ (speed - current), turn.T @ spin])
-        drag = wrench(rows[f"link_{i}"], nu)
-        force = turn @ drag[:3]
-        moment = turn @ drag[3:]
-        for k in range(i):
-            origin, axis = axes[k]
-            out[k] += axis @ (moment + np.cross(at - origin, force))
-    return out
 
 
 def test_mujocos_drag_on_a_moving_joint_is_the_strips():
