@@ -116,8 +116,11 @@ def test_the_code_of_a_page_runs(
         "```sh\nmake tea\n```\n",
         "```sh\npython -m pip install '.[tea]'\n```\n",
         "```sh\nrm -rf x\n```\n",
-        "```c\n/* wrong.c: no program */\nint main(void) { return 1; }\n```\n"
-        "```sh\ncc wrong.c -o wrong\n./wrong\n```\n",
+        pytest.param(
+            "```c\n/* wrong.c: no program */\nint main(void) { return 1; }\n```\n"
+            "```sh\ncc wrong.c -o wrong\n./wrong\n```\n",
+            marks=pytest.mark.tools,
+        ),
         "```pyhton\n1\n```\n",
         "```python\nimport no_such_tool\n```\n",
     ],
