@@ -1,9 +1,11 @@
 """An approximate distance of an arm from itself, smooth, for optimisers.
 
-It is the least distance of links that can touch within the joint limits
-(`alpha5_model.collision.link_pairs`). Others pass each other, some by less than a
-millimetre, and would hide all larger distances. If the arm touches itself, the result
-approximates `Arm.collision_distance`; if it is free, that may be smaller.
+It is the least distance of links that can touch within the joint limits, for an arm
+that moves as the catalogue's of shapes that can (`alpha5_model.collision.link_pairs`).
+Others pass each other at a joint, always some millimetres apart, and would hide all
+larger distances: with lengths of its own, an arm has at most about 10 mm. If the arm
+touches itself, the result approximates `Arm.collision_distance`; if it is free, that
+may be smaller.
 
 The shapes of the link farther out are replaced by spheres
 (`alpha5_model.collision.spheres`), and the distances of their centres from the boxes
@@ -33,7 +35,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, real
 from alpha5_model._support.spatial import pose
 from alpha5_model.collision.bodies import CollisionBodies, collision_bodies
-from alpha5_model.collision.link_pairs import disabled_pairs
+from alpha5_model.collision.link_pairs import disabled_pairs, meeting_shapes
 from alpha5_model.collision.spheres import Spheres, spheres_for
 from alpha5_model.collision.turning_radii import joints_between
 from alpha5_model.geometry.primitives import Primitive
@@ -221,7 +223,9 @@ def spheres_and_shapes(arm: Alpha5Parameters) -> SpheresAndShapes:
         first, second = (bodies.bodies[number] for number in pair)
         if {first.name, second.name} in apart:
             continue
-        spheres = spheres_for(second.shapes)
+        meeting = meeting_shapes(arm, (first.name, second.name))
+        shapes = tuple(second.shapes[i] for i in meeting) or second.shapes
+        spheres = spheres_for(shapes)
         for shape in first.shapes:
             couples[shape.kind].append(_couples(shape, spheres, count))
         count += len(spheres.radii)

@@ -37,6 +37,10 @@ NEVER_WITHIN_LIMITS: dict[str, Pairs] = {
         ("link_2", "finger_2"),
     ),
 }
+#: Pair of links -> shapes of the second that meet the first within the catalogue's
+#: limits. The others of link 2 pass the base beside the shoulder, some always within
+#: 13 mm of it. ``tests/collision`` proves it.
+MEETING_SHAPES: dict[tuple[str, str], tuple[int, ...]] = {("link_0", "link_2"): (0,)}
 #: Sum of the changes of lengths with which `NEVER_PAIRS` cannot meet either [m]: with
 #: Table 1's lengths they are more than this apart.
 _KEPT_APART = 0.04
@@ -76,6 +80,17 @@ def disabled_pairs(arm: Alpha5Parameters, gripper: str) -> dict[str, Pairs]:
     if gripper == "jaws":
         return pairs
     return {reason: _without_fingers(those) for reason, those in pairs.items()}
+
+
+def meeting_shapes(arm: Alpha5Parameters, pair: tuple[str, str]) -> tuple[int, ...]:
+    """Numbers of the shapes of a pair's second link that can meet the first one.
+
+    Empty for all of them: another pair, or an arm that has not the catalogue's lengths,
+    zeros, spacer and limits.
+    """
+    if not _moves_as_the_catalogues(arm):
+        return ()
+    return MEETING_SHAPES.get(pair, ())
 
 
 def _moves_as_the_catalogues(arm: Alpha5Parameters) -> bool:

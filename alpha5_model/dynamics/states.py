@@ -81,8 +81,9 @@ def rows(model: pin.Model, **states: ArrayLike) -> list[FloatArray]:
     n_rows = _number_of_rows(arrays)
     if model.nq > model.nv:
         _check_quaternions(arrays["q"])
+    # One row for all is not copied: what computes may be asked for millions of rows.
     return [
-        np.ascontiguousarray(np.broadcast_to(given, (n_rows, given.shape[1])))
+        np.broadcast_to(np.ascontiguousarray(given), (n_rows, given.shape[1]))
         for given in arrays.values()
     ]
 
