@@ -130,7 +130,7 @@ def test_folding_leaves_the_function_and_takes_the_input_away() -> None:
     assert less.name_in() == ["x"]
     assert less.name_out() == ["z"]
     assert np.allclose(np.array(less([1.0, 3.0])), np.array(function([1.0, 3.0], 2.0)))
-    assert program(less).flops < program(function).flops
+    assert "sin" not in {step.op for step in program(less).steps}
 
 
 def test_decisions_as_statements() -> None:

@@ -140,7 +140,7 @@ def test_equal_expressions_are_computed_once_and_sine_stands_beside_cosine() -> 
     )
     one = program(casadi.Function("f", [x], [out], ["x"], ["out"]))
     ops = [step.op for step in one.steps]
-    assert (ops.count("mul"), ops.count("sin"), one.flops) == (1, 1, 5)
+    assert (ops.count("mul"), ops.count("add"), ops.count("sin")) == (1, 1, 1)
     sine = ops.index("sin")
     angle = one.steps[sine].arguments
     cosines = [

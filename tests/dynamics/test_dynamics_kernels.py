@@ -379,9 +379,9 @@ def test_regrouping_saves_operations() -> None:
     ours = functions()
     grouped = kernel_inputs(p.links)
     both = folded(ours["inverse_dynamics_with_base_wrench"], parameters=grouped)
-    assert program(both).flops < 0.9 * program(full).flops
+    assert len(program(both).steps) < 0.9 * len(program(full).steps)
     torque = folded(ours["inverse_dynamics"], parameters=grouped)
-    assert program(torque).flops < 330
+    assert len(program(torque).steps) < 450
 
 
 def test_no_base_parameter_is_too_many() -> None:

@@ -62,7 +62,6 @@ INFINITE = {
     "published_inverse_kinematics": {"answer"},
     "approach_directions": {"directions"},
     "torque_limits": {"lower", "upper"},
-    "speed_limits": {"lower", "upper"},
     "identify": {"lower", "upper", "gains", "deviation", "gain"},
     "plan": {"limit"},
     "plan_poses": {"readings"},

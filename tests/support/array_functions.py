@@ -500,7 +500,6 @@ def _actuator_calls(rows: _TheoryRows) -> list[_Row]:
             {"voltage": rows.velocity, "current": rows.torque},
             {},
         ),
-        ("Actuator.speed_limits", axis.speed_limits, {"torque": rows.torque}, limits),
         (
             "Actuator.torque_limits",
             axis.torque_limits,
@@ -508,7 +507,6 @@ def _actuator_calls(rows: _TheoryRows) -> list[_Row]:
             limits,
         ),
         ("Actuator.torque", axis.torque, current, {}),
-        ("Actuator.torque_interval", axis.torque_interval, current, {}),
         (
             "Actuator.voltage",
             axis.voltage,
