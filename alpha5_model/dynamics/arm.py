@@ -1,9 +1,10 @@
 """The arm in motion under water: ``M(q) a + C(q, v) v + g(q) = tau + tau_buoyancy(q)``.
 
-This is a thin layer over Pinocchio: every method calls one or two of its algorithms, on
-the models of the arm and of the fluid that it displaces
+This is a thin layer over Pinocchio: single calls of the dynamics and kinematics are its
+algorithms, on the models of the arm and of the fluid that it displaces
 (`alpha5_model.dynamics.arm_model`). Batches run on generated kernels if those know the
-arm (`alpha5_model.dynamics.batch`). The fluid acts by its pressure at rest (buoyancy)
+arm (`alpha5_model.dynamics.batch`). Self-collision has a test of its own
+(`alpha5_model.collision`). The fluid acts by its pressure at rest (buoyancy)
 only. Nothing is published about drag and added mass; they are estimated, and
 `Arm.with_hydrodynamics` returns an arm that has them.
 
