@@ -1,4 +1,4 @@
-"""Compiles ``alpha5_model/codegen/kernels/_compiled`` for a wheel, or in place.
+"""Compiles ``alpha5_model/kernels/_compiled`` for a wheel, or in place.
 
     python hatch_build.py            # in place, for a checkout that is not installed
     python hatch_build.py --digest   # of the sources, and the flags
@@ -25,7 +25,7 @@ except ModuleNotFoundError:  # in place, beside an installed package
     BuildHookInterface = object  # type: ignore[misc, assignment]
 
 ROOT = Path(__file__).resolve().parent
-FOLDER = Path("alpha5_model", "codegen", "kernels")
+FOLDER = Path("alpha5_model", "kernels")
 #: For GCC and Clang, whose vector extensions the kernels are written in.
 #: `-ffp-contract=off`: the same bits on every processor; gcc 12 contracts nevertheless
 #: where it vectorizes straight lines (a vfmsubadd). Nothing reads errno.

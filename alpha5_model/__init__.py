@@ -23,12 +23,12 @@ __version__ = "1.0.0"
 if TYPE_CHECKING:
     from alpha5_model import trajectory, workspace
     from alpha5_model._support.paths import PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH
-    from alpha5_model.codegen.kernels.choice import backend
     from alpha5_model.collision.self_collision import without_self_collision
     from alpha5_model.description.srdf import named_pose
     from alpha5_model.dynamics import actuators
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.dynamics.load import load, robot_wrapper
+    from alpha5_model.kernels.choice import backend
     from alpha5_model.kinematics.bus_devices import devices_from_q, q_from_devices
     from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
     from alpha5_model.kinematics.path import inverse_kinematics_path
@@ -147,7 +147,7 @@ _NAMES = {
     "robot_wrapper": "dynamics.load",
     "Arm": "dynamics.arm",
     "without_self_collision": "collision.self_collision",
-    "backend": "codegen.kernels.choice",
+    "backend": "kernels.choice",
     "Vehicle": "water.vehicle",
     # Motions.
     "Obstacle": "planning.obstacles",

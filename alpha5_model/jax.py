@@ -26,7 +26,6 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, instance
-from alpha5_model.codegen.kernels.generated import formulas
 from alpha5_model.codegen.payload import slope_by_moments_at_the_tcp
 from alpha5_model.collision.approximate_distance import SMOOTHING as _SMOOTHING
 from alpha5_model.collision.approximate_distance import (
@@ -39,6 +38,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_dimensions, arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import ShapeError, needing
+from alpha5_model.kernels.generated import formulas
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
 from alpha5_model.numbers.chosen_arm import chosen_arm

@@ -1,6 +1,6 @@
 """Programs as C of the compiled kernels, of which each call computes four states.
 
-`codegen/kernels/vector.h` has the arithmetic. What depends on the parameters alone is a
+`kernels/vector.h` has the arithmetic. What depends on the parameters alone is a
 plain number, computed once before the loop over states.
 """
 

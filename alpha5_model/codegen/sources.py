@@ -50,7 +50,7 @@ def generated_sources() -> dict[str, str]:
     of_jax = [of_any_arm[name] for name in _OF_JAX]
     of_catalogue = products(parameters())
 
-    folder = "alpha5_model/codegen/kernels/generated"
+    folder = "alpha5_model/kernels/generated"
     return {
         f"{folder}/formulas.h": c_source(of_rows),
         f"{folder}/formulas.py": python_source(

@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray, count, float_array
-from alpha5_model.codegen.kernels.choice import module
 from alpha5_model.collision.bodies import (
     CollisionBodies,
     body_numbers,
@@ -31,6 +30,7 @@ from alpha5_model.collision.bodies import (
 from alpha5_model.collision.coal_scene import CoalScene, Contact
 from alpha5_model.collision.turning_radii import distance_rates
 from alpha5_model.errors import KernelError, MissingDependencyError, needing
+from alpha5_model.kernels.choice import module
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 

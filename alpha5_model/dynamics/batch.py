@@ -21,10 +21,10 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, count
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.dynamics.scratch import Scratch
 from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import InputError
+from alpha5_model.kernels import choice as kernels
 
 #: Number of states for which one more thread pays. They are 3 ms of work, as long as
 #: starting a thread takes on a busy machine.

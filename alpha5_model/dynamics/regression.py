@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS
 from alpha5_model.dynamics.kernel_numbers import arm_dimensions, arm_parameters
 from alpha5_model.dynamics.states import is_one_state, rows
+from alpha5_model.kernels import choice as kernels
 
 #: Base parameters without the gravity.
 NAMES = tuple(BASE_PARAMETERS)[:-3]

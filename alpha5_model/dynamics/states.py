@@ -23,8 +23,8 @@ from alpha5_model._support.checks import (
     float_array,
     listed,
 )
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
+from alpha5_model.kernels import choice as kernels
 
 #: Derivatives with respect to positions, velocities and accelerations or torques.
 Partials = tuple[FloatArray, FloatArray, FloatArray]

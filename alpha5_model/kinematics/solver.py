@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import LARGEST, BoolArray, FloatArray
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.errors import KernelError
+from alpha5_model.kernels import choice as kernels
 from alpha5_model.kinematics.geometry import Geometry
 
 #: Targets in a block: the results of so many stay in the cache.

@@ -13,11 +13,11 @@ import numpy as np
 from benchmarks.timing import Row, compare
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.collision import self_collision as module
 from alpha5_model.collision.bodies import collision_bodies
 from alpha5_model.collision.coal_scene import CoalScene
 from alpha5_model.collision.self_collision import SelfCollision
+from alpha5_model.kernels import numpy_kernels
 
 COUNT = 100_000
 #: Positions that a slow candidate is asked about.

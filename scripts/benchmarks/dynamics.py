@@ -17,7 +17,7 @@ import pinocchio as pin
 from benchmarks.timing import Row, compare, installed
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import choice as kernels
+from alpha5_model.kernels import choice as kernels
 
 OWN = "alpha5_model"
 STATES = 100_000

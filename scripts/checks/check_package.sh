@@ -130,5 +130,5 @@ np.testing.assert_allclose(arm.inverse_dynamics_batch(q, v, a), single, atol=1e-
 PYTHON
 without_compiler -m alpha5_model --version | grep ', kernels: numpy$'
 if ALPHA5_KERNELS=compiled without_compiler -c 'import alpha5_model as a5; a5.backend()' 2>error.txt; then exit 1; fi
-tail -1 error.txt | grep 'ALPHA5_KERNELS=compiled needs alpha5_model.codegen.kernels._compiled'
+tail -1 error.txt | grep 'ALPHA5_KERNELS=compiled needs alpha5_model.kernels._compiled'
 echo "package check passed"

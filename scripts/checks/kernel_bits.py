@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels.choice import rows
-from alpha5_model.codegen.kernels.generated import formulas
+from alpha5_model.kernels.choice import rows
+from alpha5_model.kernels.generated import formulas
 
 ROWS = 500
 TARGETS = 2000

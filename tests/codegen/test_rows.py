@@ -20,10 +20,10 @@ import pytest
 from compiled_kernels import compiled_kernels
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import choice, numpy_kernels
-from alpha5_model.codegen.kernels.generated.formulas import KERNELS
 from alpha5_model.dynamics.kernel_numbers import kernel_parameters
 from alpha5_model.errors import KernelError
+from alpha5_model.kernels import choice, numpy_kernels
+from alpha5_model.kernels.generated.formulas import KERNELS
 from alpha5_model.kinematics.geometry import Geometry
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -218,7 +218,7 @@ def test_all_processors_and_compilers_give_the_same_bits(flags, compiler, tmp_pa
     if shutil.which(compiler) is None:
         pytest.skip(f"there is no {compiler}")
     library = tmp_path / f"_compiled{sysconfig.get_config_var('EXT_SUFFIX')}"
-    source = ROOT / "alpha5_model" / "codegen" / "kernels" / "_compiled.c"
+    source = ROOT / "alpha5_model" / "kernels" / "_compiled.c"
     include = [sysconfig.get_path("include"), np.get_include()]
     subprocess.run(
         [

@@ -14,10 +14,10 @@ from own_arm import random_arm, within
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.collision import self_collision as module
 from alpha5_model.collision.bodies import collision_bodies
 from alpha5_model.collision.self_collision import SelfCollision, self_collision
+from alpha5_model.kernels import numpy_kernels
 
 #: coal's distances are right to this [m].
 COAL = 1e-6

@@ -25,12 +25,12 @@ from newton_euler import link_frames, newton_euler, rotation_x
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import numpy_kernels
-from alpha5_model.codegen.kernels.generated.formulas import KERNELS
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, base_parameters
 from alpha5_model.dynamics.buoyancy import Displacement
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.errors import InputError
+from alpha5_model.kernels import numpy_kernels
+from alpha5_model.kernels.generated.formulas import KERNELS
 from alpha5_model.numbers.parameters import RigidBody
 
 if TYPE_CHECKING:

@@ -14,13 +14,13 @@ from loops import each
 
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
-from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.load import arm_of, arm_urdf
 from alpha5_model.errors import InputError
+from alpha5_model.kernels import choice as kernels
+from alpha5_model.kernels import numpy_kernels
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 GRAVITY = np.array([0.0, 0.0, -9.81])

@@ -14,8 +14,8 @@ from ik_targets import EDGES, at_edge, elbow_and_tip, ordinary
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import choice as kernels_package
-from alpha5_model.codegen.kernels import numpy_kernels
+from alpha5_model.kernels import choice as kernels_package
+from alpha5_model.kernels import numpy_kernels
 from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE, LIMIT_TOLERANCE
 
 COUNT, EACH = 130_000, 10_000

@@ -12,8 +12,8 @@ from loops import each
 from own_arm import limits, random_arm, tips, turned_apart, with_tool, within
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.errors import JointLimitError, UnreachableError
+from alpha5_model.kernels import numpy_kernels
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.ik import Solutions
 from alpha5_model.numbers.parameters import Alpha5Parameters

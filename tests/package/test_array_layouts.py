@@ -23,9 +23,9 @@ from array_functions import (
 )
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.dynamics.regression import regressor_rows
 from alpha5_model.errors import KernelError
+from alpha5_model.kernels import choice as kernels
 
 
 def shifted(x: np.ndarray) -> np.ndarray:
@@ -145,11 +145,11 @@ def kernel_module(
 ) -> Any:
     if request.param == "_compiled":
         pytest.importorskip(
-            "alpha5_model.codegen.kernels._compiled",
+            "alpha5_model.kernels._compiled",
             reason="the kernels are not compiled here",
             exc_type=ImportError,
         )
-    chosen = import_module(f"alpha5_model.codegen.kernels.{request.param}")
+    chosen = import_module(f"alpha5_model.kernels.{request.param}")
     monkeypatch.setattr(kernels, "module", lambda: chosen)
     return chosen
 

@@ -125,7 +125,7 @@ def test_a_batch_ends_upon_ctrl_c(case: str) -> None:
     *arguments, kernels = CASES[case]
     if kernels == "compiled":
         pytest.importorskip(
-            "alpha5_model.codegen.kernels._compiled",
+            "alpha5_model.kernels._compiled",
             reason="the kernels are not compiled here",
             exc_type=ImportError,
         )
@@ -143,7 +143,7 @@ def test_a_batch_ends_upon_ctrl_c(case: str) -> None:
 )
 def test_signals_are_answered_within_a_batch_and_change_nothing() -> None:
     compiled = pytest.importorskip(
-        "alpha5_model.codegen.kernels._compiled",
+        "alpha5_model.kernels._compiled",
         reason="the kernels are not compiled here",
         exc_type=ImportError,
     )

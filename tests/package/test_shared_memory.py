@@ -15,8 +15,8 @@ from array_functions import kinematics_calls
 
 import alpha5_model as a5
 from alpha5_model._support import checks
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.description import srdf
+from alpha5_model.kernels import choice as kernels
 
 
 def arrays(value: Any, depth: int = 8) -> Iterator[np.ndarray]:
@@ -138,10 +138,8 @@ def test_solutions_share_nothing_that_can_be_written(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if name == "_compiled":
-        pytest.importorskip(
-            "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
-        )
-    chosen = import_module(f"alpha5_model.codegen.kernels.{name}")
+        pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
+    chosen = import_module(f"alpha5_model.kernels.{name}")
     monkeypatch.setattr(kernels, "module", lambda: chosen)
     far, near = (9.0, 0.0, 0.0), (0.2, 0.1, 0.1)
     for target in (far, near):

@@ -17,9 +17,9 @@ from scipy.spatial import ConvexHull
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import moved, pose
-from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.collision import self_collision
 from alpha5_model.errors import Alpha5Error, InputError
+from alpha5_model.kernels import numpy_kernels
 from alpha5_model.planning import Mesh, Obstacle
 from alpha5_model.planning.broad_phase import SHORTEST
 from alpha5_model.planning.obstacles import seen_from

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.dynamics.regression import NAMES as BASE_NAMES
+from alpha5_model.kernels import choice as kernels
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.loaded_links import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters

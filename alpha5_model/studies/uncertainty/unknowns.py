@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.codegen.regrouping import regrouped
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.regression import NAMES, regressor_rows
+from alpha5_model.kernels import choice as kernels
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers

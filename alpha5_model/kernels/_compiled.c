@@ -132,7 +132,7 @@ static PyObject *is_state(PyObject *module, PyObject *const *arguments, Py_ssize
 
 static PyMethodDef methods[] = {
     {"rows", (PyCFunction)(void (*)(void))rows, METH_FASTCALL,
-     "rows(name, parameters, *inputs) -> outputs: see `alpha5_model.codegen.kernels.choice.rows`."},
+     "rows(name, parameters, *inputs) -> outputs: see `alpha5_model.kernels.choice.rows`."},
     {"is_state", (PyCFunction)(void (*)(void))is_state, METH_FASTCALL,
      "is_state(nq, nv, q, *rates) -> bool: whether they are plain float64 (nq,), (nv,), ... that can be computed with."},
     {"scene", (PyCFunction)(void (*)(void))scene, METH_FASTCALL,

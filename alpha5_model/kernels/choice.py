@@ -19,8 +19,8 @@ from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model.errors import MissingDependencyError
 
 _MODULES = {
-    "compiled": "alpha5_model.codegen.kernels._compiled",
-    "numpy": "alpha5_model.codegen.kernels.numpy_kernels",
+    "compiled": "alpha5_model.kernels._compiled",
+    "numpy": "alpha5_model.kernels.numpy_kernels",
 }
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.checks import LARGEST, FloatArray
-from alpha5_model.codegen.kernels.generated.formulas import KERNELS
 from alpha5_model.errors import KernelError
+from alpha5_model.kernels.generated.formulas import KERNELS
 
 #: States in a block: what a formula holds of them at a time stays in the cache.
 BLOCK = 4096
@@ -18,7 +18,7 @@ BLOCK = 4096
 def rows(
     name: str, parameters: FloatArray, *inputs: FloatArray
 ) -> tuple[FloatArray, ...]:
-    """A kernel for each row; see `alpha5_model.codegen.kernels.choice.rows`."""
+    """A kernel for each row; see `alpha5_model.kernels.choice.rows`."""
     if name not in KERNELS:
         raise KernelError(name, "the name of a kernel")
     formula: Any
@@ -53,7 +53,7 @@ def rows(
 
 
 def is_state(nq: int, nv: int, *state: Any) -> bool:
-    """Whether arrays are a plain state; see `alpha5_model.codegen.kernels.choice`."""
+    """Whether arrays are a plain state; see `alpha5_model.kernels.choice`."""
     n = nq
     for x in state:
         if not _is_plain(x) or x.shape != (n,):
