@@ -33,19 +33,17 @@ static int clean(const double *x, ptrdiff_t size)
     return good;
 }
 
-/* Numbers of up to PANEL rows to lanes, `stride` vectors apart; further lanes repeat the last row. */
+/* Numbers of up to PANEL rows to lanes, `stride` vectors apart; further lanes repeat the last row.
+   Vectors that are read right after their lanes were written would stall the processor: `clean` reads the rows. */
 static int to_lanes(const double *rows, ptrdiff_t step, int size, int n, V *x, int stride)
 {
-    M good = {-1, -1, -1, -1};
     for (int first = 0; first < n; first += LANES, x += stride)
-        for (int i = 0; i < size; i++) {
-            for (int lane = 0; lane < LANES; lane++) {
-                const int row = first + lane < n ? first + lane : n - 1;
-                x[i][lane] = rows[row * step + i];
-            }
-            good &= ABS(x[i]) <= LARGEST;
+        for (int lane = 0; lane < LANES; lane++) {
+            const double *row = rows + (first + lane < n ? first + lane : n - 1) * step;
+            for (int i = 0; i < size; i++)
+                x[i][lane] = row[i];
         }
-    return !any(NOT(good));
+    return clean(rows, step == 0 ? size : (ptrdiff_t)n * size);
 }
 
 static void to_rows(const V *y, int stride, int size, int n, double *rows)
