@@ -71,7 +71,7 @@ def computed(request, tmp_path_factory) -> np.ndarray:
             *("-O3", "-ffp-contract=off", "-fno-math-errno"),
             *("-Wall", "-Wextra", "-Werror", "-Wno-psabi", "-Wno-unused-function"),
             *(UNDEFINED, "-fno-sanitize-recover"),
-            f"-I{ROOT / 'alpha5_model' / 'codegen' / 'kernels'}",
+            f"-I{ROOT / 'alpha5_model' / 'kernels'}",
             *(str(ROOT / "tests" / "support" / "elementary.c"), "-lm"),
             *("-o", str(program)),
         ],
