@@ -208,22 +208,25 @@ def test_the_gradient_by_finite_differences(gripper: str) -> None:
     arm = a5.load(gripper=gripper)
     rng = np.random.default_rng(16)
     limits = arm.limits
-    q = rng.uniform(limits.lower, limits.upper, (120, len(limits.lower)))
-    distance = arm.collision_distance(q)
+    q = rng.uniform(limits.lower, limits.upper, (60, len(limits.lower)))
+    q = q[arm.collision_distance(q) > 1e-3]
+    # Of some, both links move: not one of them is the base.
+    assert sum(arm.closest_links(row)[0] != "link_0" for row in q) > 5
     # Without compiled kernels coal answers, whose distances are off by a micrometre.
     h, tolerance = (1e-5, 1e-4) if a5.backend() == "compiled" else (1e-3, 3e-3)
-    agreed = 0
-    for row in q[distance > 1e-3]:
+    smooth = 0
+    for row in q:
         gradient = arm.collision_distance_gradient(row)
-        steps = h * np.eye(arm.model.nv)
-        found = [
-            arm.collision_distance(pin.integrate(arm.model, row, step))
-            - arm.collision_distance(pin.integrate(arm.model, row, -step))
-            for step in steps
-        ]
-        agreed += np.allclose(np.array(found) / (2 * h), gradient, atol=tolerance)
+        for part, step in zip(gradient, h * np.eye(arm.model.nv), strict=True):
+            ahead, here, behind = (
+                arm.collision_distance(pin.integrate(arm.model, row, side * step))
+                for side in (1.0, 0.0, -1.0)
+            )
+            if abs(ahead - 2 * here + behind) < tolerance * h:
+                assert (ahead - behind) / (2 * h) == pytest.approx(part, abs=tolerance)
+                smooth += 1
     # At a kink two sides differ; there are few.
-    assert agreed > 0.9 * (distance > 1e-3).sum()
+    assert smooth > 0.9 * len(q) * arm.model.nv
 
 
 def test_deep_in_contact_the_gradient_points_out() -> None:
