@@ -25,7 +25,6 @@ from alpha5_model.theory.planar import (
     annulus,
     workspace,
 )
-from alpha5_model.theory.planar.boundary import _distinct, _merged, _united
 
 TURN = 2 * math.pi
 QUARTER = math.pi / 2
@@ -424,72 +423,3 @@ def test_a_link_too_short_to_matter_is_no_error(lengths: tuple[float, ...]) -> N
 def test_an_arm_whose_area_overflows_is_refused() -> None:
     with pytest.raises(InputError, match="finite"):
         PlanarArm((1e308, 1e308))
-
-
-def test_cuts_that_touch_are_one_and_ends_stay() -> None:
-    line = a5.planar.Segment((0.0, 0.0), 0.3, 2.0)
-    cuts = [0.0, 1e-9, 0.5, 0.5 + 2e-9, 1.0, 2.0 - 1e-9, 2.0]
-    found = _distinct(line, cuts, 1e-8)
-    assert (found[0], found[-1]) == (0.0, 2.0)
-    assert found == pytest.approx([0.0, 0.5 + 1e-9, 1.0, 2.0], abs=1e-15)
-    arc = a5.planar.Arc((0.0, 0.0), 10.0, (0.0, 1.0))
-    assert _distinct(arc, [0.0, 0.5, 0.5 + 2e-9, 1.0], 1e-8) == pytest.approx(
-        [0.0, 0.5, 0.5 + 2e-9, 1.0], abs=0
-    )
-
-
-def test_ranges_that_overlap_are_one() -> None:
-    spans = [(0.0, 1.0), (0.5, 0.8), (1.05, 2.0), (3.0, 4.0), (3.5, 5.0), (5.6, 6.4)]
-    apart = [[0.0, 2.0], [3.0, 5.0], [5.6, 6.4]]
-    assert _merged(spans, slack=0.1, circular=False) == apart
-    # 6.4 is beyond a turn, where the first range begins again.
-    over_the_end = [[3.0, 5.0], [5.6, 2.0 + math.tau]]
-    assert _merged(spans, slack=0.1, circular=True) == over_the_end
-
-
-def test_ranges_on_a_circle_cover_what_they_covered_and_meet_nowhere() -> None:
-    """Against points all around the circle."""
-    rng = np.random.default_rng(3)
-    points = np.linspace(0.0, TURN, 721)
-
-    def covered(ranges: list) -> np.ndarray:
-        """How many ranges hold each point."""
-        beyond = [points + k * TURN for k in (0, 1, 2)]
-        return sum(
-            np.any([(low <= p) & (p <= high) for p in beyond], axis=0)
-            for low, high in ranges
-        )
-
-    joined = 0
-    for _ in range(200):
-        low = np.sort(rng.uniform(0.0, TURN, rng.integers(1, 6)))
-        spans = [(x, x + rng.uniform(0.1, 2.5)) for x in low.tolist()]
-        found = _merged(spans, slack=0.0, circular=True)
-        assert np.array_equal(covered(found) > 0, covered(spans) > 0)
-        assert covered(found).max() <= 1 or found[0][1] - found[0][0] >= TURN
-        joined += len(found) < len(_merged(spans, slack=0.0, circular=False))
-    assert joined > 20
-
-
-def test_the_ends_of_an_arc_belong_to_it() -> None:
-    arc = a5.planar.Arc((0.0, 0.0), 1.0, 0.0, math.pi / 2)
-    ends = np.array([[1.0, 0.0], [0.0, 1.0]])
-    assert arc.parameter(ends, 0.0).tolist() == [0.0, math.pi / 2]
-    beyond = np.array([[1.0, -1e-6], [-1e-6, 1.0]])
-    assert np.isnan(arc.parameter(beyond, 1e-9)).all()
-    assert arc.parameter(beyond, 1e-5).tolist() == [0.0, math.pi / 2]
-
-
-@pytest.mark.parametrize("radius", [0.01, 1.0, 300.0])
-def test_parts_of_a_circle_are_united_across_gaps_within_the_tolerance(
-    radius: float,
-) -> None:
-    """The tolerance is a length, whatever the radius."""
-    first = Arc(center=(0.0, 0.0), radius=radius, start=0.5, span=1.0)
-    for gap, count in ((0.9e-6, 1), (1.1e-6, 2)):
-        after = Arc(
-            center=(0.0, 0.0), radius=radius, start=1.5 + gap / radius, span=1.0
-        )
-        united = _united([first, after], 1e-6)
-        assert len(united) == count
-        assert united[0].span == pytest.approx(2.0 / count, abs=2e-4)
