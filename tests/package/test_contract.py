@@ -284,8 +284,8 @@ def chains() -> list[Case]:
         (dh.DHLink, {**row, "sigma": 0, "lower": -1.0, "upper": 1.0}),
         (chain.links[0].transform, {"q": 0.3}),
         (dh.DHChain.from_axes, axes),
-        (types_and_tasks.classify, {"chain": chain, "vertical": (0.0, 0, 1)}),
-        (types_and_tasks.task_capability, {"chain": chain, "vertical": (0.0, 0, 1)}),
+        (types_and_tasks.classify, {"chain": chain}),
+        (types_and_tasks.task_capability, {"chain": chain}),
     ]
 
 
@@ -299,8 +299,6 @@ def planar_arms() -> list[Case]:
         (planar.PlanarArm, made),
         (arm.part, {"start": 0, "stop": 1}),
         (arm.poses, {"q": [0.0, 0, 0]}),
-        (planar.workspace, {"arm": arm}),
-        (planar.annulus, {"length_ranges": [(1.0, 2.0)]}),
         (planar.dexterity, {"arm": arm, "points": [0.0, 1.0], **counts}),
         (planar.dexterity_map, {"arm": arm, "resolution": 3, **counts}),
         (planar.dexterous_area, {"arm": arm}),

@@ -596,7 +596,6 @@ def _planar_calls(rows: _TheoryRows) -> list[_Row]:
             {"q": rows.com},
             {},
         ),
-        ("PlanarArm.jacobian", planar.jacobian, {"q": rows.com}, {}),
         (
             "Workspace.contains",
             planar.workspace().contains,

@@ -330,11 +330,7 @@ def test_a_single_joint_turns_about_its_axis(direction: list[float]) -> None:
 
 
 def test_directions_of_any_length() -> None:
-    from alpha5_model.theory.dh.types_and_tasks import classify
-
     points = [[0.0, 0, 0], [1, 0, 0]]
-    arm = a5.dh.DHChain.alpha5()
     for scale in (1e-300, 1.0, 1e300):
         chain = a5.dh.DHChain.from_axes(points, [[0, 0, scale], [0, 0, scale]])
         assert chain.links[0].a == pytest.approx(1.0)
-        assert classify(arm, [0, 0, scale]) == classify(arm)

@@ -30,7 +30,6 @@ from alpha5_model.theory.dh.frames import (
     axes_of_model,
     frames_on_axes,
     table_row,
-    unit_vectors,
 )
 from alpha5_model.theory.dh.link import DHLink, dh_transform
 
@@ -214,7 +213,11 @@ class DHChain:
                 "points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1"
             )
         number = len(p)
-        z = unit_vectors("directions", z)
+        largest = np.abs(z).max(axis=-1, keepdims=True)
+        if not largest.all():
+            raise InputError("directions", directions, "directions that are not zero")
+        z = z / largest  # squares of large numbers overflow
+        z /= np.linalg.norm(z, axis=-1, keepdims=True)
         types = np.zeros(number)
         if sigma is not None:
             types = shaped("sigma", sigma, (number,))

@@ -24,9 +24,8 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, float_array, instance
+from alpha5_model._support.checks import FloatArray, instance
 from alpha5_model._support.spatial import transform
 from alpha5_model.errors import InputError, UnknownNameError
 
@@ -150,20 +149,6 @@ def _frame(origin: FloatArray, x: FloatArray, z: FloatArray) -> FloatArray:
     x = x - (x @ z) * z
     x = x / math.sqrt(x @ x)
     return transform(np.column_stack([x, np.cross(z, x), z]), origin)
-
-
-def unit_vectors(name: str, value: ArrayLike) -> FloatArray:
-    """Directions scaled to length 1, (..., 3).
-
-    Raises:
-        InputError: A direction that is zero, or anything but directions.
-    """
-    v = float_array(name, value, (3,))
-    largest = np.abs(v).max(axis=-1, keepdims=True)
-    if not largest.all():
-        raise InputError(name, value, "directions that are not zero")
-    v = v / largest  # squares of large numbers overflow
-    return np.asarray(v / np.linalg.norm(v, axis=-1, keepdims=True))
 
 
 def axes_of_model(model: pin.Model, frame: str | None) -> dict[str, Any]:

@@ -13,12 +13,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, instance
-from alpha5_model.errors import ShapeError
 from alpha5_model.theory.dh.chain import DHChain
-from alpha5_model.theory.dh.frames import unit_vectors
 from alpha5_model.theory.planar import Conditions
 
 #: Angles below this count as zero when axes are compared [rad].
@@ -37,6 +34,9 @@ _STARTS = 16
 #: Singular values below this leave the tool axis vertical.
 _MOVES = 1e-6
 _NEWTON_STEPS = 40
+#: The vertical, and two horizontal directions.
+UP = np.array([0.0, 0.0, 1.0])
+_HORIZONTAL = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 # Types
@@ -61,7 +61,7 @@ class ArmType:
     reason: str
 
 
-def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
+def classify(chain: DHChain) -> ArmType:
     """The type of an arm, from the directions of its axes at home.
 
     Only facts that hold at every configuration count: whether all revolute joints are
@@ -74,17 +74,15 @@ def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
     - cartesian: the first three joints are prismatic and perpendicular to one another.
 
     Args:
-        chain: The arm.
-        vertical: Direction of the vertical in the world, (3,).
+        chain: The arm. Its base places it: the world's z axis is vertical.
     """
-    up = _direction("vertical", vertical)
     points, z = instance("chain", chain, DHChain).joint_axes(chain.home)
-    vertical_axes = np.linalg.norm(np.cross(z, up), axis=1) <= ANGLE_TOLERANCE
+    vertical_axes = np.linalg.norm(np.cross(z, UP), axis=1) <= ANGLE_TOLERANCE
     turning = np.array(chain.sigma) == 0
     # The major links are those up to the first joint that tilts: a wrist may follow.
     major = chain.n if vertical_axes.all() else int(np.argmin(vertical_axes))
     upright = points[:major][turning[:major]]
-    apart = np.linalg.norm(np.cross(upright - upright[:1], up), axis=1).any()
+    apart = np.linalg.norm(np.cross(upright - upright[:1], UP), axis=1).any()
 
     kind = "other"
     if turning.all():
@@ -115,14 +113,6 @@ def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
         horizontal=bool(vertical_axes.all()),
         reason=reason,
     )
-
-
-def _direction(name: str, value: ArrayLike) -> FloatArray:
-    """One direction, scaled to length 1, (3,)."""
-    unit = unit_vectors(name, value)
-    if unit.ndim != 1:
-        raise ShapeError(name, unit.shape, "shape (3,)")
-    return unit
 
 
 # Tasks
@@ -157,32 +147,22 @@ class TaskCapability:
     insertion_reason: str
 
 
-def task_capability(
-    chain: DHChain,
-    tool_axis: ArrayLike | None = None,
-    vertical: ArrayLike = (0.0, 0.0, 1.0),
-) -> TaskCapability:
+def task_capability(chain: DHChain) -> TaskCapability:
     """Which tasks an arm can serve, from Jacobian ranks over sampled configurations.
 
     The map from joint positions to poses is analytic. So the rank is largest almost
-    everywhere, and the set of poses has that dimension. Random samples have no vertical
-    tool axis, so Newton steps bring them there. A direction of motion keeps the axis
-    vertical if a finite step along it needs only a second-order correction.
+    everywhere, and the set of poses has that dimension. The tool axis is the last
+    joint's. Random samples do not have it vertical, so Newton steps bring it there. A
+    direction of motion keeps it vertical if a finite step along it needs only a
+    second-order correction.
 
     Args:
         chain: The arm; joints without limits are sampled over a turn (revolute) or over
-            the arm's own size (prismatic).
-        tool_axis: Axis that is to stay vertical, (3,) in the tool frame; by default the
-            axis of the last joint.
-        vertical: Direction of the vertical in the world, (3,).
+            the arm's own size (prismatic). Its base places it: the world's z axis is
+            vertical.
     """
-    up = _direction("vertical", vertical)
-    frames = instance("chain", chain, DHChain).frames(chain.home)
-    if tool_axis is None:
-        tool_axis = frames[-1, :3, :3].T @ frames[chain.n - 1, :3, 2]
-    axis = _direction("tool_axis", tool_axis)
     rng = np.random.default_rng(0)
-    q = _sampled(chain, rng)
+    q = _sampled(instance("chain", chain, DHChain), rng)
 
     jacobian = chain.jacobian(q) / _scale(chain)
     dimension = _rank(jacobian)
@@ -200,7 +180,7 @@ def task_capability(
             f"{chain.n} joints, but the Jacobian never has more than rank {dimension}"
         )
 
-    insertion = _insertion_dimension(chain, axis, up, q, rng)
+    insertion = _insertion_dimension(chain, q, rng)
     insertion_reason = f"with its tool axis vertical it moves in {insertion} dimensions"
     if insertion == INSERTION:
         insertion_reason += ": x, y, z and the turn about it"
@@ -251,29 +231,22 @@ def _rank(matrices: FloatArray) -> int:
 
 
 def _insertion_dimension(
-    chain: DHChain,
-    axis: FloatArray,
-    up: FloatArray,
-    q: FloatArray,
-    rng: np.random.Generator,
+    chain: DHChain, q: FloatArray, rng: np.random.Generator
 ) -> int:
     """Dimension of the set of poses whose tool axis is vertical.
 
     Args:
         chain: The arm.
-        axis: Of the tool, in its frame, (3,).
-        up: The vertical in the world, (3,).
         q: Joint positions from which to bring the axis there, (M, N).
         rng: Of the directions of motion that are tried.
     """
-    across = np.linalg.svd(up[None])[2][1:]  # two horizontal directions
-    q, tilt = _to_vertical(chain, axis, across, q)
+    q, tilt = _to_vertical(chain, q)
     good = np.abs(tilt).max(axis=1) < _VERTICAL
     good &= ((q >= chain.lower) & (q <= chain.upper)).all(axis=1)
     best = 0
     for start in q[good][:_STARTS]:
         jacobian = chain.jacobian(start) / _scale(chain)
-        _, s, vt = np.linalg.svd(across @ jacobian[3:])
+        _, s, vt = np.linalg.svd(_HORIZONTAL @ jacobian[3:])
         tangents = vt[int((s > _MOVES).sum()) :]
         rank = _rank(jacobian @ tangents.T) if len(tangents) else 0
         if rank <= best:
@@ -286,35 +259,34 @@ def _insertion_dimension(
         gaps = []
         for h in (1e-2, 1e-3):
             along = start + h * step
-            moved, _ = _to_vertical(chain, axis, across, along[None])
+            moved, _ = _to_vertical(chain, along[None])
             gaps.append(float(np.linalg.norm(moved[0] - along)) / h)
         if gaps[1] < 0.2 * gaps[0] or gaps[1] < 1e-6:
             best = rank
     return best
 
 
-def _to_vertical(
-    chain: DHChain, axis: FloatArray, across: FloatArray, q: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _to_vertical(chain: DHChain, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Bring the tool axis to the vertical by Newton steps.
 
     Args:
         chain: The arm.
-        axis: In the tool frame, (3,).
-        across: Two horizontal directions, (2, 3).
         q: Joint positions to start from, (M, N).
 
     Returns:
         Joint positions (M, N), and the horizontal part of the axis there, (M, 2).
     """
+    # The last joint's axis, which is constant in the tool frame.
+    frames = chain.frames(chain.home)
+    axis = frames[-1, :3, :3].T @ frames[chain.n - 1, :3, 2]
     q = q.copy()
     for left in reversed(range(_NEWTON_STEPS + 1)):
         direction = chain.forward_kinematics(q)[:, :3, :3] @ axis
-        tilt: FloatArray = direction @ across.T
+        tilt: FloatArray = direction @ _HORIZONTAL.T
         if not left or np.abs(tilt).max(initial=0.0) < 1e-14:
             break
         columns = np.cross(chain.jacobian(q)[:, 3:], direction[:, :, None], axis=1)
-        rate = np.einsum("ki,mij->mkj", across, columns)
+        rate = np.einsum("ki,mij->mkj", _HORIZONTAL, columns)
         correction = np.linalg.pinv(rate, rcond=1e-4) @ tilt[:, :, None]
         q -= np.clip(correction[:, :, 0], -0.5, 0.5)
     return q, tilt

@@ -38,7 +38,7 @@ References:
 """
 
 from alpha5_model.theory.arcs import Arc, Curve, Edge, Segment
-from alpha5_model.theory.planar.arm import PlanarArm, Workspace, annulus, workspace
+from alpha5_model.theory.planar.arm import PlanarArm, Workspace
 from alpha5_model.theory.planar.dexterous import (
     Conditions,
     DexterityMap,
@@ -64,7 +64,6 @@ __all__ = [
     "Segment",
     "TheoremRow",
     "Workspace",
-    "annulus",
     "dexterity",
     "dexterity_map",
     "dexterous_area",
@@ -74,5 +73,4 @@ __all__ = [
     "theorem_radii",
     "theorem_row",
     "turns_fully",
-    "workspace",
 ]

@@ -31,7 +31,7 @@ References:
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from operator import index
 from typing import Any
@@ -44,7 +44,6 @@ from alpha5_model._support.checks import (
     FloatArray,
     bounded,
     float_array,
-    instance,
     listed,
 )
 from alpha5_model.errors import InputError, MissingParameterError, ShapeError
@@ -107,9 +106,9 @@ class PlanarArm:
                 raise InputError("lengths", length, "a length that is not negative")
 
         expected = f"one (lower, upper) or None for {number} joints"
-        pairs = (
-            [None] * number if limits is None else listed("limits", limits, expected)
-        )
+        pairs = [None] * number
+        if limits is not None:
+            pairs = listed("limits", limits, expected)
         if len(pairs) != number:
             raise ShapeError("limits", (len(pairs),), expected)
         given = [0.0] * number if angles is None else angles
@@ -197,9 +196,10 @@ class PlanarArm:
             last the tip.
         """
         position = bounded("q", float_array("q", q, (self.n,)))
-        turn = np.where(self._revolute, position, 0.0) + np.array(self.angles)
+        revolute = np.array([kind == "R" for kind in self.joints])
+        turn = np.where(revolute, position, 0.0) + np.array(self.angles)
         heading = np.cumsum(turn, axis=-1)
-        length = np.where(self._revolute, 0.0, position) + np.array(self.lengths)
+        length = np.where(revolute, 0.0, position) + np.array(self.lengths)
         out = np.zeros((*position.shape[:-1], self.n + 1, 3))
         out[..., 1:, 0] = np.cumsum(length * np.cos(heading), axis=-1)
         out[..., 1:, 1] = np.cumsum(length * np.sin(heading), axis=-1)
@@ -210,25 +210,12 @@ class PlanarArm:
         """Tip x, y [m] and orientation [rad], (..., 3), at q (..., N) [rad or m]."""
         return np.ascontiguousarray(self.poses(q)[..., -1, :])
 
-    def jacobian(self, q: ArrayLike) -> FloatArray:
-        """Derivative of `forward_kinematics`, (..., 3, N), at q (..., N) [rad or m]."""
-        poses = self.poses(q)
-        to_tip = poses[..., -1:, :2] - poses[..., :-1, :2]
-        heading = poses[..., 1:, 2]
-        out = np.empty((*poses.shape[:-2], 3, self.n))
-        out[..., 0, :] = np.where(self._revolute, -to_tip[..., 1], np.cos(heading))
-        out[..., 1, :] = np.where(self._revolute, to_tip[..., 0], np.sin(heading))
-        out[..., 2, :] = self._revolute
-        return out
-
     def workspace(self) -> Workspace:
-        """The set of points that the tip reaches; see `planar.workspace`."""
-        return workspace(self)
+        """The set of points that the tip reaches, exact up to rounding.
 
-    @property
-    def _revolute(self) -> BoolArray:
-        """Which joints are revolute, (N,) bool."""
-        return np.array([kind == "R" for kind in self.joints])
+        Features closer together than 1e-7 of the reach are not distinguished.
+        """
+        return _build(self, self.reach)
 
 
 def _limits(limit: Any, kind: str) -> Range | None:
@@ -259,7 +246,7 @@ def joint_of(arm: PlanarArm, j: int) -> Joint:
     )
 
 
-def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
+def annulus(ranges: Sequence[Range]) -> Range:
     """Radii between which a chain of freely turning links reaches.
 
     The outer radius is the sum of the lengths. The inner radius is the longest length
@@ -268,20 +255,14 @@ def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]
     longer than all others together, so these lengths reach the least radius.
 
     Args:
-        length_ranges: (least, greatest) length of each link [m].
+        ranges: (least, greatest) length of each link [m].
 
     Returns:
         Inner and outer radius [m].
     """
-    pairs = "(least, greatest) length of each link"
-    table = float_array(
-        "length_ranges", listed("length_ranges", length_ranges, pairs), (2,)
-    )
-    if table.ndim != 2 or not len(table):
-        raise ShapeError("length_ranges", table.shape, pairs)
-    ranges = bounded("length_ranges", table).tolist()
-    outer = math.fsum(high for _, high in ranges)
-    inner = max(math.fsum([low, high, *-table[:, 1]]) for low, high in ranges)
+    greatest = [high for _, high in ranges]
+    outer = math.fsum(greatest)
+    inner = max(math.fsum([low, high, *(-x for x in greatest)]) for low, high in ranges)
     return max(0.0, inner), outer
 
 
@@ -359,14 +340,6 @@ class Workspace:
         return inside.reshape(p.shape[:-1])
 
 
-def workspace(arm: PlanarArm) -> Workspace:
-    """The workspace of a planar arm, exact up to rounding.
-
-    Features closer together than 1e-7 of the reach are not distinguished.
-    """
-    return _build(arm, instance("arm", arm, PlanarArm).reach)
-
-
 def _build(arm: PlanarArm | None, size: float) -> Workspace:
     """The workspace of an arm; of the tip alone if there is no arm."""
     tolerance = RELATIVE_TOLERANCE * size
@@ -381,22 +354,24 @@ def _build(arm: PlanarArm | None, size: float) -> Workspace:
     assert arm is not None
     assert inner is not None
     joint = joint_of(arm, 0)
-    limit = joint.limit
-    if limit is not None and limit[0] == limit[1]:  # a joint that is locked
-        edges = [
-            replace(e, curve=joint.carried(e.curve, limit[0])) for e in inner.edges
-        ]
-        thin = [joint.carried(curve, limit[0]) for curve in inner.thin]
-        return replace(bare, edges=tuple(edges), thin=tuple(thin))
-
     critical: list[Curve] = []
     for curve in inner.curves:
-        critical += [joint.carried(curve, end) for end in limit or ()]
+        critical += [joint.carried(curve, end) for end in joint.limit or ()]
         critical += joint.swept(curve, tolerance)
+    critical = [curve for curve in critical if curve.length > tolerance]
+
+    low, high = joint.limit or (-math.pi, math.pi)
+    if low == high or not critical:  # the joint moves nothing
+        middle = (low + high) / 2
+        edges = [
+            Edge(joint.carried(edge.curve, middle), edge.inside_left)
+            for edge in inner.edges
+        ]
+        thin = [joint.carried(curve, middle) for curve in inner.thin]
+        return replace(bare, edges=tuple(edges), thin=tuple(thin))
+
     bounding, hairs = outline(
-        [curve for curve in critical if curve.length > tolerance],
-        lambda points: _contains(bare, points, tolerance),
-        size,
+        critical, lambda points: _contains(bare, points, tolerance), size
     )
     return replace(bare, edges=bounding, thin=hairs)
 

@@ -37,39 +37,22 @@ _OUTLINE = 181
 # --------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _Linkage:
-    """An arm with its tip pinned, as the part that carries the wrist and the last link.
+def _pinned(arm: PlanarArm) -> tuple[float, float, float, float]:
+    """Radii that the arm without its last link reaches, and that link's range [m].
 
-    Attributes:
-        low, high: Radii of the annulus that the arm without its last link reaches [m].
-        short, long: Range of the last link's length [m].
+    Raises:
+        InputError: An arm whose dexterous workspace is not a set of radii.
     """
-
-    low: float
-    high: float
-    short: float
-    long: float
-
-    @classmethod
-    def of(cls, arm: PlanarArm) -> _Linkage:
-        """The linkage of an arm whose dexterous workspace is a set of radii."""
-        ranges = instance("arm", arm, PlanarArm).length_ranges
-        if ranges is None:
-            raise InputError(
-                "arm",
-                arm,
-                "revolute joints without limits, the first joint one of them, and "
-                "prismatic joints along their links (planar.dexterity takes any arm)",
-            )
-        low, high = annulus(ranges[:-1]) if len(ranges) > 1 else (0.0, 0.0)
-        short, long = ranges[-1]
-        return cls(low=low, high=high, short=short, long=long)
-
-    @property
-    def slack(self) -> float:
-        """Difference that counts as rounding [m]."""
-        return ROUNDING * (self.high + self.long)
+    ranges = instance("arm", arm, PlanarArm).length_ranges
+    if ranges is None:
+        raise InputError(
+            "arm",
+            arm,
+            "revolute joints without limits, the first joint one of them, and "
+            "prismatic joints along their links (planar.dexterity takes any arm)",
+        )
+    low, high = annulus(ranges[:-1]) if len(ranges) > 1 else (0.0, 0.0)
+    return low, high, *ranges[-1]
 
 
 def turns_fully(arm: PlanarArm, radius: float) -> bool:
@@ -83,12 +66,13 @@ def turns_fully(arm: PlanarArm, radius: float) -> bool:
         arm: The arm; see `dexterous_radii`.
         radius: Distance of the tip from the base [m].
     """
-    rest = _Linkage.of(arm)
+    low, high, short, long = _pinned(arm)
+    slack = ROUNDING * (high + long)
     r = real("radius", radius, 0.0)
     # The two worst orientations: the wrist beyond the tip, and between tip and base.
-    farthest = r + rest.short
-    nearest = max(abs(r - rest.short), abs(r - rest.long))
-    return farthest <= rest.high + rest.slack and nearest >= rest.low - rest.slack
+    farthest = r + short
+    nearest = max(abs(r - short), abs(r - long))
+    return farthest <= high + slack and nearest >= low - slack
 
 
 def dexterous_radii(arm: PlanarArm) -> tuple[tuple[float, float], ...]:
@@ -106,21 +90,22 @@ def dexterous_radii(arm: PlanarArm) -> tuple[tuple[float, float], ...]:
         InputError: An arm whose dexterous workspace is not a set of radii; `dexterity`
             takes any.
     """
-    rest = _Linkage.of(arm)
-    limit = rest.high - rest.short
-    if limit < -rest.slack:
+    low, high, short, long = _pinned(arm)
+    slack = ROUNDING * (high + long)
+    limit = high - short
+    if limit < -slack:
         return ()
     limit = max(limit, 0.0)
 
     # max(|r - short|, |r - long|) >= low leaves out an open interval of r.
-    gap_start = rest.long - rest.low
-    gap_end = rest.short + rest.low
+    gap_start = long - low
+    gap_end = short + low
     if gap_start >= gap_end:
         return ((0.0, limit),)
     radii = []
-    if gap_start >= -rest.slack:
+    if gap_start >= -slack:
         radii.append((0.0, min(max(gap_start, 0.0), limit)))
-    if gap_end <= limit + rest.slack:
+    if gap_end <= limit + slack:
         radii.append((min(gap_end, limit), limit))
     return tuple(radii)
 
