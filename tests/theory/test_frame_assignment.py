@@ -187,6 +187,14 @@ def worst_error(tilts, rng: np.random.Generator) -> float:
     return float(np.abs(np.subtract(found, expected)).max())
 
 
+def test_tilts_next_to_the_tolerance() -> None:
+    """The error is small if some tilts are just above the tolerance and some below."""
+    rng = np.random.default_rng(52)
+    for _ in range(100):
+        tilts = 1.5e-8 * np.array([1.2, 0.7, 1.9, 0.4])[rng.permutation(4)]
+        assert worst_error(tilts, rng) < 2e-7
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [0.0, *10.0 ** np.arange(-12, -5.5, 0.5)])
 def test_axes_that_are_nearly_parallel_move_the_tool_as_they_were_drawn(
@@ -306,6 +314,7 @@ def test_bad_axes(arguments, words) -> None:
     ("name", "wrong"),
     [
         ("points", {"points": np.full((3, 3), 1e300)}),
+        ("end_effector", {"end_effector": np.eye(4) + 1e300 * np.eye(4, k=3)}),
         ("sigma", {"sigma": np.eye(3), "q": np.zeros(3)}),
         ("sigma", {"sigma": [0, 2, 0], "q": np.zeros(3)}),
     ],

@@ -338,13 +338,6 @@ def test_the_boundary_counts_to_a_billionth_of_the_reach(scale: float) -> None:
         assert found.tolist() == [True, True, False]
 
 
-def test_beyond_the_last_joint_there_is_the_tip_alone() -> None:
-    tip = PlanarArm((5,)).workspace().inner
-    assert tip is not None
-    assert tip.contains([[0, 0], [1e-10, 0], [0, 1e-8]]).tolist() == [True, True, False]
-    assert (tip.shape, tip.area, tip.radii) == ("point", 0, (0, 0))
-
-
 @pytest.mark.parametrize(
     ("arm", "reach"),
     [
@@ -357,14 +350,6 @@ def test_the_reach_is_the_sum_of_the_longest_links(
     arm: PlanarArm, reach: float
 ) -> None:
     assert arm.reach == reach
-
-
-def test_a_hole_and_a_slit() -> None:
-    """The lens in the PR arm's workspace and the places below the 2R arm are out."""
-    space = LIMITED["PR"].workspace()
-    assert not space.contains([2.5, 0.0])
-    assert space.contains([2.5, 1.5])
-    assert not LIMITED["RR"].workspace().contains([[0, -3], [0, 1], [9, 0]]).any()
 
 
 @each(

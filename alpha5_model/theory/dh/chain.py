@@ -232,6 +232,7 @@ class DHChain:
         end = None
         if end_effector is not None:
             end = rigid_transform("end_effector", end_effector)
+            bounded("end_effector", end)
 
         frames = frames_on_axes(p, z, end)
         links = []
