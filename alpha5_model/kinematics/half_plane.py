@@ -19,21 +19,27 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray, choice, flag, together
+from alpha5_model._support.checks import (
+    BoolArray,
+    FloatArray,
+    choice,
+    flag,
+    float_array,
+    together,
+)
 from alpha5_model._support.spatial import wrap
-from alpha5_model.kinematics.arcs import Arc, planar_arc
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.solver import solve
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.theory import planar
-from alpha5_model.theory.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
-from alpha5_model.theory.planar.boundary import bounds
+from alpha5_model.theory import arcs
 
 #: How a half-plane is reached: by one pose, or by either.
 SIDES = ("underarm", "overarm", "both")
@@ -41,6 +47,39 @@ SIDES = ("underarm", "overarm", "both")
 POSES = SIDES[:2]
 #: Points of the half-plane R (M,), z (M,) -> whether each belongs to a region, (M,).
 Region = Callable[[FloatArray, FloatArray], BoolArray]
+
+
+class Arc(NamedTuple):
+    """A circular arc in the half-plane, from ``start`` counter-clockwise to ``end``.
+
+    Attributes:
+        center: (R, z) [m].
+        radius: [m].
+        start, end: Angle from the R axis, ``start < end <= start + 2 pi`` [rad].
+        filled: +1 if the region is on the centre's side, -1 if on the other, 0 if not
+            known.
+        cause: What bounds the region there, for example
+            ``"theta_1 at its upper limit"``.
+        side: ``"underarm"`` or ``"overarm"``, the pose that runs along it;
+            ``"published"``.
+    """
+
+    center: tuple[float, float]
+    radius: float
+    start: float
+    end: float
+    filled: int
+    cause: str
+    side: str
+
+    def points(self, angle: ArrayLike) -> FloatArray:
+        """(R, z) at angles, (..., 2) [m]."""
+        return self.curve.point(float_array("angle", angle, ()))
+
+    @property
+    def curve(self) -> arcs.Arc:
+        """The same arc of plane geometry."""
+        return arcs.Arc(self.center, self.radius, self.start, self.end - self.start)
 
 
 def in_half_plane(
@@ -132,11 +171,13 @@ def boundary(
 @lru_cache(maxsize=256)
 def boundary_of(geometry: Geometry, side: str, limits: bool) -> tuple[Arc, ...]:
     """`boundary` for checked arguments."""
-    arcs = []
+    critical = []
     for pose in POSES if side == "both" else (side,):
-        arcs += critical_arcs(geometry, pose, limits)
+        critical += critical_arcs(geometry, pose, limits)
     return trace(
-        geometry, arcs, lambda radius, z: contains(geometry, radius, z, side, limits)
+        geometry,
+        critical,
+        lambda radius, z: contains(geometry, radius, z, side, limits),
     )
 
 
@@ -198,32 +239,33 @@ def _arc(
     )
 
 
-def trace(geometry: Geometry, arcs: Sequence[Arc], region: Region) -> tuple[Arc, ...]:
+def trace(
+    geometry: Geometry, critical: Sequence[Arc], region: Region
+) -> tuple[Arc, ...]:
     """The boundary of a region of the half-plane that is known to lie on some arcs.
 
     Args:
         geometry: Its longest reach sets the scale of the search.
-        arcs: If two lie on one circle, the boundary there is attributed to the first.
+        critical: If two lie on one circle, the boundary there is attributed to the
+            first.
         region: Which points belong to the region.
 
     Returns:
         Arcs with R > 0; the axis itself, which may close the region, is not listed.
     """
     size = 2 * geometry.longest
-    curves: list[planar.Curve] = [planar_arc(arc) for arc in arcs]
-    curves.append(planar.Segment((0.0, -size), math.pi / 2, 2 * size))  # the axis
-    edges, _ = bounds(
-        curves,
+    axis = arcs.Segment((0.0, -size), math.pi / 2, 2 * size)
+    edges, _ = arcs.outline(
+        [*(arc.curve for arc in critical), axis],
         lambda points: (points[:, 0] > 0.0) & region(points[:, 0], points[:, 1]),
-        RELATIVE_TOLERANCE * size,
-        RELATIVE_STEP * size,
+        size,
     )
 
     traced = []
     for edge in edges:
-        if not isinstance(edge.curve, planar.Arc):
+        if not isinstance(edge.curve, arcs.Arc):
             continue
-        arc = _on_same_circle(arcs, edge.curve)
+        arc = _on_same_circle(critical, edge.curve)
         start, end = edge.curve.interval
         turn = math.tau * round((start + end) / (2 * math.tau))
         filled = 1 if edge.inside_left else -1
@@ -231,7 +273,30 @@ def trace(geometry: Geometry, arcs: Sequence[Arc], region: Region) -> tuple[Arc,
     return tuple(traced)
 
 
-def _on_same_circle(arcs: Sequence[Arc], found: planar.Arc) -> Arc:
+def _on_same_circle(critical: Sequence[Arc], found: arcs.Arc) -> Arc:
     """The arc with the centre and radius of another."""
     circle = (*found.center, found.radius)
-    return min(arcs, key=lambda arc: math.dist((*arc.center, arc.radius), circle))
+    return min(critical, key=lambda arc: math.dist((*arc.center, arc.radius), circle))
+
+
+def area(bounding: Iterable[Arc]) -> float:
+    """Area of the region between arcs and the axis R = 0, by Green's theorem [m^2]."""
+    return sum(arc.filled * arc.curve.area_integral() for arc in bounding)
+
+
+def first_moment(bounding: Iterable[Arc]) -> float:
+    """Integral of R over the region, ``oint R^2 / 2 dz`` [m^3].
+
+    Times 2 pi it is the volume of the solid of revolution (Pappus).
+    """
+    # On an arc R = c + r cos(t) and dz = r cos(t) dt. Each end gives r / 2 times the
+    # antiderivative of R^2 cos(t).
+    total = 0.0
+    for arc in bounding:
+        c = arc.center[0]
+        r = arc.radius
+        t = np.array([arc.start, arc.end])
+        s = np.sin(t)
+        start, end = c * c * s + c * r * (t + s * np.cos(t)) + r * r * (s - s**3 / 3)
+        total += arc.filled * r / 2 * float(end - start)
+    return total

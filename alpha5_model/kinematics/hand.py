@@ -20,7 +20,6 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix, wrap
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.chain import DHChain
 
 
@@ -169,7 +168,7 @@ class Hand(NamedTuple):
 
 @lru_cache(maxsize=64)
 def _hand(record: Alpha5Parameters) -> Hand:
-    chain = DHChain(**alpha5_table(record))
+    chain = DHChain.alpha5(arm=record)
     _, axes = chain.joint_axes(chain.home)
     rotation = chain.forward_kinematics(chain.home)[:3, :3]
     return Hand(

@@ -24,10 +24,10 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray, flag, float_array
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.arcs import Arc
 from alpha5_model.kinematics.geometry import Geometry, on_axis
 from alpha5_model.kinematics.half_plane import (
     POSES,
+    Arc,
     azimuth_beyond,
     boundary_of,
     branches_reaching,

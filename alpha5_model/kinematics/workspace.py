@@ -33,13 +33,15 @@ from numpy.typing import ArrayLike
 from alpha5_model._support import checks
 from alpha5_model._support.checks import BoolArray, FloatArray, float_array
 from alpha5_model._support.spatial import wrap
-from alpha5_model.kinematics.arcs import Arc, area, first_moment
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.half_plane import (
     POSES,
     SIDES,
+    Arc,
+    area,
     azimuth_beyond,
     boundary,
+    first_moment,
     in_half_plane,
 )
 from alpha5_model.kinematics.hand import Hand

@@ -7,7 +7,6 @@ from functools import cache
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.kinematics.arcs import planar_arc
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.half_plane import boundary_of, contains
 from alpha5_model.viewer.outlines import polyline
@@ -78,7 +77,7 @@ def workspace_shapes(geometry: Geometry) -> tuple[Shape, Shape, Shape]:
 def _outline(geometry: Geometry, side: str) -> list[FloatArray]:
     """The arcs of a boundary as polylines (N, 2), (R, z) [m]."""
     arcs = boundary_of(geometry, side, limits=True)
-    return [polyline(planar_arc(arc), _CHORD) for arc in arcs]
+    return [polyline(arc.curve, _CHORD) for arc in arcs]
 
 
 def _section(

@@ -8,12 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alpha5_model.kinematics.arcs import Arc, planar_arc
 from alpha5_model.kinematics.geometry import Geometry
-from alpha5_model.kinematics.workspace import boundary, cross_section_area, volume
+from alpha5_model.kinematics.workspace import (
+    Arc,
+    boundary,
+    cross_section_area,
+    volume,
+)
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.proofs.audit import printed_workspace
-from alpha5_model.theory import planar
+from alpha5_model.theory import arcs as plane
 from alpha5_model.viewer.figures import Color, new_figure, style
 from alpha5_model.viewer.outlines import CHORD, fill, legend_below, loops, polyline
 
@@ -83,7 +87,7 @@ def _draw_exact(axes: Axes, arm: Alpha5Parameters) -> None:
     _fill_arcs(axes, boundary(arm=arm), FILL)
     for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):
         for arc in boundary(side, arm=arm):
-            points = polyline(planar_arc(arc), CHORD) * 1e3
+            points = polyline(arc.curve, CHORD) * 1e3
             axes.plot(*points.T, _line_style(arc), color=color, linewidth=1.8)
     _mark_shoulder(axes, Geometry.of(arm))
     for color, line, text in _LEGEND:
@@ -110,7 +114,7 @@ def _mark_shoulder(axes: Axes, geometry: Geometry) -> None:
 
 def _draw_published(axes: Axes) -> None:
     for torus in printed_workspace.published_tori():
-        circle = planar.Arc(center=torus.center, radius=torus.radius, start=math.pi)
+        circle = plane.Arc(center=torus.center, radius=torus.radius, start=math.pi)
         points = polyline(circle, CHORD) * 1e3
         # The half-plane ends at the yaw axis.
         points[points[:, 0] < 0] = np.nan

@@ -133,7 +133,7 @@ def test_shares_against_exact_volumes_and_areas() -> None:
 
     Green's theorem gives the moment; the wedge is what the pose cannot face.
     """
-    from alpha5_model.kinematics.arcs import first_moment
+    from alpha5_model.kinematics.half_plane import first_moment
 
     exact = (2 * math.pi - WEDGE) * first_moment(space.boundary("underarm"))
     found = space.sampled_share(underarm, 40_000, seed=3)

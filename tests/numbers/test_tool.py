@@ -17,7 +17,6 @@ from alpha5_model.errors import ImplausibleWarning, InputError
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.tool import ToolPose, printed_tool
 from alpha5_model.theory.dh import DHChain
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
 
 TOOL = ToolPose(
     position=np.array([0.004, -0.03, -0.245]),
@@ -45,7 +44,7 @@ def test_the_tool_of_table_1_is_where_the_test_puts_it() -> None:
 
 
 def test_a_chain_has_the_tool() -> None:
-    chain = DHChain(**alpha5_table(RECORD))
+    chain = DHChain.alpha5(arm=RECORD)
     q = sample(200, seed=1)
     assert chain.forward_kinematics(q) == pytest.approx(with_tool(q), abs=1e-15)
 

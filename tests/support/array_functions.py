@@ -594,7 +594,6 @@ def _planar_calls(rows: _TheoryRows) -> list[_Row]:
             {"q": rows.com},
             {},
         ),
-        ("PlanarArm.jacobian", planar.jacobian, {"q": rows.com}, {}),
         (
             "Workspace.contains",
             planar.workspace().contains,

@@ -16,13 +16,15 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support import checks
 from alpha5_model._support.checks import BoolArray, FloatArray, float_array
-from alpha5_model.kinematics.arcs import Arc, area, first_moment
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.half_plane import (
     POSES,
     SIDES,
+    Arc,
+    area,
     contains,
     critical_arcs,
+    first_moment,
     trace,
 )
 from alpha5_model.kinematics.workspace import cross_section_area, revolved, volume

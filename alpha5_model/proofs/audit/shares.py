@@ -12,7 +12,7 @@ import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.kinematics import workspace
-from alpha5_model.kinematics.arcs import area
+from alpha5_model.kinematics.half_plane import area
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.tables import Published

@@ -15,7 +15,6 @@ from alpha5_model.numbers.tables import Published
 from alpha5_model.proofs.audit.rounding import figure, si
 from alpha5_model.proofs.audit.row import AuditRow, audited
 from alpha5_model.proofs.audit.table_1_lengths import lengths
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.chain import DHChain
 
 
@@ -63,7 +62,7 @@ def _forearm(printed: Published) -> float:
 
 def _shoulder_distance(parameters: Alpha5Parameters, elbow: float) -> float:
     """From the shoulder, DH frame {1}, to the tcp, at a theta_2 [rad], in m."""
-    chain = DHChain(**alpha5_table(parameters))
+    chain = DHChain.alpha5(arm=parameters)
     frames = chain.frames([0.0, 0.0, elbow, 0.0])
     return float(np.linalg.norm(frames[-1, :3, 3] - frames[1, :3, 3]))
 
@@ -109,7 +108,7 @@ def _inner_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
 
 def _downward_centre(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
     """The horizontal distance of the elbow from the shoulder at theta_1 = 0."""
-    chain = DHChain(**alpha5_table(parameters))
+    chain = DHChain.alpha5(arm=parameters)
     elbow = chain.frames(np.zeros(4))[2, :3, 3]
     offset = float(np.hypot(*elbow[:2])) - parameters.dh[0].a
     rounding = lengths(printed).a_0.rounding + printed.elbow.opposite.rounding
