@@ -2,7 +2,6 @@
 
 from alpha5_model.kinematics.workspace import (
     SIDES,
-    Accept,
     Arc,
     SampledShare,
     Singularities,
@@ -31,7 +30,6 @@ from alpha5_model.proofs.audit.printed_workspace import (
 
 __all__ = [
     "SIDES",
-    "Accept",
     "Arc",
     "PublishedErrors",
     "SampledShare",

@@ -56,7 +56,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 __all__ = [
     "SIDES",
-    "Accept",
     "Arc",
     "SampledShare",
     "Singularities",

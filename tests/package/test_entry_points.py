@@ -17,7 +17,6 @@ CATALOGUE = {
 ENTRY_POINTS = {
     "cli.arm": "a command",
     "cli.ik": "a command",
-    "codegen.arm_functions": "the zeros of the joints' axes, which all arms share",
     "codegen.sources": "a generator; the page has the catalogue's arm",
     "collision.link_pairs": "for which lengths links never meet",
     "description.committed": "a generator",
