@@ -360,8 +360,14 @@ class HydrodynamicArm(Arm):
         level: str = "nominal",
         numbers: str = "estimated",
     ) -> HydrodynamicArm:
-        """The arm with other water around it; see `Arm.with_hydrodynamics`."""
-        return self.still.with_hydrodynamics(current, level, numbers)
+        """The arm with other water around it; see `Arm.with_hydrodynamics`.
+
+        The added mass and drag of payloads stay.
+        """
+        other = self.still.with_hydrodynamics(current, level, numbers)
+        links = {body.body for body in other.bodies}
+        payloads = [body for body in self.bodies if body.body not in links]
+        return HydrodynamicArm(self.still, (*other.bodies, *payloads), other.current)
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
         """Drag is not linear in base parameters: ask ``still.regressor``.
@@ -502,6 +508,16 @@ class ArmOnVehicle(HydrodynamicArm):
 
     def with_payload(self, *args: Any, **kwargs: Any) -> ArmOnVehicle:
         return ArmOnVehicle(self.arm.with_payload(*args, **kwargs), self.vehicle)
+
+    def with_hydrodynamics(
+        self,
+        current: ArrayLike = (0.0, 0.0, 0.0),
+        level: str = "nominal",
+        numbers: str = "estimated",
+    ) -> ArmOnVehicle:
+        """The system with other water around it; the vehicle's numbers stay."""
+        arm = self.arm.with_hydrodynamics(current, level, numbers)
+        return ArmOnVehicle(arm, self.vehicle)
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         return ArmOnVehicle(self.arm, vehicle)

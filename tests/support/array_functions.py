@@ -55,7 +55,7 @@ NOT_CALLED = {
     "TiltRecording": "a record",
     "HydrodynamicArm.regressor": "refuses every state",
     "ArmOnVehicle.regressor": "refuses every state",
-    "ArmOnVehicle.with_hydrodynamics": "the vehicle's water is chosen by on_vehicle",
+    "ArmOnVehicle.with_hydrodynamics": "hands its current to the arm's",
     "fit_tilt": "takes recordings, whose arrays it has checked",
 }
 

@@ -290,6 +290,15 @@ def test_it_carries_payloads_and_is_copied(rng):
     assert loaded.vehicle is system.vehicle
     batch = loaded.inverse_dynamics_batch(q[None], v[None], a[None])
     close(batch[0], loaded.inverse_dynamics(q, v, a), 1e-12)
+    # Other water: what a payload and the vehicle carry along stays theirs.
+    built = a5.load().with_hydrodynamics([0.0, 0.1, 0.0], "high")
+    built = built.with_payload(**PAYLOAD, added_mass=0.1 * np.eye(6))
+    other = loaded.with_hydrodynamics([0.0, 0.1, 0.0], "high")
+    close(
+        other.inverse_dynamics(q, v, a),
+        built.on_vehicle(vehicle()).inverse_dynamics(q, v, a),
+        1e-12,
+    )
 
 
 @needs_recordings
