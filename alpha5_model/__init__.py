@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from alpha5_model.numbers.arm_file import arm_file
     from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
     from alpha5_model.numbers.hydrodynamics import DragStrip
+    from alpha5_model.numbers.jaws import tool_at_tip
     from alpha5_model.numbers.parameters import parameters
     from alpha5_model.numbers.printed import published
     from alpha5_model.numbers.record_writing import arm_file_text
@@ -107,6 +108,7 @@ __all__ = [
     "reachable",
     "robot_wrapper",
     "sweep",
+    "tool_at_tip",
     "trajectory",
     "uncertainty",
     "view",
@@ -133,6 +135,7 @@ _NAMES = {
     "named_pose": "description.srdf",
     # Where the arm can be, and how it moves there.
     "BRANCHES": "kinematics.ik",
+    "tool_at_tip": "numbers.jaws",
     "inverse_kinematics": "kinematics.ik",
     "published_inverse_kinematics": "proofs.audit.printed_inverse_kinematics",
     "inverse_kinematics_pose": "kinematics.pose",

@@ -35,6 +35,8 @@ from alpha5_model.dynamics.states import Partials, forces
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics import pose
 from alpha5_model.kinematics.pose import ApproachDirections
+from alpha5_model.numbers.jaws import tip_height
+from alpha5_model.numbers.tool import printed_tool
 
 if TYPE_CHECKING:
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
@@ -84,10 +86,14 @@ class Arm(ArmModel):
     def forward_kinematics(self, q: ArrayLike, frame: str = "tcp") -> Any:
         """Pose of a frame.
 
+        Beside the frames of the model there is ``tip``, midway between the tips of the
+        fingers, with the axes of the tcp (`alpha5_model.tool_at_tip`). The jaws are
+        closed, or moved by axis_a.
+
         Args:
             q: Joint positions, (nq,) [rad, and m for axis_a]; with a floating base,
                 position [m] and quaternion (x, y, z, w) of base_link come first.
-            frame: Name of a frame of the model.
+            frame: Name of a frame of the model, or ``tip``.
 
         Returns:
             pin.SE3 ``transform_frame_to_world``; the world is base_link if the base is
@@ -101,6 +107,9 @@ class Arm(ArmModel):
         q = self._clean_q(q)
         scratch = self._scratch
         pin.framesForwardKinematics(self._model, scratch.data, q)
+        if frame == "tip":
+            placement, _ = self._tip(q)
+            return scratch.placements[self._frame("link_4")] * placement
         return scratch.placements[self._frame(frame)].copy()
 
     def jacobian(
@@ -113,7 +122,7 @@ class Arm(ArmModel):
 
         Args:
             q: (nq,).
-            frame: Name of a frame of the model.
+            frame: Name of a frame of the model, or ``tip``, which axis_a moves.
             reference_frame: Axes and point of the twist, a pin.ReferenceFrame. The
                 default is the velocity of the frame's origin in the axes of the world.
 
@@ -124,8 +133,34 @@ class Arm(ArmModel):
         if type(reference_frame) is not pin.ReferenceFrame:
             expected = "pin.LOCAL, pin.WORLD or LOCAL_WORLD_ALIGNED"
             raise InputError("reference_frame", reference_frame, expected)
+        if frame == "tip":
+            return self._tip_jacobian(q, reference_frame)
         index = self._frame(frame)
         return _jacobian(self._model, self._scratch.data, q, index, reference_frame)
+
+    def _tip(self, q: FloatArray) -> tuple[pin.SE3, FloatArray]:
+        """Pose of the tip in link_4, and the velocity at unit rate of axis_a, (3,)."""
+        record = self.parameters
+        jaw = record.joints[4]
+        moves = jaw.name in self.joint_names
+        height, rate = tip_height(record, float(q[-1]) if moves else jaw.lower)
+        tcp = record.tool or printed_tool(record.dh[3], record.dh[4])
+        placement = pin.SE3(tcp.rotation, np.array([0.0, 0.0, -height]))
+        return placement, np.array([0.0, 0.0, -rate if moves else 0.0])
+
+    def _tip_jacobian(self, q: FloatArray, reference_frame: Any) -> FloatArray:
+        """Geometric Jacobian of the tip, (6, nv)."""
+        placement, rate = self._tip(q)
+        link_4 = self._frame("link_4")
+        of_link = _jacobian(self._model, self._scratch.data, q, link_4, pin.LOCAL)
+        jacobian: FloatArray = placement.inverse().action @ of_link
+        jacobian[:3, -1] += placement.rotation.T @ rate
+        if reference_frame == pin.LOCAL:
+            return jacobian
+        tip = self.forward_kinematics(q, "tip")
+        if reference_frame == pin.LOCAL_WORLD_ALIGNED:
+            tip.translation = np.zeros(3)
+        return np.asarray(tip.action @ jacobian)
 
     def approach_directions(self, position: ArrayLike) -> ApproachDirections:
         """From which directions the arm reaches points; see `ApproachDirections`.

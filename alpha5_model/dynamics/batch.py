@@ -75,7 +75,7 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
     Args:
         arm: The arm.
         q: (N, nq).
-        frame: Name of a frame of the model.
+        frame: Name of a frame of the model, or ``tip``.
 
     Returns:
         (N, 3) [m].
@@ -84,7 +84,8 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
         InputError: q that cannot be used.
         UnknownNameError: No such frame.
     """
-    arm._frame(frame)
+    if frame != "tip":
+        arm._frame(frame)
     if frame == "tcp" and arm._kernel_parameters is not None:
         return kernel_rows(arm, "forward_kinematics", 1, q=q)[:, :3, 3].copy()
     (configurations,) = rows(arm._model, q=q)

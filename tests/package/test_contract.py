@@ -439,7 +439,7 @@ def test_unknown_names_say_which_exist() -> None:
         (a5.workspace.boundary, "left", "underarm"),
         (a5.named_pose, "streach", "stow"),
         (lambda bad: a5.load(gripper=bad), "open", "jaws"),
-        (lambda bad: a5.load().forward_kinematics(q, bad), "tip", "tcp"),
+        (lambda bad: a5.load().forward_kinematics(q, bad), "tpc", "tcp"),
     ):
         with pytest.raises(UnknownNameError) as caught:
             call(bad)
