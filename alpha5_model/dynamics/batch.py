@@ -84,13 +84,18 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
         InputError: q that cannot be used.
         UnknownNameError: No such frame.
     """
-    if frame != "tip":
+    if not is_tip(frame):
         arm._frame(frame)
     if frame == "tcp" and arm._kernel_parameters is not None:
         return kernel_rows(arm, "forward_kinematics", 1, q=q)[:, :3, 3].copy()
     (configurations,) = rows(arm._model, q=q)
     origins = [arm.forward_kinematics(row, frame).translation for row in configurations]
     return np.array(origins).reshape(-1, 3)
+
+
+def is_tip(frame: Any) -> bool:
+    """Whether a frame is the one between the finger tips, which no model has."""
+    return isinstance(frame, str) and frame == "tip"
 
 
 def thread_count(threads: int | None, states: int) -> int:
