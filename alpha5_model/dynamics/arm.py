@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.dynamics.arm_collision import ArmCollision
 from alpha5_model.dynamics.arm_model import ArmModel
-from alpha5_model.dynamics.batch import is_tip, kernel_rows, solved
+from alpha5_model.dynamics.batch import kernel_rows, solved
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
 from alpha5_model.dynamics.joint_tree import AT_ORIGIN, JointTree
 from alpha5_model.dynamics.model_changes import added_body, with_payload
@@ -107,7 +107,7 @@ class Arm(ArmModel):
         q = self._clean_q(q)
         scratch = self._scratch
         pin.framesForwardKinematics(self._model, scratch.data, q)
-        if is_tip(frame):
+        if _is_tip(frame):
             placement, _ = self._tip(q)
             return scratch.placements[self._frame("link_4")] * placement
         return scratch.placements[self._frame(frame)].copy()
@@ -133,7 +133,7 @@ class Arm(ArmModel):
         if type(reference_frame) is not pin.ReferenceFrame:
             expected = "pin.LOCAL, pin.WORLD or LOCAL_WORLD_ALIGNED"
             raise InputError("reference_frame", reference_frame, expected)
-        if is_tip(frame):
+        if _is_tip(frame):
             return self._tip_jacobian(q, reference_frame)
         index = self._frame(frame)
         return _jacobian(self._model, self._scratch.data, q, index, reference_frame)
@@ -717,3 +717,8 @@ class Arm(ArmModel):
     @cached_property
     def _collision(self) -> ArmCollision:
         return ArmCollision(self._model, self.parameters)
+
+
+def _is_tip(frame: Any) -> bool:
+    """Whether a frame is the one between the finger tips, which no model has."""
+    return isinstance(frame, str) and frame == "tip"

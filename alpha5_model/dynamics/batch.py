@@ -75,7 +75,7 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
     Args:
         arm: The arm.
         q: (N, nq).
-        frame: Name of a frame of the model, or ``tip``.
+        frame: Name of a frame of the model.
 
     Returns:
         (N, 3) [m].
@@ -84,18 +84,12 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
         InputError: q that cannot be used.
         UnknownNameError: No such frame.
     """
-    if not is_tip(frame):
-        arm._frame(frame)
+    arm._frame(frame)
     if frame == "tcp" and arm._kernel_parameters is not None:
         return kernel_rows(arm, "forward_kinematics", 1, q=q)[:, :3, 3].copy()
     (configurations,) = rows(arm._model, q=q)
     origins = [arm.forward_kinematics(row, frame).translation for row in configurations]
     return np.array(origins).reshape(-1, 3)
-
-
-def is_tip(frame: Any) -> bool:
-    """Whether a frame is the one between the finger tips, which no model has."""
-    return isinstance(frame, str) and frame == "tip"
 
 
 def thread_count(threads: int | None, states: int) -> int:
