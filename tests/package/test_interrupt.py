@@ -13,8 +13,8 @@ import pytest
 
 import alpha5_model as a5
 
-#: From the signal to the answer [s].
-LIMIT = 0.2
+#: From the signal to the answer [s], with time to spare: batches take many times that.
+LIMIT = 1.0
 #: On a machine that does other work, the quickest of so many.
 ATTEMPTS = 4
 
