@@ -18,7 +18,6 @@ ls "$work"/dist/alpha5_model-*-cp311-abi3-*.whl # one for every Python from 3.11
 mkdir "$work/elsewhere" && cd "$work/elsewhere"
 
 "$work/venv/bin/python" - <<'PYTHON'
-import re
 from collections import Counter
 from hashlib import sha256
 from importlib.metadata import metadata
@@ -35,11 +34,8 @@ assert arm.model.nv == 4
 assert a5.backend() == "compiled", a5.backend()
 np.testing.assert_allclose(arm.inverse_dynamics(q, v, v), arm.hydrostatic_torque(q), atol=1e-12)
 
-# An index shows the description without the repository: it names no file.
-description = metadata("alpha5_model").get_payload()
-addresses = re.findall(r"\]\(([^)]*)\)", re.sub(r"(?ms)^```.*?^```", "", description))
-assert "## Conventions" in description and "![" not in description
-assert all(each.startswith(("https:", "#")) for each in addresses), addresses
+# An index shows README.
+assert "## Conventions" in metadata("alpha5_model").get_payload()
 
 # The meshes are there once, and MuJoCo's models find them.
 data = Path(a5.REPOSITORY_PATH)
