@@ -7,7 +7,7 @@ export PIP_CONSTRAINT := $(CURDIR)/constraints.txt
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 # What the compiled kernels are made of: after a change they are compiled again.
-KERNELS := hatch_build.py $(wildcard alpha5_model/codegen/kernels/*.[ch] alpha5_model/codegen/kernels/generated/*.h)
+KERNELS := hatch_build.py $(wildcard alpha5_model/kernels/*.[ch] alpha5_model/kernels/generated/*.h)
 
 .PHONY: demo test test-all docs lint format benchmark conformance lowest fuzz clean
 

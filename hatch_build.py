@@ -1,7 +1,7 @@
-"""Compiles ``alpha5_model/codegen/kernels/_compiled`` for a wheel, or in place.
+"""Compiles ``alpha5_model/kernels/_compiled`` for a wheel, or in place.
 
     python hatch_build.py            # in place, for a checkout that is not installed
-    python hatch_build.py --digest   # of the sources, which the module contains
+    python hatch_build.py --digest   # of the sources, and the flags
 
 This needs NumPy, setuptools and a C compiler. Without a compiler, a wheel is built
 without the kernels and computes in NumPy; with ``ALPHA5_REQUIRE_KERNELS=1`` that is an
@@ -25,8 +25,9 @@ except ModuleNotFoundError:  # in place, beside an installed package
     BuildHookInterface = object  # type: ignore[misc, assignment]
 
 ROOT = Path(__file__).resolve().parent
-FOLDER = Path("alpha5_model", "codegen", "kernels")
-#: `-ffp-contract=off`: the same bits at every width; gcc 12 contracts nevertheless
+FOLDER = Path("alpha5_model", "kernels")
+#: For GCC and Clang, whose vector extensions the kernels are written in.
+#: `-ffp-contract=off`: the same bits on every processor; gcc 12 contracts nevertheless
 #: where it vectorizes straight lines (a vfmsubadd). Nothing reads errno.
 FLAGS = [
     "-O3",
@@ -36,16 +37,20 @@ FLAGS = [
     "-Wno-psabi",
     "-g0",
 ]
-MSVC_FLAGS = ["/O2", "/fp:precise", "/std:c11"]
 #: Where the models of `mjcf/` have their meshes: in a checkout the folder stands alone,
 #: in a wheel they are in the package once.
 MESHES = {"checkout": 'meshdir="assets"', "wheel": 'meshdir="../meshes"'}
 
 
 def digest() -> str:
-    """SHA-256 of the C sources and this file; the compiled module contains it."""
-    files = [Path(__file__), *sorted((ROOT / FOLDER).rglob("*.[ch]"))]
+    """SHA-256 of the C sources."""
+    files = sorted((ROOT / FOLDER).rglob("*.[ch]"))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def made_of() -> str:
+    """What the compiled module names as its own: sources and flags."""
+    return f"{digest()} {' '.join(FLAGS)}"
 
 
 def compiled(output: Path) -> Path:
@@ -57,8 +62,8 @@ def compiled(output: Path) -> Path:
         "_compiled",
         [str(ROOT / FOLDER / "_compiled.c")],
         include_dirs=[numpy.get_include()],
-        define_macros=[("SOURCES", f'"{digest()}"')],
-        extra_compile_args=MSVC_FLAGS if sys.platform == "win32" else FLAGS,
+        define_macros=[("SOURCES", f'"{made_of()}"')],
+        extra_compile_args=FLAGS,
         py_limited_api=True,
     )
     with tempfile.TemporaryDirectory() as objects:
@@ -74,9 +79,8 @@ def compiled(output: Path) -> Path:
 
 def compiled_in_place() -> Path:
     """Compile beside the sources, unless the module there is made of them; the file."""
-    name = "_compiled.pyd" if sys.platform == "win32" else "_compiled.abi3.so"
-    module = ROOT / FOLDER / name
-    if module.is_file() and digest().encode() in module.read_bytes():
+    module = ROOT / FOLDER / "_compiled.abi3.so"
+    if module.is_file() and made_of().encode() in module.read_bytes():
         return module
     return compiled(ROOT / FOLDER)
 
@@ -140,4 +144,4 @@ class KernelHook(BuildHookInterface):
 
 
 if __name__ == "__main__":
-    print(digest() if "--digest" in sys.argv else compiled_in_place())
+    print(made_of() if "--digest" in sys.argv else compiled_in_place())

@@ -21,21 +21,16 @@ from alpha5_model.errors import (
 __version__ = "1.0.0"
 
 if TYPE_CHECKING:
-    from alpha5_model import trajectory
+    from alpha5_model import trajectory, workspace
     from alpha5_model._support.paths import PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH
-    from alpha5_model.codegen.kernels.choice import backend
+    from alpha5_model.collision.self_collision import without_self_collision
     from alpha5_model.description.srdf import named_pose
     from alpha5_model.dynamics import actuators
     from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.dynamics.collision import without_self_collision
     from alpha5_model.dynamics.load import load, robot_wrapper
-    from alpha5_model.kinematics import workspace
+    from alpha5_model.kernels.choice import backend
     from alpha5_model.kinematics.bus_devices import devices_from_q, q_from_devices
-    from alpha5_model.kinematics.ik import (
-        BRANCHES,
-        inverse_kinematics,
-        published_inverse_kinematics,
-    )
+    from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
     from alpha5_model.kinematics.path import inverse_kinematics_path
     from alpha5_model.kinematics.pose import inverse_kinematics_pose
     from alpha5_model.kinematics.reach import (
@@ -46,12 +41,16 @@ if TYPE_CHECKING:
     from alpha5_model.numbers.arm_file import arm_file
     from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
     from alpha5_model.numbers.hydrodynamics import DragStrip
+    from alpha5_model.numbers.jaws import tool_at_tip
     from alpha5_model.numbers.parameters import parameters
     from alpha5_model.numbers.printed import published
     from alpha5_model.numbers.record_writing import arm_file_text
     from alpha5_model.planning.obstacles import Obstacle
     from alpha5_model.planning.planner import plan
     from alpha5_model.proofs.audit import audit
+    from alpha5_model.proofs.audit.printed_inverse_kinematics import (
+        published_inverse_kinematics,
+    )
     from alpha5_model.proofs.comparison import compare
     from alpha5_model.studies import calibration as calibrate
     from alpha5_model.studies import uncertainty
@@ -109,6 +108,7 @@ __all__ = [
     "reachable",
     "robot_wrapper",
     "sweep",
+    "tool_at_tip",
     "trajectory",
     "uncertainty",
     "view",
@@ -135,8 +135,9 @@ _NAMES = {
     "named_pose": "description.srdf",
     # Where the arm can be, and how it moves there.
     "BRANCHES": "kinematics.ik",
+    "tool_at_tip": "numbers.jaws",
     "inverse_kinematics": "kinematics.ik",
-    "published_inverse_kinematics": "kinematics.ik",
+    "published_inverse_kinematics": "proofs.audit.printed_inverse_kinematics",
     "inverse_kinematics_pose": "kinematics.pose",
     "inverse_kinematics_path": "kinematics.path",
     "reachable": "kinematics.reach",
@@ -148,8 +149,8 @@ _NAMES = {
     "load": "dynamics.load",
     "robot_wrapper": "dynamics.load",
     "Arm": "dynamics.arm",
-    "without_self_collision": "dynamics.collision",
-    "backend": "codegen.kernels.choice",
+    "without_self_collision": "collision.self_collision",
+    "backend": "kernels.choice",
     "Vehicle": "water.vehicle",
     # Motions.
     "Obstacle": "planning.obstacles",
@@ -171,7 +172,7 @@ _MODULES = {
     "corrections": "numbers.corrections",
     "fluids": "numbers.fluids",
     "inertia": "numbers.inertia",
-    "workspace": "kinematics.workspace",
+    "workspace": "workspace",
     "actuators": "dynamics.actuators",
     "trajectory": "trajectory",
     "uncertainty": "studies.uncertainty",

@@ -6,9 +6,9 @@
     tau = arm.inverse_dynamics(q, v, a)  # of numbers, SX or MX
     print(arm.inverse_dynamics.__doc__)  # names, shapes and units
 
-They are of SX kind, so that all of CasADi works on them, and are interpreted. With
-``load(compiled=True)`` they call the compiled kernels, which is some four times faster.
-From Python, ``f.buffer()`` is far faster than a plain call.
+They are of SX kind, so that all of CasADi works on them, and are interpreted. From
+Python, ``f.buffer()`` is far faster than a plain call. ``alpha5 generate --format c``
+writes the same functions as C.
 """
 
 from __future__ import annotations
@@ -16,9 +16,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-
-from alpha5_model._support.checks import FloatArray, flag, instance
+from alpha5_model._support.checks import flag, instance
 from alpha5_model.codegen.arm_functions import (
     SUMMARIES,
     casadi,
@@ -27,7 +25,6 @@ from alpha5_model.codegen.arm_functions import (
 )
 from alpha5_model.codegen.casadi_functions import folded
 from alpha5_model.codegen.instructions import program
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.collision.approximate_distance import (
     SMOOTHING,
     Operations,
@@ -36,33 +33,16 @@ from alpha5_model.collision.approximate_distance import (
     spheres_and_shapes,
 )
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.kernel_numbers import (
-    arm_dimensions,
-    arm_parameters,
-    kernel_name,
-)
+from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
-from alpha5_model.errors import MissingDependencyError
-from alpha5_model.kinematics.arm_shape import ArmShape
-from alpha5_model.kinematics.catalogue_arm import kinematics_of
-from alpha5_model.kinematics.solver import shape_of_kernels
-from alpha5_model.kinematics.tolerances import DOUBLE
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 __all__ = ["approximate_collision_distance", "inverse_kinematics", "load"]
 
-#: Function -> kernel that has its derivatives.
-_DERIVATIVES = {
-    "hydrostatic_torque": "hydrostatic_torque_derivative",
-    "inverse_dynamics": "inverse_dynamics_derivatives",
-    "forward_dynamics": "forward_dynamics_derivatives",
-    "base_wrench": "base_wrench_derivatives",
-}
-
 
 def load(
-    arm: Arm | None = None, *, fold: bool = True, compiled: bool = False, **options: Any
+    arm: Arm | None = None, *, fold: bool = True, **options: Any
 ) -> SimpleNamespace:
     """The equations of an arm.
 
@@ -70,11 +50,6 @@ def load(
         arm: On a fixed base with its jaws locked; ``a5.load(**options)`` if None.
         fold: Put its parameters into the Functions. Otherwise they are the last input,
             named ``parameters``, of every Function that depends on them.
-        compiled: Call the compiled kernels, for values and, with ``fold``, for first
-            derivatives of torques, accelerations and the load on the mount; other
-            derivatives are interpreted. These Functions take numbers and MX, are not
-            inlined and cannot be exported to C. ``with_payload`` stays interpreted, and
-            so does ``inverse_kinematics`` if joint limits are not the catalogue's.
         options: Of `alpha5_model.load`.
 
     Returns:
@@ -86,31 +61,17 @@ def load(
 
     Raises:
         InputError: The arm's base floats, or its jaws move.
-        MissingDependencyError: ``compiled``, but the kernels run in NumPy here.
     """
     arm = load_arm(**options) if arm is None else instance("arm", arm, Arm)
     base_parameters = arm_parameters(arm)
-    dimensions = arm_dimensions(arm)
-    known: dict[str, Any] = {
-        "tolerances": DOUBLE,
-        "fluid_density": arm.fluid_density,
-    }
+    known: dict[str, Any] = {"fluid_density": arm.fluid_density}
     if flag("fold", fold):
         known["parameters"] = base_parameters
-    if flag("compiled", compiled):
-        _check_compiled()
 
     out = SimpleNamespace(parameters=base_parameters)
-    interpreted = ["with_payload"]
-    shape = ArmShape.from_parameters(arm.parameters)
-    if shape != shape_of_kernels():
-        interpreted.append("inverse_kinematics")
     for name, function in products(arm.parameters).items():
         made = folded(function, **_inputs_to_fold(function, known))
-        summary = program(made).documentation(SUMMARIES[name])
-        if compiled and name not in interpreted:
-            made = _compiled(made, base_parameters, dimensions)
-        made.__doc__ = summary
+        made.__doc__ = program(made).documentation(SUMMARIES[name])
         setattr(out, name, made)
     return out
 
@@ -129,8 +90,7 @@ def inverse_kinematics(arm: Alpha5Parameters | None = None) -> casadi.Function:
     Raises:
         PublishedDataError: Not a vertical plane with two links in it.
     """
-    record = kinematics_of(arm).parameters
-    made = folded(inverse_kinematics_of(record), tolerances=DOUBLE)
+    made = inverse_kinematics_of(chosen_arm(arm))
     made.__doc__ = program(made).documentation(SUMMARIES["inverse_kinematics"])
     return made
 
@@ -140,9 +100,10 @@ def approximate_collision_distance(
 ) -> casadi.Function:
     """An approximate distance of an arm from itself with its jaws closed.
 
-    It is smooth, for optimisers, and counts the shapes that can touch within the joint
-    limits. At thousands of random positions it was within 12 mm of their exact
-    distance, mostly some millimetres too small, and above 0 only if the arm was free.
+    It is smooth, for optimisers, and counts the parts that can touch within the joint
+    limits. At thousands of random positions of the catalogue's arm it was within 12 mm
+    of their exact distance, mostly some millimetres too small, and above 0 only if the
+    arm was free. Of arms with other lengths it was up to 2 mm above 0 in a contact.
     Check results with `Arm.in_collision`, which is exact.
 
     Args:
@@ -193,71 +154,9 @@ def _soft_minimum(found: list[Any], smoothing: float) -> Any:
     )
 
 
-def _check_compiled() -> None:
-    """Raise an error if the kernels are not compiled."""
-    if kernels.backend() == "numpy":
-        raise MissingDependencyError(
-            "alpha5_model.codegen.kernels._compiled",
-            "compiled=True",
-            "install alpha5-model where a C compiler is, or load(compiled=False)",
-        )
-
-
 def _inputs_to_fold(function: casadi.Function, known: dict[str, Any]) -> dict[str, Any]:
     """The known inputs of a function; ``with_payload`` keeps its parameters free."""
     given = {name: known[name] for name in function.name_in() if name in known}
     if function.name() == "with_payload":
         given.pop("parameters", None)
     return given
-
-
-def _compiled(
-    function: casadi.Function,
-    parameters: FloatArray,
-    dimensions: FloatArray,
-    kernel: str | None = None,
-) -> casadi.Function:
-    """A Function that calls a kernel.
-
-    Its derivatives call theirs, or are interpreted.
-
-    Args:
-        function: Whose name, inputs and outputs it has.
-        parameters: Base parameters, for the kernel if they are no input.
-        dimensions: Of the arm.
-        kernel: Name of the kernel; the function's own if None.
-    """
-    library = kernels.module().__file__
-    numbers = np.concatenate([parameters, dimensions])
-    kernel = kernel_name(kernel or function.name(), numbers)
-    called = casadi.external(f"alpha5_{kernel}", library)
-    names = function.name_in()
-    inputs: list[Any] = [
-        casadi.MX.sym(name, function.sparsity_in(name)) for name in names
-    ]
-
-    given = inputs
-    derivative = function.jacobian()
-    last = called.n_in() - 1
-    if "parameters" in names:
-        given = [*inputs[:last], casadi.vertcat(inputs[last], dimensions)]
-    elif called.size1_in(last) == len(numbers):
-        given = [*inputs[:last], numbers]
-        if function.name() in _DERIVATIVES:
-            kernel = _DERIVATIVES[function.name()]
-            derivative = _compiled(derivative, parameters, dimensions, kernel)
-
-    outputs: list[Any] = []
-    for i, rows in enumerate(called.call(given)):
-        # The rows of a matrix come one after the other.
-        sparsity = function.sparsity_out(i)
-        matrix = casadi.reshape(rows, sparsity.size2(), sparsity.size1()).T
-        outputs.append(casadi.project(matrix, sparsity))
-    options: dict[str, Any] = {
-        "custom_jacobian": derivative,
-        "jac_penalty": 0,
-        "never_inline": True,
-    }
-    return casadi.Function(
-        function.name(), inputs, outputs, names, function.name_out(), options
-    )

@@ -159,8 +159,7 @@ class SelfCollisionError(UnreachableError):
             none.
         yaw: The least turn of the target about the yaw axis that frees it [rad]; NaN if
             none was found.
-        nearest: A free target near it, (3,) [m]; NaN if none was found.
-        distance: How far off that one is [m].
+        nearest, distance: NaN, since no free point near the target is searched.
     """
 
     def __init__(
@@ -171,7 +170,6 @@ class SelfCollisionError(UnreachableError):
         depth: float,
         wrist: float = math.nan,
         yaw: float = math.nan,
-        nearest: Any = (math.nan, math.nan, math.nan),
         place: str = "",
     ) -> None:
         self.position = position
@@ -179,17 +177,14 @@ class SelfCollisionError(UnreachableError):
         self.depth = depth
         self.wrist = wrist
         self.yaw = yaw
-        self.nearest = nearest
-        self.distance = math.dist(position, nearest)
+        self.nearest = (math.nan, math.nan, math.nan)
+        self.distance = math.nan
 
         remedies = []
         if not math.isnan(wrist):
             remedies.append(f"theta_3 = {wrist:.4g} rad is free")
         elif not math.isnan(yaw):
             remedies.append(f"turned by {yaw:.4g} rad about the yaw axis it is free")
-        if math.isnan(wrist) and not math.isnan(self.distance):
-            off = f"{self.distance * 1e3:.3g} mm away"
-            remedies.append(f"{_metres(nearest)} is free, {off}")
         overlap = f"{links[0]} and {links[1]} overlap"
         if not math.isnan(depth):
             overlap += f" by {depth * 1e3:.3g} mm"
@@ -304,12 +299,9 @@ class KernelError(Alpha5Error, RuntimeError):
         kernel: Name of the kernel.
     """
 
-    def __init__(self, kernel: str) -> None:
+    def __init__(self, kernel: str, expected: str) -> None:
         self.kernel = kernel
-        expected = "aligned, C-contiguous float64 rows of finite numbers"
-        super().__init__(
-            f"the kernel {kernel} takes only {expected}; please report this"
-        )
+        super().__init__(f"the kernel {kernel} takes {expected}; please report this")
 
 
 class OutputError(Alpha5Error, OSError):

@@ -43,14 +43,6 @@ def chromium() -> Iterator[Any]:
         yield running
 
 
-def pytest_configure() -> None:
-    """In CI, once, the compiled kernels run as on a processor without AVX."""
-    if "ALPHA5_LOWEST_WIDTH" in os.environ:
-        from alpha5_model.codegen.kernels import _compiled
-
-        _compiled.width(1)
-
-
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """A test that uses Chromium is one of the layer `browser`."""
     for item in items:

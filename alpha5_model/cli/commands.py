@@ -44,7 +44,7 @@ def _print_version(wanted: bool) -> None:
 
 def _kernels() -> str:
     """Which kernels run, so that an install without a compiler is visible."""
-    from alpha5_model.codegen.kernels.choice import backend
+    from alpha5_model.kernels.choice import backend
 
     return backend()
 

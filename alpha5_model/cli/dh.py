@@ -10,7 +10,8 @@ from typer import Argument, Option
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
 from alpha5_model.errors import InputError
-from alpha5_model.theory.dh import DHChain, DHLink, arm_types, tasks
+from alpha5_model.theory.dh import DHChain, DHLink
+from alpha5_model.theory.dh.types_and_tasks import classify, task_capability
 
 _LINK = "'THETA D A ALPHA SIGMA'"
 _ANSWER = {True: "yes", False: "no"}
@@ -78,8 +79,8 @@ def _record(chain: DHChain, q: Any) -> dict[str, Any]:
         "links": [{"joint": name, **vars(link)} for name, link in links],
         "base": chain.base,
         "tool": chain.tool,
-        "type": arm_types.classify(chain),
-        "tasks": tasks.task_capability(chain),
+        "type": classify(chain),
+        "tasks": task_capability(chain),
         "q": q,
         "frames": dict(zip(names, chain.frames(q), strict=True)),
     }

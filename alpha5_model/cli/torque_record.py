@@ -107,12 +107,10 @@ def torque_record(
 
 def _self_collision(arm: Arm, q: list[float]) -> Record | None:
     """Where the arm touches itself, as far as it is compared; None if it does not."""
-    from alpha5_model.dynamics.collision import CollisionModel
-
     if not arm.in_collision(q):
         return None
-    place = CollisionModel(arm.model, arm.parameters).clearance(np.array(q))
-    return {"links": place.links, "depth": max(0.0, -place.distance)}
+    links, distance = arm.closest_links(q)
+    return {"links": links, "depth": max(0.0, -distance)}
 
 
 def _causes(arm: Arm, state: State) -> dict[str, FloatArray]:

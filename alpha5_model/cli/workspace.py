@@ -9,15 +9,15 @@ from typing import Annotated, Any
 
 from typer import Option
 
+from alpha5_model import workspace as space
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.units import LITRE, MILLIMETRE, SQUARE_CENTIMETRE
 from alpha5_model.cli.words import WORDS
-from alpha5_model.dynamics.collision import without_self_collision
+from alpha5_model.collision.self_collision import without_self_collision
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics import workspace as space
-from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty.effects import reach, sensitivity
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.self_collision_plot import self_collision_figure
@@ -43,8 +43,9 @@ def workspace(
     Example: alpha5 workspace --self-collision --plot collision.pdf
     """
     check_outputs([arm_file], plot=(plot, figures.FORMATS))
-    if arm_file is not None:
-        _of_own_arm(arm_file, plot, samples if self_collision else 0, as_json)
+    own = values.arm_record(arm_file)
+    if own is not None:
+        _of_own_arm(own, plot, samples if self_collision else 0, as_json)
         return
 
     share = None
@@ -57,7 +58,7 @@ def workspace(
             if share:
                 page = self_collision_figure(samples=samples)
             else:
-                page = workspace_figure(catalogue())
+                page = workspace_figure()
             figures.write_figure(page, plot)
 
     record = _record()
@@ -66,8 +67,10 @@ def workspace(
     printing.show(as_json, record, _text(record), plot)
 
 
-def _of_own_arm(file: Path, plot: Path | None, samples: int, as_json: bool) -> None:
-    """The exact workspace of the arm in a file.
+def _of_own_arm(
+    own: Alpha5Parameters, plot: Path | None, samples: int, as_json: bool
+) -> None:
+    """The exact workspace of an arm of one's own.
 
     Args:
         samples: Points that are tried for self-collision; 0 for none.
@@ -76,7 +79,6 @@ def _of_own_arm(file: Path, plot: Path | None, samples: int, as_json: bool) -> N
         expected = "no --plot beside --self-collision and --arm"
         raise InputError("--plot", str(plot), expected)
 
-    own = values.arm_record(file)
     record: dict[str, Any] = {
         "cross_section_area": {
             side: space.cross_section_area(side, arm=own) for side in space.SIDES
@@ -93,7 +95,7 @@ def _of_own_arm(file: Path, plot: Path | None, samples: int, as_json: bool) -> N
         record = {"without_self_collision": share} | record
     if plot is not None:
         with printing.spinner("drawing"):
-            page = own_workspace_figure(kinematics_of(own))
+            page = own_workspace_figure(own)
             figures.write_figure(page, plot)
     printing.show(as_json, record, _own_text(record), plot)
 

@@ -31,18 +31,6 @@ def _symbols(expression: casadi.SX) -> set[str]:
     return {str(symbol) for symbol in casadi.symvar(expression)}
 
 
-def renamed(function: casadi.Function, name: str) -> casadi.Function:
-    """The same Function with another name."""
-    inputs = [
-        casadi.SX.sym(given, function.sparsity_in(given))
-        for given in function.name_in()
-    ]
-    outputs = [casadi.densify(out) for out in function.call(inputs)]
-    return casadi.Function(
-        name, inputs, outputs, function.name_in(), function.name_out()
-    )
-
-
 def folded(function: casadi.Function, **values: Any) -> casadi.Function:
     """The same Function with numbers in place of some inputs.
 

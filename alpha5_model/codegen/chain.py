@@ -2,12 +2,60 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import casadi
 from casadi import SX, horzcat, vertcat, vertsplit
 
-from alpha5_model.codegen.dimensions import Dimensions, QuarterTurns
+#: Cosine and sine of the twists before each link: every arm has them.
+_TWISTS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+#: How many numbers the dimensions of an arm are.
+DIMENSIONS = 24
+
+
+class Dimensions(NamedTuple):
+    """Where the joints and the tool of an arm are; numbers, or CasADi's symbols.
+
+    Attributes:
+        a_0, d_0: From joint 0 to joint 1 along x and z [m].
+        a_1: From joint 1 to joint 2 along x [m].
+        a_2: From joint 2 to joint 3 along x [m].
+        cosines, sines: Of the constant parts of DH angles 0 to 3, 4 each.
+        tool: Upper three rows of the tcp's pose in link_4, row by row, 12 [1 and m].
+    """
+
+    a_0: Any
+    d_0: Any
+    a_1: Any
+    a_2: Any
+    cosines: Sequence[Any]
+    sines: Sequence[Any]
+    tool: Sequence[Any]
+
+    @classmethod
+    def from_numbers(cls, numbers: Sequence[Any]) -> Dimensions:
+        """The dimensions of a `Geometry`, (24,), or of symbols in their place."""
+        a_0, d_0, a_1, a_2, *others = numbers
+        return cls(
+            a_0=a_0,
+            d_0=d_0,
+            a_1=a_1,
+            a_2=a_2,
+            cosines=others[:4],
+            sines=others[4:8],
+            tool=others[8:],
+        )
+
+    @property
+    def origins(self) -> list[tuple[Any, Any, Any]]:
+        """Origin of each link in the link before, of link 1 in base_link."""
+        return [
+            (0.0, 0.0, 0.0),
+            (self.a_0, 0.0, self.d_0),
+            (self.a_1, 0.0, 0.0),
+            (self.a_2, 0.0, 0.0),
+        ]
 
 
 class Turn(NamedTuple):
@@ -64,23 +112,22 @@ def turns(q: SX, dimensions: Dimensions) -> list[Turn]:
         q: (4, 1).
         dimensions: Of the arm.
     """
-    no_twist = QuarterTurns(cosine=1, sine=0)
-    twists = (no_twist, *dimensions.twists)
     offsets = zip(dimensions.cosines, dimensions.sines, strict=True)
     steps = []
     for angle, offset, origin, twist in zip(
-        vertsplit(q), offsets, dimensions.origins, twists, strict=True
+        vertsplit(q), offsets, dimensions.origins, _TWISTS, strict=True
     ):
         # From cos(q) and sin(q), as q + offset would round large angles.
         cosine = casadi.cos(angle)
         sine = casadi.sin(angle)
         offset_cosine, offset_sine = offset
+        twist_cosine, twist_sine = twist
         step = Turn(
             origin=vertcat(*origin),
             cosine=offset_cosine * cosine - offset_sine * sine,
             sine=offset_sine * cosine + offset_cosine * sine,
-            twist_cosine=twist.cosine,
-            twist_sine=twist.sine,
+            twist_cosine=twist_cosine,
+            twist_sine=twist_sine,
         )
         steps.append(step)
     return steps

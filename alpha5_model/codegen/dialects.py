@@ -1,8 +1,8 @@
 """The instructions of a program as statements of a dialect.
 
 A dialect is a language with its type of numbers: C with ``double``, with ``float`` or
-with vectors, JavaScript, Python with arrays or with numbers. `dialects.toml` has the
-words of each dialect. The text around the statements is in the modules that write the
+with vectors, JavaScript, Python with arrays. `dialects.toml` has the words of each
+dialect. The text around the statements is in the modules that write the
 files, such as `alpha5_model.codegen.python_code`.
 """
 
@@ -37,9 +37,7 @@ def statements(
 ) -> tuple[list[str], list[list[str]]]:
     """A program's statements, and the text of each element of each output.
 
-    All inputs are read first, so that outputs may overwrite them. A dialect with a
-    statement ``store`` reads and writes each element next to its computation instead,
-    so that fewer registers are in use at a time.
+    All inputs are read first, so that outputs may overwrite them.
 
     Args:
         program: What to compute.
@@ -47,10 +45,7 @@ def statements(
         input_element: Text of an element of an input.
         reuse: Use the names of registers again, and so their memory.
     """
-    steps = program.steps
-    if "store" not in DIALECTS[dialect]:
-        steps = tuple(sorted(steps, key=lambda step: step.op != "input"))
-
+    steps = tuple(sorted(program.steps, key=lambda step: step.op != "input"))
     writer = _Writer(program, dialect, input_element, reuse)
     last_uses = _last_uses(steps)
     for i, step in enumerate(steps):
@@ -119,10 +114,6 @@ class _Writer:
         if register in self._truth_registers:
             text = self._table["flag"].format(text)
         self.results[slot][index] = text
-
-        if "store" in self._table:
-            before = sum(output.size for output in self._program.outputs[:slot])
-            self.lines.append(self._table["store"].format(before + index, text))
 
     def _compute(self, step: Step, done: Sequence[int]) -> None:
         text = self._expression(step)

@@ -21,8 +21,7 @@ from typing import NamedTuple
 import casadi
 from casadi import SX, cross, horzcat, jacobian, vertcat, vertsplit
 
-from alpha5_model.codegen.chain import Turn, turns
-from alpha5_model.codegen.dimensions import Dimensions
+from alpha5_model.codegen.chain import Dimensions, Turn, turns
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, SECOND
 
 JOINTS = 4

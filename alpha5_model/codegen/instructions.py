@@ -94,11 +94,6 @@ class Program:
                 lines.append(f"    {slot.name}{shape}: {slot.text}")
         return "\n".join(lines)
 
-    @property
-    def flops(self) -> int:
-        """Number of operations: all but constants, inputs and outputs."""
-        return sum(step.op not in _OTHERS for step in self.steps)
-
 
 def program(function: casadi.Function) -> Program:
     """The instructions of an SX function.

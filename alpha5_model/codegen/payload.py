@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.dimensions import Dimensions
 from alpha5_model.codegen.regrouping import regrouped
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
@@ -15,7 +15,7 @@ def slope_by_moments_at_the_tcp(parameters: Alpha5Parameters) -> FloatArray:
 
     The base parameters are linear in the moments.
     """
-    tool = np.reshape(Dimensions.from_parameters(parameters).tool, (3, 4))
+    tool = Geometry.of(parameters).tool
     tcp_in_link_4 = np.vstack([tool, [0.0, 0.0, 0.0, 1.0]])
 
     columns = []

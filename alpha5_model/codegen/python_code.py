@@ -1,4 +1,4 @@
-"""Programs as a module of Python, for NumPy, JAX and Python's own numbers."""
+"""Programs as a module of Python, for NumPy and JAX."""
 
 from __future__ import annotations
 
@@ -24,34 +24,30 @@ KERNELS = {{
 }}"""
 
 
-def python_source(programs: Iterable[Program], dialect: str = "arrays") -> str:
+def python_source(programs: Iterable[Program]) -> str:
     """A module with one function for each program.
 
     A function returns a tuple of elements for each output. Nothing is written in place:
     in blocks that fit the cache, NumPy's own allocator hands out the same memory again,
     which measured as fast as a scratch of ours, and traced arrays run through the same
     text.
-
-    Args:
-        programs: What to write.
-        dialect: ``arrays``, or ``numbers`` for Python's own.
     """
     functions = []
     entries = []
     for program in programs:
-        functions.append(_function(program, dialect))
+        functions.append(_function(program))
         entries.append(_entry(program))
 
     table = _TABLE.format(entries="\n".join(entries))
     return "\n\n\n".join([_HEAD, *functions, table]) + "\n"
 
 
-def _function(program: Program, dialect: str) -> str:
+def _function(program: Program) -> str:
     lines, results = statements(
         program,
-        dialect,
+        "arrays",
         lambda slot, index: f"{slot.name}[{index}]",
-        reuse=dialect == "arrays",
+        reuse=True,
     )
     inputs = ", ".join(slot.name for slot in program.inputs)
     outputs = ", ".join(f"({', '.join(elements)},)" for elements in results)

@@ -12,8 +12,7 @@ import casadi
 from casadi import SX, horzcat, jacobian, vertcat, vertsplit
 
 from alpha5_model.codegen.casadi_functions import named
-from alpha5_model.codegen.chain import link_poses
-from alpha5_model.codegen.dimensions import DIMENSIONS, Dimensions, QuarterTurns
+from alpha5_model.codegen.chain import DIMENSIONS, Dimensions, link_poses
 from alpha5_model.codegen.equations_of_motion import (
     JOINTS,
     STILL,
@@ -47,10 +46,8 @@ def dynamics(dimensions: Dimensions) -> tuple[casadi.Function, ...]:
     return _functions(base, base, dimensions)
 
 
-def dynamics_of_any_arm(
-    twists: tuple[QuarterTurns, ...],
-) -> tuple[casadi.Function, ...]:
-    """Every function, for arms with any dimensions but these twists.
+def dynamics_of_any_arm() -> tuple[casadi.Function, ...]:
+    """Every function, for arms with any dimensions.
 
     The inputs are among q, v, a, tau and ``parameters``: the base parameters, then the
     numbers of the dimensions.
@@ -59,7 +56,7 @@ def dynamics_of_any_arm(
     base, numbers = vertsplit(
         parameters, [0, len(BASE_PARAMETERS), parameters.shape[0]]
     )
-    dimensions = Dimensions.from_numbers(vertsplit(numbers), twists)
+    dimensions = Dimensions.from_numbers(vertsplit(numbers))
     return _functions(parameters, base, dimensions)
 
 
@@ -170,23 +167,3 @@ def _forward_dynamics(x: Inputs, mass: SX, dimensions: Dimensions) -> Outputs:
 def _by_rows(torque: SX, x: SX) -> SX:
     """The Jacobian of a torque, from the outputs: for four torques that is shorter."""
     return jacobian(torque, x, {"helper_options": {"ad_weight": 1}})
-
-
-def upright(function: casadi.Function) -> casadi.Function:
-    """The same function for gravity along the z of base_link only.
-
-    In still water, no torque then depends on the first joint.
-    """
-    inputs = function.sx_in()
-    *states, base_parameters = inputs
-    at = [*BASE_PARAMETERS].index("gravity.x")
-    vertical = vertcat(base_parameters[:at], 0, 0, base_parameters[at + 2 :])
-
-    outputs = [casadi.densify(out) for out in function.call([*states, vertical])]
-    return casadi.Function(
-        f"{function.name()}_upright",
-        inputs,
-        outputs,
-        function.name_in(),
-        function.name_out(),
-    )

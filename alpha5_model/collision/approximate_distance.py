@@ -1,9 +1,11 @@
 """An approximate distance of an arm from itself, smooth, for optimisers.
 
-It is the least distance of shapes that can touch within the joint limits
-(`alpha5_model.collision.touching_pairs`). Others pass each other at a joint, always
-some millimetres apart, and would hide all larger distances. If the arm touches itself,
-the result approximates `Arm.collision_distance`; if it is free, that may be smaller.
+It is the least distance of links that can touch within the joint limits, for an arm
+that moves as the catalogue's of shapes that can (`alpha5_model.collision.link_pairs`).
+Others pass each other at a joint, always some millimetres apart, and would hide all
+larger distances: with lengths of its own, an arm has at most about 10 mm. If the arm
+touches itself, the result approximates `Arm.collision_distance`; if it is free, that
+may be smaller.
 
 The shapes of the link farther out are replaced by spheres
 (`alpha5_model.collision.spheres`), and the distances of their centres from the boxes
@@ -33,8 +35,8 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, real
 from alpha5_model._support.spatial import pose
 from alpha5_model.collision.bodies import CollisionBodies, collision_bodies
+from alpha5_model.collision.link_pairs import disabled_pairs, meeting_shapes
 from alpha5_model.collision.spheres import Spheres, spheres_for
-from alpha5_model.collision.touching_pairs import made_for, touching_pairs
 from alpha5_model.collision.turning_radii import joints_between
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -43,8 +45,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 SMOOTHING = 0.001
 #: By how much a distance is rounded off at an edge [m].
 _ROUNDED = 1e-4
-#: Pairs of shapes and cells that the proof for another arm looks at: half a second.
-_EFFORT = 30_000
 #: A turn about z is ``cos * _ACROSS + sin * _AROUND + _ALONG``.
 _ACROSS = np.diag([1.0, 1.0, 0.0, 0.0])
 _AROUND = np.array([[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]], float)
@@ -218,19 +218,18 @@ def spheres_and_shapes(arm: Alpha5Parameters) -> SpheresAndShapes:
     links = []
     couples: dict[str, list[_Couples]] = {"box": [], "cylinder": []}
     count = 0
-    for pair, of_shapes in _may_touch(arm, bodies).items():
-        first = bodies.bodies[pair[0]]
-        second = bodies.bodies[pair[1]]
-        centres = []
-        for others, ones in _with_the_same_others(of_shapes).items():
-            spheres = spheres_for(tuple(second.shapes[other] for other in others))
-            centres.append(spheres.centres)
-            for one in ones:
-                shape = first.shapes[one]
-                couples[shape.kind].append(_couples(shape, spheres, count))
-            count += len(spheres.radii)
-        if centres:
-            links.append(_link_spheres(bodies, pair, np.vstack(centres)))
+    apart = {frozenset(pair) for pair in disabled_pairs(arm, "locked").get("Never", ())}
+    for pair in bodies.pairs:
+        first, second = (bodies.bodies[number] for number in pair)
+        if {first.name, second.name} in apart:
+            continue
+        meeting = meeting_shapes(arm, (first.name, second.name))
+        shapes = tuple(second.shapes[i] for i in meeting) or second.shapes
+        spheres = spheres_for(shapes)
+        for shape in first.shapes:
+            couples[shape.kind].append(_couples(shape, spheres, count))
+        count += len(spheres.radii)
+        links.append(_link_spheres(bodies, pair, spheres.centres))
     return SpheresAndShapes(
         spheres=tuple(links),
         boxes=_joined(couples["box"]),
@@ -274,38 +273,3 @@ def _joined(couples: list[_Couples]) -> _Couples | None:
         half=np.concatenate([part.half for part in couples], axis=1),
         radius=np.concatenate([part.radius for part in couples]),
     )
-
-
-def _may_touch(
-    arm: Alpha5Parameters, bodies: CollisionBodies
-) -> dict[tuple[int, int], set[tuple[int, int]]]:
-    """Numbers of two bodies -> pairs of their shapes that can touch.
-
-    For the catalogue's arm they are listed. For another one, those that a short proof
-    leaves open count as well.
-    """
-    # Only other arms need coal.
-    from alpha5_model.collision.touching_proof import may_touch, ranged_digest
-
-    if made_for() != ranged_digest(arm, "locked"):
-        return may_touch(arm, "locked", effort=_EFFORT)
-    found: dict[tuple[int, int], set[tuple[int, int]]] = {}
-    for pair in touching_pairs():
-        one = bodies.names.index(pair.first.link)
-        other = bodies.names.index(pair.second.link)
-        of_links = found.setdefault((one, other), set())
-        of_links.add((pair.first.number, pair.second.number))
-    return found
-
-
-def _with_the_same_others(
-    pairs: set[tuple[int, int]],
-) -> dict[tuple[int, ...], list[int]]:
-    """Shapes of the second body -> those of the first that can touch just these."""
-    of_first: dict[int, list[int]] = {}
-    for one, other in sorted(pairs):
-        of_first.setdefault(one, []).append(other)
-    found: dict[tuple[int, ...], list[int]] = {}
-    for one, others in of_first.items():
-        found.setdefault(tuple(others), []).append(one)
-    return found

@@ -141,23 +141,6 @@ def _pairs(
     )
 
 
-def joint_ranges(
-    parameters: Alpha5Parameters, gripper: str = "locked"
-) -> tuple[FloatArray, FloatArray]:
-    """Lower and upper ends of the ranges of all bodies' joints, (B-1,) each [rad].
-
-    Args:
-        parameters: The arm's record.
-        gripper: ``locked`` or ``jaws``, which has the hinges of both fingers as well.
-    """
-    ranges = [(joint.lower, joint.upper) for joint in parameters.joints[:4]]
-    if gripper == "jaws":
-        hinges = split_link_4(parameters).joints[1:]
-        ranges += [(hinge.lower, hinge.upper) for hinge in hinges]
-    lower, upper = np.array(ranges).T
-    return lower, upper
-
-
 def carriers(bodies: CollisionBodies, body: int) -> list[int]:
     """Numbers of a body and of those that carry it, without the first."""
     found = []

@@ -2,20 +2,30 @@
 
 coal is asked about the pairs of shapes that balls around them leave. Each question is
 a fresh request: one that starts from the answer of the last has missed overlaps.
+
+Whether the arm touches itself is first asked of Pinocchio's broad phase with a margin,
+which is quick. Alone it has missed overlaps of 0.3 mm, with a margin of 0.1 mm none of
+thousands near contact. What it finds is measured.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from threading import local
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model._support.spatial import pose
 from alpha5_model.collision.bodies import CollisionBodies, body_poses, shape_numbers
 from alpha5_model.geometry.primitives import Primitive
+
+#: Margin of the broad phase beyond the one that is asked for [m].
+_ADDED = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +68,7 @@ class CoalScene:
         across = np.where(is_round, half[:, 0], np.hypot(half[:, 0], half[:, 1]))
         self._radius = np.hypot(across, half[:, 2])
         self._pairs = _shape_pairs(bodies, self._owner)
+        self._of_thread = local()
 
     @cached_property
     def _shapes(self) -> list[Any]:
@@ -80,11 +91,24 @@ class CoalScene:
 
     def touches(self, angles: FloatArray, margin: float) -> BoolArray:
         """Whether the arm comes within a margin of itself, (N,); not where NaN is."""
-        return np.array([self._touches(row, margin) for row in angles], np.bool_)
+        may_touch = self._broad_phase(margin)
+        hits = [
+            bool(np.isfinite(row).all())
+            and may_touch(row)
+            and self._touches(row, margin)
+            for row in angles
+        ]
+        return np.array(hits, np.bool_)
+
+    def _broad_phase(self, margin: float) -> Callable[[FloatArray], bool]:
+        """`_broad_phase` of this thread."""
+        known, may_touch = getattr(self._of_thread, "broad_phase", (None, None))
+        if known != margin or may_touch is None:
+            may_touch = _broad_phase(self._bodies, self._pairs, margin + _ADDED)
+            self._of_thread.broad_phase = (margin, may_touch)
+        return may_touch
 
     def _touches(self, angles: FloatArray, margin: float) -> bool:
-        if not np.isfinite(angles).all():
-            return False
         poses = self._poses(angles)
         bounds = self._least_distances(poses)
         order = np.argsort(bounds, kind="stable")
@@ -128,6 +152,45 @@ class CoalScene:
             points=np.array(points),
             normal=np.array(result.normal),
         )
+
+
+def _broad_phase(
+    bodies: CollisionBodies, pairs: NDArray[np.intp], margin: float
+) -> Callable[[FloatArray], bool]:
+    """A function of angles: whether some of these pairs may come within a margin.
+
+    Pinocchio computes in memory that threads may not share.
+    """
+    import pinocchio as pin
+
+    model = pin.Model()
+    for body in bodies.bodies[1:]:
+        placement = pin.SE3(body.placement)
+        model.addJoint(body.parent, pin.JointModelRZ(), placement, body.name)
+    geometry = pin.GeometryModel()
+    for number, (owner, shape) in enumerate(bodies.shapes):
+        placement = pin.SE3(pose(shape.xyz, shape.rpy))
+        geometry.addGeometryObject(
+            pin.GeometryObject(str(number), owner, placement, coal_shape(shape))
+        )
+    for one, other in pairs.tolist():
+        geometry.addCollisionPair(pin.CollisionPair(one, other))
+
+    memory = geometry.createData()
+    for request in memory.collisionRequests:
+        request.security_margin = margin
+    manager = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
+        model, geometry, memory
+    )
+    data = model.createData()
+
+    def may_touch(angles: FloatArray) -> bool:
+        callback = pin.CollisionCallBackDefault(geometry, memory, True)
+        pin.updateGeometryPlacements(model, data, geometry, memory, angles)
+        manager.update(False)
+        return bool(pin.computeCollisions(manager, callback))
+
+    return may_touch
 
 
 def _shape_pairs(bodies: CollisionBodies, owner: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -5,9 +5,7 @@ The bodies are primitives that enclose the drawn ones within 3 mm
 joint are not compared, and neither are those that cannot meet
 (`alpha5_model.collision.link_pairs`).
 
-Three routes give the same answers. Tables hold most joint positions of the catalogue's
-arm, with a proof (`alpha5_model.collision.cells`). For the rest, and for other arms,
-open jaws and margins, the compiled kernels test the shapes; without a compiler coal
+The compiled kernels test the shapes and measure distances; without a compiler coal
 does. How deep bodies overlap is always coal's answer; without coal it stays unknown.
 """
 
@@ -15,23 +13,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.collision.bodies import CollisionBodies, body_poses, collision_bodies
-from alpha5_model.collision.cells import FREE, HIT, Cells
-from alpha5_model.collision.cells_file import committed_cells
+from alpha5_model._support.checks import BoolArray, FloatArray, count, float_array
+from alpha5_model.collision.bodies import (
+    CollisionBodies,
+    body_numbers,
+    body_poses,
+    collision_bodies,
+    shape_numbers,
+)
 from alpha5_model.collision.coal_scene import CoalScene, Contact
-from alpha5_model.collision.compiled import CompiledScene, is_compiled
 from alpha5_model.collision.turning_radii import distance_rates
-from alpha5_model.errors import MissingDependencyError, needing
+from alpha5_model.errors import KernelError, MissingDependencyError, needing
+from alpha5_model.kernels.choice import module
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: A line that comes nearer to a contact than this is not proved free [m].
 SHORTEST = 1e-6
+#: Wrist angles that are tried, evenly over the range of axis_b: one every 15 degrees.
+WRISTS = 25
 
 
 @lru_cache(maxsize=16)
@@ -59,13 +65,9 @@ class SelfCollision:
         self.bodies = bodies
 
     @cached_property
-    def _tables(self) -> tuple[Cells, ...]:
-        return committed_cells(self.bodies)
-
-    @cached_property
-    def _compiled(self) -> CompiledScene | None:
+    def _compiled(self) -> _CompiledScene | None:
         """The compiled scene; None without the compiled kernels."""
-        return CompiledScene(self.bodies, self._tables) if is_compiled() else None
+        return _CompiledScene(self.bodies) if hasattr(module(), "scene") else None
 
     @cached_property
     def _coal(self) -> CoalScene:
@@ -103,13 +105,10 @@ class SelfCollision:
                 asked = np.require(asked, np.bool_, ["C", "A"])
             return self._compiled.touches(rows, margin, asked)
 
+        if asked is None:
+            return self._coal.touches(rows, margin)
         hits = np.zeros(len(rows), np.bool_)
-        undecided = np.ones(len(rows), np.bool_) if asked is None else asked.copy()
-        if margin == 0.0 and self._tables:
-            codes = np.array([table.look_up(rows) for table in self._tables])
-            hits = (codes == HIT).any(axis=0) & undecided
-            undecided &= ~hits & ~(codes == FREE).all(axis=0)
-        hits[undecided] = self._coal.touches(rows[undecided], margin)
+        hits[asked] = self._coal.touches(rows[asked], margin)
         return hits
 
     def one(self) -> Callable[[Any, float], bool | None]:
@@ -118,19 +117,8 @@ class SelfCollision:
         It returns None if the angles are not plainly finite float64 of that shape.
         """
         if self._compiled is not None:
-            return self._compiled.one()
+            return self._compiled.one
         return lambda angles, margin: None
-
-    def best_solution(self) -> Callable[[Any, Any, bool], FloatArray | None]:
-        """A quick choice among the solutions of one target.
-
-        A function of `SolutionArrays`, a reference and whether collisions are allowed.
-        It returns the nearest valid solution, (4,), or None if that takes more than
-        comparing them.
-        """
-        if self._compiled is not None:
-            return self._compiled.best_solution()
-        return lambda solutions, q_reference, allow_collision: None
 
     def distance(self, angles: FloatArray) -> FloatArray:
         """The least distance between compared bodies; below 0 the depth, (N,) [m]."""
@@ -234,6 +222,89 @@ class SelfCollision:
             if rate * (1.0 - share) < room:
                 return 1.0
             share += room / rate
+
+
+def without_self_collision(
+    q: ArrayLike, wrists: int = WRISTS, arm: Alpha5Parameters | None = None
+) -> BoolArray:
+    """Whether some wrist angle is free of self-collision, with the jaws closed.
+
+    Args:
+        q: (..., 4) [rad]; theta_3 is the first wrist angle that is tried.
+        wrists: Number of further wrist angles, evenly over the range of axis_b. A free
+            window narrower than their distance can be missed.
+        arm: Record of an arm of your own; None for the catalogue's. As ``accept`` of
+            `alpha5_model.reachable`, use
+            ``functools.partial(without_self_collision, arm=arm)``.
+
+    Returns:
+        (...) bool.
+
+    Raises:
+        InputError: Not finite real numbers of that shape, or no whole number of wrist
+            angles; ``arm`` is no record.
+    """
+    position = float_array("q", q, (4,))
+    record = chosen_arm(arm)
+    wrist = record.joints[3]
+    angles = np.linspace(wrist.lower, wrist.upper, count("wrists", wrists))
+    rows = position.reshape(-1, 4).copy()
+    scene = self_collision(record)
+
+    hits = scene.touches(rows)
+    for angle in angles:
+        rows[:, 3] = angle
+        hits = scene.touches(rows, asked=hits)
+        if not hits.any():
+            break
+    return ~hits.reshape(position.shape[:-1])
+
+
+class _CompiledScene:
+    """The bodies of an arm as the compiled kernels take them. Threads may share it."""
+
+    def __init__(self, bodies: CollisionBodies) -> None:
+        self._kernels = module()
+        self._scene = self._kernels.scene(
+            body_numbers(bodies),
+            shape_numbers(bodies),
+            np.array(bodies.pairs, np.float64).reshape(-1, 2),
+        )
+        self.one = partial(self._kernels.self_collision, self._scene)
+
+    def touches(
+        self, angles: FloatArray, margin: float, asked: BoolArray | None
+    ) -> BoolArray:
+        """Whether the arm comes within a margin of itself, (N,); not where NaN is.
+
+        Rows that are not asked for do not either.
+        """
+        hits = np.empty(len(angles), np.bool_)
+        self._run("self_collision_rows", angles, margin, asked, hits)
+        return hits
+
+    def nearest(self, angles: FloatArray) -> FloatArray:
+        """Distance, two shapes and their points in link_0, (N, 9)."""
+        found = np.empty((len(angles), 9))
+        self._run("nearest_bodies_rows", angles, found)
+        return found
+
+    def free_shares(
+        self, rates: FloatArray, start: FloatArray, end: FloatArray, margin: float
+    ) -> FloatArray:
+        """How much of the lines between rows is proved free, (N,)."""
+        shares = np.empty(len(start))
+        self._run("free_shares", rates, start, end, margin, shares)
+        return shares
+
+    def _run(self, name: str, *arrays: Any) -> None:
+        """Call a function of the kernels, which says whether it wrote its results.
+
+        Raises:
+            KernelError: It did not.
+        """
+        if not getattr(self._kernels, name)(self._scene, *arrays):
+            raise KernelError(name, "rows of finite angles")
 
 
 def _plain(rows: FloatArray) -> FloatArray:

@@ -19,7 +19,6 @@ turn all the way round.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -30,8 +29,6 @@ from alpha5_model.geometry.primitives import Primitive
 
 #: Sides of the polygons that enclose circles, so many that they are hardly wider.
 _SIDES = 72
-#: How far a cylinder's axis may be off a joint's to be the same [m] and [1].
-_SAME_AXIS = 1e-9
 
 
 def distance_rates(bodies: CollisionBodies, pair: tuple[int, int]) -> FloatArray:
@@ -47,36 +44,11 @@ def distance_rates(bodies: CollisionBodies, pair: tuple[int, int]) -> FloatArray
     """
     one, other = pair
     rates = np.zeros(len(bodies.bodies) - 1)
-    for joint in set(carriers(bodies, other)) - set(carriers(bodies, one)):
+    for joint in joints_between(bodies, pair):
         carried = carried_radius(bodies, other, joint)
         left_behind = _left_behind_radius(bodies, one, joint)
         rates[joint - 1] = min(carried, left_behind)
     return rates
-
-
-def shape_rates(bodies: CollisionBodies, pair: tuple[int, int]) -> FloatArray:
-    """How fast each joint changes the distance of two bodies' shapes at most.
-
-    A cylinder about a joint's axis is the same at every angle of this joint.
-
-    Args:
-        bodies: Of an arm.
-        pair: Numbers of two bodies, of which the first carries the second.
-
-    Returns:
-        For each two shapes and the joints between them from the first body on,
-        (first, second, m) [m/rad].
-    """
-    one, other = pair
-    joints = joints_between(bodies, pair)
-    behind = np.array(
-        [
-            [_left_behind_shape(single, one, joint) for joint in joints]
-            for single in _single_shapes(bodies, one)
-        ]
-    )
-    carried = shape_radii(bodies, other, joints)
-    return np.asarray(np.minimum(behind[:, None], carried[None]))
 
 
 def joints_between(bodies: CollisionBodies, pair: tuple[int, int]) -> list[int]:
@@ -88,54 +60,6 @@ def joints_between(bodies: CollisionBodies, pair: tuple[int, int]) -> list[int]:
     """
     one, other = pair
     return sorted(set(carriers(bodies, other)) - set(carriers(bodies, one)))
-
-
-def shape_radii(bodies: CollisionBodies, body: int, joints: list[int]) -> FloatArray:
-    """Largest distance of a body's shapes from the axes that carry them, (shapes, m).
-
-    0 for a cylinder about the body's own axis, which is the same at every angle.
-    """
-    return np.array(
-        [
-            [_carried_shape(single, body, joint) for joint in joints]
-            for single in _single_shapes(bodies, body)
-        ]
-    )
-
-
-def _single_shapes(bodies: CollisionBodies, body: int) -> list[CollisionBodies]:
-    """Bodies of which one has one of its shapes only, for each of them."""
-    singles = []
-    for shape in bodies.bodies[body].shapes:
-        every = list(bodies.bodies)
-        every[body] = replace(every[body], shapes=(shape,))
-        singles.append(replace(bodies, bodies=tuple(every)))
-    return singles
-
-
-def _carried_shape(bodies: CollisionBodies, body: int, joint: int) -> float:
-    """`carried_radius` of a body with one shape."""
-    (shape,) = bodies.bodies[body].shapes
-    if joint == body and _is_about_z(shape, np.eye(4)):
-        return 0.0
-    return carried_radius(bodies, body, joint)
-
-
-def _left_behind_shape(bodies: CollisionBodies, body: int, joint: int) -> float:
-    """`_left_behind_radius` of a body with one shape."""
-    (shape,) = bodies.bodies[body].shapes
-    follower = bodies.bodies[joint]
-    if follower.parent == body and _is_about_z(shape, _inverse(follower.placement)):
-        return 0.0
-    return _left_behind_radius(bodies, body, joint)
-
-
-def _is_about_z(shape: Primitive, seen_from: FloatArray) -> bool:
-    """Whether a shape, seen from a frame (4, 4), is a cylinder about the z axis."""
-    placed = seen_from @ pose(shape.xyz, shape.rpy)
-    tilted = math.hypot(placed[0, 2], placed[1, 2])
-    beside = math.hypot(placed[0, 3], placed[1, 3])
-    return shape.kind == "cylinder" and max(tilted, beside) < _SAME_AXIS
 
 
 def carried_radius(bodies: CollisionBodies, body: int, joint: int) -> float:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from alpha5_model._support.checks import choice, flag
 from alpha5_model._support.paths import REPOSITORY_PATH
-from alpha5_model.collision.disabled_pairs import disabled_pairs
+from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.frames import own_mount, tcp_placement

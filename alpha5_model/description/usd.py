@@ -16,7 +16,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.spatial import Placement, pose, quaternion_from_rpy
-from alpha5_model.collision.disabled_pairs import disabled_pairs
+from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.digits import rounded

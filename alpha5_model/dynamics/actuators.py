@@ -216,11 +216,6 @@ class Actuator:
         """F carried to the joint, ``F * ratio`` [N m], for the jaw rod [N]."""
         return self.parameters.friction * self.ratio
 
-    @property
-    def time_constant(self) -> float:
-        """Electrical time constant L/R [s]."""
-        return self.parameters.inductance / self.parameters.resistance
-
     # Torque and current
     # ---------------------------------------------------------------------
 
@@ -365,39 +360,6 @@ class Actuator:
 
         return Interval(lower=torque_at(low), upper=torque_at(high))
 
-    def speed_limits(
-        self, torque: ArrayLike, supply_voltage: float, current_limit: float
-    ) -> Interval:
-        """Joint velocities, backward and forward, that can be kept up with a torque.
-
-        Args:
-            torque: Delivered to the joint [N m].
-            supply_voltage: [V].
-            current_limit: [A].
-
-        Returns:
-            ``lower <= 0 <= upper``; NaN on a side where the joint cannot move with that
-            torque.
-        """
-        supply, limit = _drive_limits(supply_voltage, current_limit)
-        (tau,) = _checked_arrays(torque=torque)
-
-        def speed_towards(sign: float) -> FloatArray:
-            still = self._gear_input(tau, np.asarray(sign))
-            dry = self.parameters.friction if sign > 0 else -self._backward
-            at_rest = (still + dry) / self.torque_constant
-            # The current grows with the speed by the viscous friction.
-            per_speed = self.viscous_friction * self.ratio / self.torque_constant
-            slower = 1 + self.parameters.resistance * per_speed / (
-                self.back_emf_constant * self.ratio
-            )
-            speed = self.speed(sign * supply, at_rest) / slower
-            i = at_rest + per_speed * speed
-            possible = (np.abs(i) <= limit) & (sign * speed >= 0)
-            return np.where(possible, speed, np.nan)
-
-        return Interval(lower=speed_towards(-1.0), upper=speed_towards(1.0))
-
     # Power
     # ----------------------------------------------------------------------------------
 
@@ -452,17 +414,6 @@ class Actuator:
     ) -> Interval:
         """`current` over the printed tolerance of the friction, [A]."""
         ends = [end.current(torque, velocity, acceleration) for end in self.extremes()]
-        lower, upper = np.sort(ends, axis=0)
-        return Interval(lower=lower, upper=upper)
-
-    def torque_interval(
-        self,
-        current: ArrayLike,
-        velocity: ArrayLike = 0.0,
-        acceleration: ArrayLike | None = None,
-    ) -> Interval:
-        """`torque` over the printed tolerance of the friction, [N m]."""
-        ends = [end.torque(current, velocity, acceleration) for end in self.extremes()]
         lower, upper = np.sort(ends, axis=0)
         return Interval(lower=lower, upper=upper)
 

@@ -1,9 +1,10 @@
 """The arm in motion under water: ``M(q) a + C(q, v) v + g(q) = tau + tau_buoyancy(q)``.
 
-This is a thin layer over Pinocchio: every method calls one or two of its algorithms, on
-the models of the arm and of the fluid that it displaces
+This is a thin layer over Pinocchio: single calls of the dynamics and kinematics are its
+algorithms, on the models of the arm and of the fluid that it displaces
 (`alpha5_model.dynamics.arm_model`). Batches run on generated kernels if those know the
-arm (`alpha5_model.dynamics.batch`). The fluid acts by its pressure at rest (buoyancy)
+arm (`alpha5_model.dynamics.batch`). Self-collision has a test of its own
+(`alpha5_model.collision`). The fluid acts by its pressure at rest (buoyancy)
 only. Nothing is published about drag and added mass; they are estimated, and
 `Arm.with_hydrodynamics` returns an arm that has them.
 
@@ -23,18 +24,19 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.dynamics import mount_load
 from alpha5_model.dynamics.arm_collision import ArmCollision
 from alpha5_model.dynamics.arm_model import ArmModel
-from alpha5_model.dynamics.batch import kernel_rows
+from alpha5_model.dynamics.batch import kernel_rows, solved
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
-from alpha5_model.dynamics.joint_tree import AT_ORIGIN
+from alpha5_model.dynamics.joint_tree import AT_ORIGIN, JointTree
 from alpha5_model.dynamics.model_changes import added_body, with_payload
 from alpha5_model.dynamics.regression import Regressor, regressor
 from alpha5_model.dynamics.states import Partials, forces
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.approach import ApproachDirections
-from alpha5_model.kinematics.arm_kinematics import ArmKinematics
+from alpha5_model.kinematics import pose
+from alpha5_model.kinematics.pose import ApproachDirections
+from alpha5_model.numbers.jaws import tip_height
+from alpha5_model.numbers.tool import printed_tool
 
 if TYPE_CHECKING:
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
@@ -71,7 +73,7 @@ class Arm(ArmModel):
         model: pin.Model of the arm, for the caller. The arm computes on a copy, so
             changes of this one do not change the results of its methods. With jaws it
             has mimic joints, which not every algorithm of Pinocchio supports: see
-            `alpha5_model.dynamics.jaw_arm`.
+            `alpha5_model.dynamics.joint_tree`.
         fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the
             centres of buoyancy.
         displacements: The displaced volumes.
@@ -84,10 +86,14 @@ class Arm(ArmModel):
     def forward_kinematics(self, q: ArrayLike, frame: str = "tcp") -> Any:
         """Pose of a frame.
 
+        Beside the frames of the model there is ``tip``, midway between the tips of the
+        fingers, with the axes of the tcp (`alpha5_model.tool_at_tip`). The jaws are
+        closed, or moved by axis_a.
+
         Args:
             q: Joint positions, (nq,) [rad, and m for axis_a]; with a floating base,
                 position [m] and quaternion (x, y, z, w) of base_link come first.
-            frame: Name of a frame of the model.
+            frame: Name of a frame of the model, or ``tip``.
 
         Returns:
             pin.SE3 ``transform_frame_to_world``; the world is base_link if the base is
@@ -101,6 +107,9 @@ class Arm(ArmModel):
         q = self._clean_q(q)
         scratch = self._scratch
         pin.framesForwardKinematics(self._model, scratch.data, q)
+        if _is_tip(frame):
+            placement, _ = self._tip(q)
+            return scratch.placements[self._frame("link_4")] * placement
         return scratch.placements[self._frame(frame)].copy()
 
     def jacobian(
@@ -113,7 +122,7 @@ class Arm(ArmModel):
 
         Args:
             q: (nq,).
-            frame: Name of a frame of the model.
+            frame: Name of a frame of the model, or ``tip``, which axis_a moves.
             reference_frame: Axes and point of the twist, a pin.ReferenceFrame. The
                 default is the velocity of the frame's origin in the axes of the world.
 
@@ -124,8 +133,34 @@ class Arm(ArmModel):
         if type(reference_frame) is not pin.ReferenceFrame:
             expected = "pin.LOCAL, pin.WORLD or LOCAL_WORLD_ALIGNED"
             raise InputError("reference_frame", reference_frame, expected)
+        if _is_tip(frame):
+            return self._tip_jacobian(q, reference_frame)
         index = self._frame(frame)
         return _jacobian(self._model, self._scratch.data, q, index, reference_frame)
+
+    def _tip(self, q: FloatArray) -> tuple[pin.SE3, FloatArray]:
+        """Pose of the tip in link_4, and the velocity at unit rate of axis_a, (3,)."""
+        record = self.parameters
+        jaw = record.joints[4]
+        moves = jaw.name in self.joint_names
+        height, rate = tip_height(record, float(q[-1]) if moves else jaw.lower)
+        tcp = record.tool or printed_tool(record.dh[3], record.dh[4])
+        placement = pin.SE3(tcp.rotation, np.array([0.0, 0.0, -height]))
+        return placement, np.array([0.0, 0.0, -rate if moves else 0.0])
+
+    def _tip_jacobian(self, q: FloatArray, reference_frame: Any) -> FloatArray:
+        """Geometric Jacobian of the tip, (6, nv)."""
+        placement, rate = self._tip(q)
+        link_4 = self._frame("link_4")
+        of_link = _jacobian(self._model, self._scratch.data, q, link_4, pin.LOCAL)
+        jacobian: FloatArray = placement.inverse().action @ of_link
+        jacobian[:3, -1] += placement.rotation.T @ rate
+        if reference_frame == pin.LOCAL:
+            return jacobian
+        tip = self.forward_kinematics(q, "tip")
+        if reference_frame == pin.LOCAL_WORLD_ALIGNED:
+            tip.translation = np.zeros(3)
+        return np.asarray(tip.action @ jacobian)
 
     def approach_directions(self, position: ArrayLike) -> ApproachDirections:
         """From which directions the arm reaches points; see `ApproachDirections`.
@@ -137,7 +172,10 @@ class Arm(ArmModel):
             InputError: Also an arm whose model has other dimensions or limits than its
                 record, or whose tool point is beside the wrist axis.
         """
-        return self._kinematics.approach_directions(position)
+        needed_for = "the inverse kinematics"
+        check_dimensions(self._model, needed_for, arm=self.parameters)
+        check_limits(self._model, needed_for, self.parameters)
+        return pose.approach_directions(position, arm=self.parameters)
 
     def gravity_torque(self, q: ArrayLike) -> FloatArray:
         """Torque that holds the weight.
@@ -176,7 +214,11 @@ class Arm(ArmModel):
         Returns:
             (nv,) [N m, N].
         """
-        return _gravity(self._net, self._scratch.net_data, self._clean_q(q))
+        q = self._clean_q(q)
+        scratch = self._scratch
+        torque = _gravity(self._model, scratch.data, q)
+        torque -= _gravity(self._fluid, scratch.fluid_data, q)
+        return torque
 
     def hydrostatic_torque_derivative(self, q: ArrayLike) -> FloatArray:
         """Derivative of `hydrostatic_torque` with respect to q.
@@ -189,16 +231,14 @@ class Arm(ArmModel):
         Returns:
             (nv, nv): row = torque, column = coordinate.
         """
-        q = self._clean_q(q)
-        scratch = self._scratch
-        # The net weights do not serve here: Pinocchio joins bodies, which takes
-        # positive masses.
-        out: FloatArray = pin.computeGeneralizedGravityDerivatives(
-            self._model, scratch.data, q
+        tree = self._joint_tree
+        data, fluid_data = self._data_of(tree)
+        (position,) = tree.expand(self._clean_q(q))
+        slope = pin.computeGeneralizedGravityDerivatives(tree.model, data, position)
+        slope -= pin.computeGeneralizedGravityDerivatives(
+            tree.fluid, fluid_data, position
         )
-        fluid_data = scratch.fluid_data
-        out -= pin.computeGeneralizedGravityDerivatives(self._fluid, fluid_data, q)
-        return out
+        return tree.project(slope)
 
     def buoyancy_wrenches(self, q: ArrayLike) -> Any:
         """Buoyancy as one wrench for each joint.
@@ -232,16 +272,23 @@ class Arm(ArmModel):
         Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a
         constant.
         """
-        moving = pin.computePotentialEnergy(
-            self._net, self._scratch.net_data, self._clean_q(q)
-        )
-        return float(moving) + self._fixed.potential_energy
+        tree = self._joint_tree
+        data, fluid_data = self._data_of(tree)
+        (position,) = tree.expand(self._clean_q(q))
+        energy = pin.computePotentialEnergy(tree.model, data, position)
+        energy -= pin.computePotentialEnergy(tree.fluid, fluid_data, position)
+        # Pinocchio leaves out what is fixed to the universe.
+        body, water = self._model.inertias[0], self._fluid.inertias[0]
+        moment = body.mass * body.lever - water.mass * water.lever
+        return float(energy - self._model.gravity.linear @ moment)
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""
         moving = pin.centerOfMass(self._model, self._scratch.data, self._in_base(q))
-        fixed = self._fixed
-        return np.asarray(moving * fixed.moving_fraction + fixed.com)
+        # Pinocchio leaves out what is fixed to the universe.
+        fixed = self._model.inertias[0]
+        share = fixed.mass / self.total_mass
+        return np.asarray(moving * (1.0 - share) + fixed.lever * share)
 
     def center_of_buoyancy(self, q: ArrayLike) -> FloatArray:
         """Centroid of the displaced volume in base_link, (3,) [m].
@@ -254,7 +301,7 @@ class Arm(ArmModel):
             InputError: Also for an arm that displaces nothing.
         """
         q = self._in_base(q)
-        if not self._volume:
+        if not self.displaced_volume:
             raise InputError("displacements", self.displacements, "a volume above 0")
         data = self._scratch.data
         pin.forwardKinematics(self._model, data, q)
@@ -262,7 +309,7 @@ class Arm(ArmModel):
         for body in self.displacements:
             placement = data.oMi[self._model.getJointId(body.joint)]
             moment += body.volume * placement.act(np.array(body.cob))
-        return moment / self._volume
+        return moment / self.displaced_volume
 
     def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | BoolArray:
         """Whether the arm touches itself.
@@ -292,7 +339,7 @@ class Arm(ArmModel):
         """Smallest distance between two links that `in_collision` compares [m].
 
         It is negative if they overlap: the depth, to a micrometre.
-        `alpha5_model.dynamics.collision.CollisionModel` also says where.
+        `closest_links` also says which.
 
         Args:
             q: (nq,), or (..., nq) for many positions.
@@ -301,6 +348,17 @@ class Arm(ArmModel):
             float, or (...).
         """
         return self._collision.distance(q)
+
+    def closest_links(self, q: ArrayLike) -> tuple[tuple[str, str], float]:
+        """The two links that are nearest to each other, or that overlap most.
+
+        Args:
+            q: (nq,).
+
+        Returns:
+            Their names, and their distance as of `collision_distance` [m].
+        """
+        return self._collision.closest(q)
 
     def collision_distance_gradient(self, q: ArrayLike) -> FloatArray:
         """Derivative of `collision_distance` by q, (nv,) [m/rad, and 1 for axis_a].
@@ -323,7 +381,10 @@ class Arm(ArmModel):
 
         C v is the Coriolis and centrifugal torque; ``dM/dt - 2 C`` is skew-symmetric.
         """
-        return _coriolis(self._model, self._scratch.data, *self._clean_qv(q, v))
+        tree = self._joint_tree
+        data, _ = self._data_of(tree)
+        state = tree.expand(*self._clean_qv(q, v))
+        return tree.project(_coriolis(tree.model, data, *state))
 
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """``C(q, v) v + hydrostatic_torque(q)``, (nv,) [N m]."""
@@ -389,6 +450,9 @@ class Arm(ArmModel):
             a, (nv,) [rad/s^2].
         """
         q, v, tau = self._clean_qvtau(q, v, tau)
+        if self._mimics:  # which ABA refuses
+            bias = self.inverse_dynamics(q, v, np.zeros_like(v), fext)
+            return solved(self.mass_matrix(q), tau - bias)
         scratch = self._scratch
         outside = () if fext is None else (forces(fext, self._model.njoints),)
         total = tau + _gravity(self._fluid, scratch.fluid_data, q)
@@ -411,12 +475,17 @@ class Arm(ArmModel):
             dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a
             floating base.
         """
-        q, v, a = self._clean_qva(q, v, a)
-        data = self._scratch.data
-        fluid_data = self._scratch.fluid_data
-        dq, dv, da = pin.computeRNEADerivatives(self._model, data, q, v, a)
-        water = pin.computeGeneralizedGravityDerivatives(self._fluid, fluid_data, q)
-        return dq - water, dv.copy(), da.copy()  # Pinocchio hands out views of its data
+        tree = self._joint_tree
+        data, fluid_data = self._data_of(tree)
+        state = tree.expand(*self._clean_qva(q, v, a))
+        dq, dv, da = pin.computeRNEADerivatives(tree.model, data, *state)
+        water = pin.computeGeneralizedGravityDerivatives(
+            tree.fluid, fluid_data, state[0]
+        )
+        # Pinocchio hands out views of its data.
+        slopes = dq - water, dv.copy(), da.copy()
+        of_q, of_v, of_a = map(tree.project, slopes)
+        return of_q, of_v, of_a
 
     def forward_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike
@@ -459,7 +528,18 @@ class Arm(ArmModel):
             [N m].
         """
         q, v, a = self._clean_qva(q, v, a)
-        return mount_load.base_wrench(self, q, v, a, fext)
+        scratch = self._scratch
+        outside = () if fext is None else (forces(fext, self._model.njoints),)
+        _rnea(self._model, scratch.data, q, v, a, *outside)
+        _gravity(self._fluid, scratch.fluid_data, q)
+
+        # The load of the first joint; on a floating base that is base_link itself.
+        load = scratch.data.f[1] - scratch.fluid_data.f[1]
+        if self.floating_base:
+            return -load
+        # RNEA stops at the first joint. The last step adds the fixed bodies.
+        load = scratch.data.liMi[1].act(load) - self._weight_of_fixed
+        return outside[0][0] - load if outside else -load
 
     def base_wrench_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike
@@ -475,13 +555,19 @@ class Arm(ArmModel):
             dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the
             coupling between arm and vehicle, linearised.
         """
-        q, v, a = self._clean_qva(q, v, a)
-        return mount_load.base_wrench_derivatives(self, q, v, a)
+        tree = self._floating_tree
+        data, fluid_data = self._data_of(tree)
+        state = tree.expand(*self._clean_qva(q, v, a))
+        dq, dv, da = pin.computeRNEADerivatives(tree.model, data, *state)
+        water = pin.computeGeneralizedGravityDerivatives(
+            tree.fluid, fluid_data, state[0]
+        )
+        return (water - dq)[:6] @ tree.g, -dv[:6] @ tree.g, -da[:6] @ tree.g
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
-        state = self._clean_qv(q, v)
-        return float(pin.computeKineticEnergy(self._model, self._scratch.data, *state))
+        _, velocity = self._clean_qv(q, v)
+        return float(velocity @ self.mass_matrix(q) @ velocity) / 2
 
     def inverse_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -501,7 +587,7 @@ class Arm(ArmModel):
         Returns:
             (N, nv).
         """
-        return kernel_rows(self, "inverse_dynamics", 4, threads, q=q, v=v, a=a)
+        return kernel_rows(self, "inverse_dynamics", threads, q=q, v=v, a=a)
 
     def forward_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
@@ -510,7 +596,7 @@ class Arm(ArmModel):
 
         Arguments are as of `inverse_dynamics_batch`.
         """
-        return kernel_rows(self, "forward_dynamics", 4, threads, q=q, v=v, tau=tau)
+        return kernel_rows(self, "forward_dynamics", threads, q=q, v=v, tau=tau)
 
     def base_wrench_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -526,7 +612,7 @@ class Arm(ArmModel):
         Returns:
             (N, 6): force [N] and moment [N m] on the mount, in base_link.
         """
-        return kernel_rows(self, "base_wrench", 6, threads, q=q, v=v, a=a)
+        return kernel_rows(self, "base_wrench", threads, q=q, v=v, a=a)
 
     def with_payload(
         self,
@@ -613,17 +699,26 @@ class Arm(ArmModel):
         return np.concatenate([AT_ORIGIN, checked[7:]])
 
     @cached_property
+    def _weight_of_fixed(self) -> Any:
+        """Weight less buoyancy of what is fixed to the universe: link_0, a pin.Force.
+
+        On a fixed base only; on a floating one link_0 moves.
+        """
+        gravity = self._model.gravity
+        return self._model.inertias[0] * gravity - self._fluid.inertias[0] * gravity
+
+    def _data_of(self, tree: JointTree) -> tuple[Any, Any]:
+        """pin.Data of the bodies and of the fluid of a tree, of this thread."""
+        if tree.is_arm:
+            return self._scratch.data, self._scratch.fluid_data
+        pool = self._scratch.pool
+        return pool(tree.model).getData(0), pool(tree.fluid).getData(0)
+
+    @cached_property
     def _collision(self) -> ArmCollision:
         return ArmCollision(self._model, self.parameters)
 
-    @cached_property
-    def _kinematics(self) -> ArmKinematics:
-        """The kinematics of the arm's record.
 
-        Raises:
-            InputError: Dimensions or limits other than the record's.
-        """
-        needed_for = "the inverse kinematics"
-        check_dimensions(self._model, needed_for, arm=self.parameters)
-        check_limits(self._model, needed_for, self.parameters)
-        return ArmKinematics(self.parameters)
+def _is_tip(frame: Any) -> bool:
+    """Whether a frame is the one between the finger tips, which no model has."""
+    return isinstance(frame, str) and frame == "tip"

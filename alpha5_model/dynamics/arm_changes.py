@@ -23,7 +23,6 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.numbers.tool import ToolPose, printed_tool
 from alpha5_model.theory.dh import DHChain
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
 
 #: Points of the grid for each joint, and how often it is refined around its best one.
 _POINTS = (9, 13, 13, 13)
@@ -278,7 +277,7 @@ def _hydrostatic(
 
 def _tcp(parameters: Alpha5Parameters) -> Callable[[FloatArray], FloatArray]:
     """Positions of the tcp in base_link (N, 3) at joint positions (N, 4)."""
-    chain = DHChain(**alpha5_table(parameters))
+    chain = DHChain.alpha5(arm=parameters)
     return lambda q: chain.forward_kinematics(q)[..., :3, 3]
 
 

@@ -79,6 +79,11 @@ class ArmCollision:
             return float(distance[0])
         return distance.reshape(np.shape(q)[:-1])
 
+    def closest(self, q: ArrayLike) -> tuple[tuple[str, str], float]:
+        """Names of the nearest two links at q (nq,), and their distance [m]."""
+        contact = self._scene.nearest(self._turned(self._check(q)))
+        return self._scene.links(contact), contact.distance
+
     def gradient(self, q: ArrayLike) -> FloatArray:
         """Derivative of the distance by the coordinates of v at q (nq,), (nv,)."""
         of_angles = self._scene.gradient(self._turned(self._check(q)))

@@ -12,17 +12,18 @@ from typing import Any, NamedTuple, Self
 import pinocchio as pin
 
 from alpha5_model._support.checks import FloatArray, frozen, instance, listed, real
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.buoyancy import (
     Displacement,
     check_inertias,
     displaced_fluid_model,
-    net_weight_model,
 )
-from alpha5_model.dynamics.fixed_bodies import fixed_bodies, moving_mass
 from alpha5_model.dynamics.joint_tree import (
     JointTree,
+    mimicking,
     tree_of_model,
     tree_on_free_flyer,
+    tree_under_mimics,
 )
 from alpha5_model.dynamics.kernel_numbers import kernel_parameters
 from alpha5_model.dynamics.scratch import Scratch
@@ -57,15 +58,19 @@ class ArmModel:
     `alpha5_model.dynamics.arm.Arm` documents the arguments and attributes.
     """
 
+    #: Whether the arm has added mass and drag.
+    has_hydrodynamics = False
+
     def __init__(
         self,
         model: pin.Model,
         displacements: Iterable[Displacement],
         fluid_density: float = SEA_WATER,
+        mimics: Iterable[UrdfJoint] = (),
         *,
         parameters: Alpha5Parameters | None = None,
     ) -> None:
-        if not isinstance(model, pin.Model) or not moving_mass(model):
+        if not isinstance(model, pin.Model) or not pin.computeTotalMass(model):
             raise InputError("model", model, "a pin.Model with moving masses")
         self.displacements = tuple(
             instance("displacements", volume, Displacement)
@@ -77,18 +82,15 @@ class ArmModel:
         self.floating_base = model.joints[1].nq == 7
         check_inertias(model)
 
-        self._model = model.copy()
-        self._fluid = displaced_fluid_model(
-            model, self.displacements, self.fluid_density
-        )
-        self._net = net_weight_model(model, self._fluid)
-        self.model = model.copy()
+        self._mimics = tuple(mimics)
+        self._own_joints = model.copy()
+        self._model = mimicking(model, self._mimics)
+        self._fluid = self._displaced_fluid(self._model)
+        self.model = self._model.copy()
         self.fluid_model = self._fluid.copy()
-        self._scratch = Scratch(self._model, self._fluid, self._net, self.model)
+        self._scratch = Scratch(self._model, self._fluid, self.model)
 
-        self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
-        self._volume = sum(body.volume for body in self.displacements)
-        self._fixed = fixed_bodies(self._model, self._net)
+        self._frames = {frame.name: i for i, frame in enumerate(self._model.frames)}
         # Checks of a state, which they return converted.
         self._clean_q: _CheckOfOne = state_check(self._model)
         self._clean_qv: _Check = state_check(self._model, "v")
@@ -125,9 +127,30 @@ class ArmModel:
         )
 
     @cached_property
+    def total_mass(self) -> float:
+        """Mass of the whole arm, link_0 included [kg].
+
+        ``pin.computeTotalMass(arm.model)`` leaves out what is fixed to the universe:
+        link_0 on a fixed base.
+        """
+        return float(sum(body.mass for body in self._model.inertias))
+
+    @cached_property
+    def displaced_volume(self) -> float:
+        """Volume that the whole arm displaces, link_0 included [m^3]."""
+        return float(sum(body.volume for body in self.displacements))
+
+    @cached_property
     def _joint_tree(self) -> JointTree:
         """The tree in which each joint has coordinates of its own."""
-        return tree_of_model(self._model, self._fluid)
+        if not self._mimics:
+            return tree_of_model(self._model, self._fluid)
+        tree = self._own_joints
+        fluid = self._displaced_fluid(tree)
+        return tree_under_mimics(self._model, tree, fluid, self._mimics)
+
+    def _displaced_fluid(self, model: pin.Model) -> pin.Model:
+        return displaced_fluid_model(model, self.displacements, self.fluid_density)
 
     @cached_property
     def _floating_tree(self) -> JointTree:
@@ -143,7 +166,9 @@ class ArmModel:
     @property
     def _constructor_arguments(self) -> tuple[Any, ...]:
         """The positional arguments that make the same arm."""
-        return self._model, self.displacements, self.fluid_density
+        # Pinocchio 4.1 crashes with a pickled model that has mimic joints.
+        model = self._own_joints
+        return model, self.displacements, self.fluid_density, self._mimics
 
     def _rebuilt(self, model: pin.Model, displacements: Iterable[Displacement]) -> Self:
         """An arm like this one, from another model and its volumes.
@@ -152,14 +177,13 @@ class ArmModel:
             model: pin.Model in which each joint has coordinates of its own.
             displacements: The volumes on its joints.
         """
-        _, _, *others = self._constructor_arguments
-        return type(self)(model, displacements, *others, parameters=self.parameters)
-
-    def _rebuilt_afloat(
-        self, model: pin.Model, displacements: Iterable[Displacement]
-    ) -> ArmModel:
-        """The same from a model on a free-flyer; see `_rebuilt`."""
-        return self._rebuilt(model, displacements)
+        return type(self)(
+            model,
+            displacements,
+            self.fluid_density,
+            self._mimics,
+            parameters=self.parameters,
+        )
 
     def _frame(self, name: str) -> int:
         try:

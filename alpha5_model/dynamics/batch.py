@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -22,11 +21,10 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, count
-from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.dynamics.kernel_numbers import kernel_name
 from alpha5_model.dynamics.scratch import Scratch
 from alpha5_model.dynamics.states import rows
-from alpha5_model.errors import InputError, KernelError
+from alpha5_model.errors import InputError
+from alpha5_model.kernels import choice as kernels
 
 #: Number of states for which one more thread pays. They are 3 ms of work, as long as
 #: starting a thread takes on a busy machine.
@@ -40,55 +38,32 @@ _PROCESS = os.getpid()
 def kernel_rows(
     arm: Any,
     kernel: str,
-    columns: int,
     threads: int | None,
-    parameters: FloatArray | None = None,
     **states: ArrayLike,
 ) -> FloatArray:
-    """The output of a kernel for each row of q and its rates, (N, columns).
+    """The output of a kernel for each row of q and its rates, (N, ...).
 
     Pinocchio computes it instead if the kernels do not know the arm.
 
     Args:
         arm: An `Arm`.
         kernel: Name of the kernel.
-        columns: Number of columns of its output.
         threads: How many threads Pinocchio uses at most. The kernels use one, but the
             number is checked in any case.
-        parameters: Parameters of the kernel; None for the arm's base parameters and
-            dimensions.
         states: q and its rates, by name.
 
     Raises:
         InputError: States that `rows` refuses, or threads that `thread_count` refuses.
     """
-    if parameters is None:
-        parameters = arm._kernel_parameters
+    parameters = arm._kernel_parameters
     if parameters is None:
         clean = rows(arm._model, **states)
         n_threads = thread_count(threads, len(clean[0]))
         return _BY_PINOCCHIO[kernel](arm, n_threads, *clean)
 
-    out = None
-    given: list[Any] = [*states.values()]
-    if type(given[0]) is np.ndarray and given[0].ndim == 2 and len(given[0]):
-        # The kernel refuses what is not plainly rows. Then `rows` converts it, or says
-        # what is wrong. Of no row, a kernel checks nothing.
-        with suppress(KernelError):
-            out = _run_kernel(kernel, parameters, columns, given)
-    if out is None:
-        clean = rows(arm._model, **states)
-        out = _run_kernel(kernel, parameters, columns, clean)
     if threads is not None:
         count("threads", threads)
-    return out
-
-
-def _run_kernel(
-    kernel: str, parameters: FloatArray, columns: int, states: list[FloatArray]
-) -> FloatArray:
-    out = np.empty((len(states[0]), columns))
-    kernels.compute(kernel, parameters, *states, out)
+    (out,) = kernels.rows(kernel, parameters, *rows(arm._model, **states))
     return out
 
 
@@ -111,9 +86,7 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
     """
     arm._frame(frame)
     if frame == "tcp" and arm._kernel_parameters is not None:
-        kernel = kernel_name("forward_kinematics", arm._kernel_parameters)
-        poses = kernel_rows(arm, kernel, 16, 1, q=q)
-        return poses[:, 3:12:4].copy()
+        return kernel_rows(arm, "forward_kinematics", 1, q=q)[:, :3, 3].copy()
     (configurations,) = rows(arm._model, q=q)
     origins = [arm.forward_kinematics(row, frame).translation for row in configurations]
     return np.array(origins).reshape(-1, 3)
@@ -182,12 +155,12 @@ def _base_wrench(
     arm: Any, threads: int, q: FloatArray, v: FloatArray, a: FloatArray
 ) -> FloatArray:
     """Wrench on the mount for each row, (N, 6)."""
-    tree, fluid, embedding = arm._floating_tree
+    tree = arm._floating_tree
     out = np.empty((len(q), 6))
     for i in _blocks(len(q), threads):
-        q_tree, v_tree, a_tree = embedding.expand(q[i], v[i], a[i])
-        water = rnea(fluid, arm._scratch, threads, q_tree)
-        load = rnea(tree, arm._scratch, threads, q_tree, v_tree, a_tree)
+        q_tree, v_tree, a_tree = tree.expand(q[i], v[i], a[i])
+        water = rnea(tree.fluid, arm._scratch, threads, q_tree)
+        load = rnea(tree.model, arm._scratch, threads, q_tree, v_tree, a_tree)
         out[i] = (water - load)[:, :6]
     return out
 
@@ -199,7 +172,7 @@ def _forward_dynamics(
 
     Pinocchio's ABA refuses mimic joints, so an arm with jaws uses its mass matrix.
     """
-    if arm._joint_tree.model is not arm._model:
+    if arm._mimics:
         return solved_rows(arm, q, v, tau, threads)
     total = rnea(arm._fluid, arm._scratch, threads, q)
     total += tau

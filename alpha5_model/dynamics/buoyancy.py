@@ -142,39 +142,3 @@ def check_inertias(model: pin.Model) -> None:
         if least_second_moments[k] < -rounding[k]:
             expected = "an inertia that a body can have"
             raise InputError(f"inertia on {joint}", tensors[k].tolist(), expected)
-
-
-def net_weight_model(model: pin.Model, fluid: pin.Model) -> pin.Model:
-    """The net-weight model: weight less buoyancy, as point masses on the joints.
-
-    A mass ``m - rho V`` at ``(m c - rho V b) / (m - rho V)`` has the force and the
-    moment of weight and buoyancy together. So one pass over this model gives the
-    hydrostatic torque and the potential energy. A body that floats has a negative mass,
-    which is valid in sums of forces and energies only, not in algorithms that join
-    bodies (derivatives, inertia, centre of mass). Joints without a volume keep their
-    body.
-
-    Args:
-        model: pin.Model of the arm; it is not changed.
-        fluid: Its displaced-fluid model.
-
-    Returns:
-        pin.Model with the arm's joints, frames and gravity, and one body on each joint.
-    """
-    net = model.copy()
-    for joint in range(net.njoints):
-        water = fluid.inertias[joint]
-        if water.mass:
-            net.inertias[joint] = _net_weight(model.inertias[joint], water)
-    return net
-
-
-def _net_weight(body: Any, water: Any) -> Any:
-    """A point mass with the weight of a body less its buoyancy, a pin.Inertia."""
-    point = pin.Inertia.Zero()
-    # With neutral buoyancy only a moment is left. A negligible mass at a large distance
-    # represents it.
-    point.mass = (body.mass - water.mass) or 1e-30
-    first_moment = body.mass * body.lever - water.mass * water.lever
-    point.lever = first_moment / point.mass
-    return point

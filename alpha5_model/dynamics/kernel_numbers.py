@@ -6,23 +6,21 @@ Bodies, payloads included, fluid, gravity, lengths, zeros and tool are parameter
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, frozen
+from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
-from alpha5_model.codegen.dimensions import Dimensions, has_known_structure
-from alpha5_model.codegen.kernels.names import KINEMATICS, own
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.description.frames import (
     base_placement,
     joint_placements,
     tcp_placement,
 )
-from alpha5_model.dynamics.dimensions import check_dimensions, made_for
-from alpha5_model.errors import InputError
+from alpha5_model.dynamics.dimensions import check_dimensions
+from alpha5_model.errors import InputError, PublishedDataError
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 if TYPE_CHECKING:
@@ -45,7 +43,7 @@ def arm_parameters(arm: Any) -> FloatArray:
 
 
 def arm_dimensions(arm: Any) -> FloatArray:
-    """Numbers of an arm's `alpha5_model.codegen.dimensions.Dimensions`, (24,).
+    """The ``dimensions`` of an arm's `Geometry`, (24,).
 
     Raises:
         InputError: As of `arm_parameters`.
@@ -55,6 +53,9 @@ def arm_dimensions(arm: Any) -> FloatArray:
 
 def _numbers(arm: Any) -> FloatArray:
     """A copy of the arm's `kernel_parameters`."""
+    if arm.has_hydrodynamics:
+        expected = "an arm in still water: there is no added mass and no drag here"
+        raise InputError("arm", arm, expected)
     if arm._kernel_parameters is None:
         if not arm.floating_base and len(arm.joint_names) == 4:
             needed_for = "the generated formulas"
@@ -71,14 +72,15 @@ def kernel_parameters(arm: Any) -> FloatArray | None:
     """
     model = arm._model
     record = arm.parameters
-    if not has_known_structure(record, made_for()):
+    try:
+        geometry = Geometry.of(record)
+    except PublishedDataError:
         return None
     if not _has_the_joints_of(record, model):
         return None
 
     base_parameters = regrouped(moments_of_links(arm), model.gravity.linear, record)
-    dimensions = Dimensions.from_parameters(record)
-    return np.concatenate([base_parameters, dimensions.numbers])
+    return np.concatenate([base_parameters, geometry.dimensions])
 
 
 def moments_of_links(arm: Any) -> FloatArray:
@@ -109,26 +111,6 @@ def moments_of_links(arm: Any) -> FloatArray:
             density,
         )
     return found
-
-
-def kernel_name(kernel: str, parameters: FloatArray) -> str:
-    """The kernel for an arm: of the catalogue's dimensions, or of any.
-
-    Args:
-        kernel: Name of a method.
-        parameters: The arm's `kernel_parameters`.
-    """
-    if kernel not in KINEMATICS:
-        return kernel
-    dimensions = parameters[len(BASE_PARAMETERS) :]
-    is_known = np.array_equal(dimensions, dimensions_of_kernels())
-    return kernel if is_known else own(kernel)
-
-
-@cache
-def dimensions_of_kernels() -> FloatArray:
-    """The dimensions that are constants of the kinematics' kernels, (24,)."""
-    return frozen(Dimensions.from_parameters(made_for()).numbers)
 
 
 def _has_the_joints_of(parameters: Alpha5Parameters, model: pin.Model) -> bool:

@@ -25,8 +25,7 @@ from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement, displacements
-from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
-from alpha5_model.dynamics.kernel_arm import KernelArm
+from alpha5_model.dynamics.joint_tree import mimicking
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
@@ -36,7 +35,6 @@ from alpha5_model.numbers.loaded_links import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: What can compute single calls.
-BACKENDS = ("pinocchio", "kernels")
 
 
 def load(
@@ -45,7 +43,6 @@ def load(
     floating_base: bool = False,
     gravity: ArrayLike = GRAVITY,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
-    backend: str = "pinocchio",
     arm: Alpha5Parameters | None = None,
 ) -> Arm:
     """The arm in a fluid, from the shipped URDF, or one of your own.
@@ -61,10 +58,6 @@ def load(
             gravity is turned into base_link.
         corrections: Recorded corrections to the document. For other than the default
             ones, the URDF is generated in memory.
-        backend: What computes single calls: ``pinocchio``, or the generated ``kernels``
-            of the same equations, see `alpha5_model.backend`. In any case, batches run
-            on kernels, and Pinocchio computes a floating base, jaws and external
-            forces.
         arm: Record of an arm of your own, such as from `alpha5_model.arm_file`; None
             for the catalogue's. Its URDF is generated in memory. It has its own
             corrections.
@@ -75,7 +68,7 @@ def load(
     Raises:
         InputError: A density below 0, gravity that is not three finite numbers, or an
             ``arm`` together with corrections that it does not have.
-        UnknownNameError: No such gripper, correction or backend.
+        UnknownNameError: No such gripper or correction.
 
     Warns:
         ImplausibleWarning: A density that no fluid has, gravity of an implausible
@@ -84,7 +77,6 @@ def load(
     """
     record = chosen_arm(arm, corrections)
     choice("gripper", gripper, GRIPPERS)
-    choice("backend", backend, BACKENDS)
     density = density_of(fluid_density)
     checked_gravity = array("gravity", gravity, 3)
     plausibility.check_gravity(gravity, checked_gravity)
@@ -96,10 +88,7 @@ def load(
     if record.mount is not None and not floating_base:
         tree.gravity.linear = record.mount.rotation.T @ checked_gravity
     volumes = parsed.displacements
-    if parsed.mimics:
-        return JawArm(tree, volumes, density, parsed.mimics, parameters=record)
-    kind = KernelArm if backend == "kernels" and not floating_base else Arm
-    return kind(tree, volumes, density, parameters=record)
+    return Arm(tree, volumes, density, parsed.mimics, parameters=record)
 
 
 def arm_of(

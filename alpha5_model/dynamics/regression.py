@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS
 from alpha5_model.dynamics.kernel_numbers import arm_dimensions, arm_parameters
 from alpha5_model.dynamics.states import is_one_state, rows
+from alpha5_model.kernels import choice as kernels
 
 #: Base parameters without the gravity.
 NAMES = tuple(BASE_PARAMETERS)[:-3]
@@ -70,13 +70,11 @@ def regressor_rows(
         Rows 0 to 3 are the joints', rows 4 to 9 the mount's in base_link.
     """
     out = np.empty((len(q), 10, len(NAMES)))
-    tau = np.empty((len(q), 4))
-    wrench = np.empty((len(q), 6))
     for k in range(len(NAMES)):
         only_k = np.arange(len(NAMES)) == k
         numbers = np.concatenate([only_k, gravity, dimensions])
-        kernels.compute(
-            "inverse_dynamics_with_base_wrench", numbers, q, v, a, tau, wrench
+        tau, wrench = kernels.rows(
+            "inverse_dynamics_with_base_wrench", numbers, q, v, a
         )
         out[:, :4, k] = tau
         out[:, 4:, k] = wrench

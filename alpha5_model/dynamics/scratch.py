@@ -13,30 +13,21 @@ class Scratch(threading.local):
     """The memory that Pinocchio computes in, one set for each thread.
 
     Attributes:
-        data, fluid_data, net_data: pin.Data of the arm, of the fluid and of their
-            difference.
+        data, fluid_data: pin.Data of the arm and of the fluid.
         placements: pin.SE3 of each frame. They are views of `data`, which the next
             computation changes.
     """
 
-    def __init__(
-        self,
-        model: pin.Model,
-        fluid: pin.Model,
-        net: pin.Model,
-        callers: pin.Model,
-    ) -> None:
+    def __init__(self, model: pin.Model, fluid: pin.Model, callers: pin.Model) -> None:
         """Make the memory of a thread.
 
         Args:
             model: pin.Model of the arm.
             fluid: pin.Model of the displaced fluid.
-            net: pin.Model of weight less buoyancy.
             callers: pin.Model for the caller, `Arm.model`.
         """
         self.data = model.createData()
         self.fluid_data = fluid.createData()
-        self.net_data = net.createData()
         self.placements = [self.data.oMf[i] for i in range(model.nframes)]
         self._model = model
         self._callers = callers

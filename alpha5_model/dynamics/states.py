@@ -23,8 +23,8 @@ from alpha5_model._support.checks import (
     float_array,
     listed,
 )
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
+from alpha5_model.kernels import choice as kernels
 
 #: Derivatives with respect to positions, velocities and accelerations or torques.
 Partials = tuple[FloatArray, FloatArray, FloatArray]
@@ -81,8 +81,9 @@ def rows(model: pin.Model, **states: ArrayLike) -> list[FloatArray]:
     n_rows = _number_of_rows(arrays)
     if model.nq > model.nv:
         _check_quaternions(arrays["q"])
+    # One row for all is not copied: what computes may be asked for millions of rows.
     return [
-        np.ascontiguousarray(np.broadcast_to(given, (n_rows, given.shape[1])))
+        np.broadcast_to(np.ascontiguousarray(given), (n_rows, given.shape[1]))
         for given in arrays.values()
     ]
 

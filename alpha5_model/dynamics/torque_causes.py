@@ -37,16 +37,19 @@ def torque_terms(
     """Inertia, Coriolis, weight and buoyancy torques of many states.
 
     Args:
-        arm: On a fixed base.
+        arm: On a fixed base, in still water.
         q: (N, nq), or one row for all states, as in `Arm.inverse_dynamics_batch`.
         v: (N, nv).
         a: (N, nv).
         threads: How many to use at most; see `Arm.inverse_dynamics_batch`.
 
     Raises:
-        InputError: An arm on a floating base, or arrays that do not fit.
+        InputError: An arm on a floating base or in moving water, or arrays that do not
+            fit.
     """
     check_fixed_base(arm)
+    if arm.has_hydrodynamics:
+        raise InputError("arm", arm, "an arm in still water, such as arm.still")
     q, v, a = rows(arm._model, q=q, v=v, a=a)
     if arm._kernel_parameters is None:
         return _terms_by_pinocchio(arm, q, v, a, threads)
@@ -57,7 +60,7 @@ def _terms_by_kernels(
     arm: Any, q: FloatArray, v: FloatArray, a: FloatArray, threads: int | None
 ) -> TorqueTerms:
     def torque(kernel: str, **rates: FloatArray) -> FloatArray:
-        return kernel_rows(arm, kernel, 4, threads, q=q, **rates)
+        return kernel_rows(arm, kernel, threads, q=q, **rates)
 
     total = torque("inverse_dynamics", v=v, a=a)
     return TorqueTerms(

@@ -11,17 +11,16 @@ References:
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix, wrap
-from alpha5_model.kinematics.arm_shape import ArmShape
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.chain import DHChain
-from alpha5_model.theory.dh.link import dh_transform
 
 
 class Hand(NamedTuple):
@@ -29,26 +28,23 @@ class Hand(NamedTuple):
 
     Attributes:
         chain: The arm.
-        shape: Its lengths, zeros and limits.
+        geometry: Its lengths, zeros and limits.
         wrist_axis: Direction of joint 3's axis in the axes of the tcp, (3,), the same
             for every joint position.
     """
 
     chain: DHChain
-    shape: ArmShape
+    geometry: Geometry
     wrist_axis: FloatArray
 
     @classmethod
-    def from_parameters(cls, parameters: Alpha5Parameters) -> Hand:
-        """The hand of the arm that a record describes."""
-        chain = DHChain(**alpha5_table(parameters))
-        _, axes = chain.joint_axes(chain.home)
-        rotation = chain.forward_kinematics(chain.home)[:3, :3]
-        return cls(
-            chain=chain,
-            shape=ArmShape.from_parameters(parameters),
-            wrist_axis=rotation.T @ axes[3],
-        )
+    def of(cls, record: Alpha5Parameters) -> Hand:
+        """The hand of the arm that a record describes, made once.
+
+        Raises:
+            PublishedDataError: Not a vertical plane with two links in it.
+        """
+        return _hand(record)
 
     def rotation(self, q: FloatArray) -> FloatArray:
         """Rotation matrices of the tcp, (..., 3, 3)."""
@@ -66,11 +62,7 @@ class Hand(NamedTuple):
         Returns:
             q with theta_3 within its limits, and the rotation error (..., 4) [rad].
         """
-        middle = self.shape.middle[3]
-        lower = self.shape.lower[3]
-        upper = self.shape.upper[3]
         axis = self.wrist_axis
-
         turned = q.copy()
         turned[..., 3] = 0.0
         # The rotation from the hand to the target, in the axes of the tcp.
@@ -85,8 +77,8 @@ class Hand(NamedTuple):
         # The twist, which theta_3 should make.
         sine = np.einsum("...ij,ij->...", to_target, cross_matrix(axis))
         cosine = np.trace(to_target, axis1=-2, axis2=-1) - along
-        wanted = wrap(np.arctan2(sine, cosine), middle)
-        turned[..., 3] = np.clip(wanted, lower, upper)
+        wanted = wrap(np.arctan2(sine, cosine), self.geometry.middle[3])
+        turned[..., 3] = self._within(3, wanted)
 
         # cos(error / 2) = cos(swing / 2) cos(missed / 2). With the squared sines s and
         # m of the half angles, small errors keep their digits.
@@ -111,17 +103,10 @@ class Hand(NamedTuple):
         The other one is half a turn off. link_4 is turned by ``Rz(azimuth) Ry(pitch)
         Rz(-psi) Rx(pi)``, whose psi is an Euler angle of the target.
         """
-        tool = self.rotation_in_link_4
+        tool = np.array(self.geometry.tool)[:, :3]
         turned = rotation @ tool.T @ np.diag([1.0, -1.0, -1.0])
         psi = np.arctan2(turned[..., 2, 1], turned[..., 2, 0])
-        return np.asarray(psi - self.shape.wrist_offset)
-
-    @property
-    def rotation_in_link_4(self) -> FloatArray:
-        """Axes of the tcp in link_4, (3, 3)."""
-        wrist = self.chain.links[-1]
-        to_last = dh_transform(0.0, wrist.d, wrist.a, wrist.alpha)
-        return np.asarray((to_last @ self.chain.tool)[:3, :3])
+        return np.asarray(psi - self.geometry.wrist_offset)
 
     def yaws_with_wrist(self, q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
         """Candidates for a free theta_0 at the theta_3 of q, one of them the best.
@@ -133,17 +118,10 @@ class Hand(NamedTuple):
         Returns:
             Values of theta_0, (...) each.
         """
-        lower = self.shape.lower[0]
-        upper = self.shape.upper[0]
-        inverse = np.swapaxes(self.rotation(q), -1, -2)
-        wanted = wrap(
-            q[..., 0] + _turn_about_z(rotation @ inverse), self.shape.middle[0]
-        )
-        ends = [np.full(q.shape[:-1], end) for end in (lower, upper)]
-        return [np.clip(wanted, lower, upper), *ends]
+        return self._yaws(q, [self._turn_about_z(q, rotation)])
 
-    def yaw_candidates(self, q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
-        """Candidates for a free theta_0, one of them the best.
+    def yaws(self, q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
+        """Candidates for a free theta_0 if theta_3 is free, too, one of them the best.
 
         cos(error / 2) is bilinear in the half angles of theta_0 and theta_3. Its one
         maximum has the wrist axis at the target's azimuth. If that is beyond a limit,
@@ -156,41 +134,43 @@ class Hand(NamedTuple):
         Returns:
             Values of theta_0, (N, 4) each.
         """
-        lower = self.shape.lower[0]
-        upper = self.shape.upper[0]
-
-        turns = [self._turn_to_azimuth(q, rotation)]
-        for wrist in (self.shape.lower[3], self.shape.upper[3]):
-            turns.append(self._turn_with_wrist_at(wrist, q, rotation))
-
-        candidates = []
-        for turn in turns:
-            wanted = wrap(q[..., 0] + turn, self.shape.middle[0])
-            candidates.append(np.clip(wanted, lower, upper))
-        for end in (lower, upper):
-            candidates.append(np.full(q.shape[:-1], end))
-        return candidates
-
-    def _turn_to_azimuth(self, q: FloatArray, rotation: FloatArray) -> FloatArray:
-        """Turns of theta_0 that put the wrist axis at the target's azimuth, (N, 4)."""
         wanted = rotation @ self.wrist_axis
         present = self.rotation(q) @ self.wrist_axis
         azimuth = np.arctan2(wanted[:, 1], wanted[:, 0])[:, None]
-        turn: FloatArray = azimuth - np.arctan2(present[..., 1], present[..., 0])
-        return turn
+        turns = [azimuth - np.arctan2(present[..., 1], present[..., 0])]
+        for wrist in (self.geometry.lower[3], self.geometry.upper[3]):
+            at_limit = q.copy()
+            at_limit[..., 3] = wrist
+            turns.append(self._turn_about_z(at_limit, rotation[:, None]))
+        return self._yaws(q, turns)
 
-    def _turn_with_wrist_at(
-        self, wrist: float, q: FloatArray, rotation: FloatArray
-    ) -> FloatArray:
-        """Turns about z that come closest to the target at a given theta_3, (N, 4)."""
-        with_wrist = q.copy()
-        with_wrist[..., 3] = wrist
-        inverse = np.swapaxes(self.rotation(with_wrist), -1, -2)
-        return _turn_about_z(rotation[:, None] @ inverse)
+    def _yaws(self, q: FloatArray, turns: list[FloatArray]) -> list[FloatArray]:
+        """theta_0 of q (..., 4) after turns (...), within its limits, and both ends."""
+        candidates = []
+        for turn in turns:
+            wanted = wrap(q[..., 0] + turn, self.geometry.middle[0])
+            candidates.append(self._within(0, wanted))
+        for end in (self.geometry.lower[0], self.geometry.upper[0]):
+            candidates.append(np.full(q.shape[:-1], end))
+        return candidates
+
+    def _turn_about_z(self, q: FloatArray, rotation: FloatArray) -> FloatArray:
+        """The turns about z that bring the hand closest to targets, (...) [rad]."""
+        needed = rotation @ np.swapaxes(self.rotation(q), -1, -2)
+        sine = needed[..., 1, 0] - needed[..., 0, 1]
+        cosine = needed[..., 0, 0] + needed[..., 1, 1]
+        return np.asarray(np.arctan2(sine, cosine))
+
+    def _within(self, joint: int, angle: FloatArray) -> FloatArray:
+        """An angle within the limits of a joint."""
+        return np.clip(angle, self.geometry.lower[joint], self.geometry.upper[joint])
 
 
-def _turn_about_z(rotation: FloatArray) -> FloatArray:
-    """The turns about z that come closest to rotations (..., 3, 3), (...) [rad]."""
-    sine = rotation[..., 1, 0] - rotation[..., 0, 1]
-    cosine = rotation[..., 0, 0] + rotation[..., 1, 1]
-    return np.asarray(np.arctan2(sine, cosine))
+@lru_cache(maxsize=64)
+def _hand(record: Alpha5Parameters) -> Hand:
+    chain = DHChain.alpha5(arm=record)
+    _, axes = chain.joint_axes(chain.home)
+    rotation = chain.forward_kinematics(chain.home)[:3, :3]
+    return Hand(
+        chain=chain, geometry=Geometry.of(record), wrist_axis=rotation.T @ axes[3]
+    )

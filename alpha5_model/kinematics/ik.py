@@ -1,21 +1,13 @@
 """Inverse kinematics of the tcp position in closed form, with all solutions.
 
-The plane of the arm (`alpha5_model.kinematics.plane`) can face the target or face away
-from it, and in the plane two links reach a point with the elbow on either side: four
-branches. The document prints the first two (Sections 1.3 and 1.4;
-`published_inverse_kinematics`), by arccos. With half angles no digits are lost at the
-edge of reach (alpha is by the law of tangents). With R = hypot(x, y), f = +1 if the
-plane faces the target and -1 if it faces away, e = +1 and -1 for the flipped elbow:
+The plane of the arm (`alpha5_model.kinematics.geometry`) can face the target or face
+away from it, and in the plane two links reach a point with the elbow on either side:
+four branches. The document prints the first two (Sections 1.3 and 1.4;
+`alpha5_model.published_inverse_kinematics`).
 
-    r = f R - a_0,  rho^2 = r^2 + (z - d_0)^2
-    t = sqrt((rho^2 - (l_1 - l_2)^2) / ((l_1 + l_2)^2 - rho^2))
-    gamma = 2 e atan(t)
-    phi = atan2(z - d_0, r) - e alpha
-    alpha = pi/2 - atan(t) + atan(k / t),  k = (l_2 - l_1) / (l_2 + l_1)
-
-The kernels, made from `alpha5_model.codegen.closed_form_ik`, compute the same with
-fewer arctangents, and also at every edge: of the yaw axis, of reach, of a joint's
-range. `alpha5_model.codegen.own_arm_ik` does so for any lengths and any tool point.
+The formulas, for any lengths and any tool point, and at every edge of reach, of the yaw
+axis and of a joint's range, are in `alpha5_model.codegen.inverse_kinematics`. The
+kernel that is called here is generated from them.
 
 References:
     [ReachAlpha] Manufacturer's document, Sections 1.3 and 1.4.
@@ -24,25 +16,27 @@ References:
 
 from __future__ import annotations
 
+from functools import lru_cache
+from typing import Any, TypeVar
+
+import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.codegen.kernels.choice import module
-from alpha5_model.kinematics import published_formulas, solver
-from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
-from alpha5_model.kinematics.solutions import BRANCHES, SolutionArrays
+from alpha5_model._support.checks import BoolArray, FloatArray, float_array
+from alpha5_model.errors import InputError
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.solver import Branches, solve, solve_rows
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
-__all__ = [
-    "BRANCHES",
-    "ArmSolutions",
-    "Solutions",
-    "inverse_kinematics",
-    "published_inverse_kinematics",
-]
+#: Names of the branches: the arm faces the target (underarm) or faces away (overarm);
+#: flipped is the other elbow.
+BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
+
+Kind = TypeVar("Kind", bound=tuple[Any, ...])
 
 
-class Solutions(SolutionArrays):
+class Solutions(Branches):
     """All solutions of a set of targets. Arrays are read-only.
 
     Attributes:
@@ -59,12 +53,19 @@ class Solutions(SolutionArrays):
     __slots__ = ()
 
     @property
+    def arm(self) -> Alpha5Parameters:
+        """Record of the arm that was solved."""
+        return chosen_arm(None)
+
+    @property
     def collides(self) -> BoolArray:
         """It is within the limits, and the arm touches itself there, (..., 4).
 
         The jaws are closed, and bodies are as in `Arm.in_collision`.
         """
-        return catalogue().collides(self)
+        from alpha5_model.kinematics import choosing
+
+        return choosing.collides(self, self.arm)
 
     def best(self, q_reference: ArrayLike, allow_collision: bool = False) -> FloatArray:
         """The solution nearest to a joint position, within limits and free.
@@ -82,35 +83,15 @@ class Solutions(SolutionArrays):
 
         Raises:
             UnreachableError: A target that no branch reaches within the limits, with
-                the distance to the nearest point that is reached and that point.
+                the distance to the nearest point that is reached and that point. Both
+                are NaN with a tool beside the wrist axis.
             SelfCollisionError: A kind of `UnreachableError`: all branches within the
                 limits collide. It names the links and what would free the target.
             JointLimitError: The given wrist angle is beyond the limits of axis_b.
         """
-        return catalogue().best(self, q_reference, allow_collision)
+        from alpha5_model.kinematics import choosing
 
-
-class ArmSolutions(Solutions):
-    """The same of an arm other than the catalogue's.
-
-    Attributes:
-        arm: Its record, to which `best` refers.
-    """
-
-    arm: Alpha5Parameters
-
-    @property
-    def collides(self) -> BoolArray:
-        """It is within the limits, and the arm touches itself there, (..., 4)."""
-        return kinematics_of(self.arm).collides(self)
-
-    def best(self, q_reference: ArrayLike, allow_collision: bool = False) -> FloatArray:
-        """The solution nearest to a joint position, within limits and free.
-
-        As `Solutions.best`. With a tool beside the wrist axis, the error of a target
-        that is out of reach does not know the nearest point.
-        """
-        return kinematics_of(self.arm).best(self, q_reference, allow_collision)
+        return choosing.best(self, self.arm, q_reference, allow_collision)
 
 
 def inverse_kinematics(
@@ -142,36 +123,57 @@ def inverse_kinematics(
     Raises:
         InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names
             a bad row.
+        PublishedDataError: An arm that is not a vertical plane with two links in it.
     """
-    if arm is not None:
-        of_arm = kinematics_of(arm)
-        answer = solver.solve(ArmSolutions, position, wrist, of_arm.shape)
-        answer.arm = arm
-        return answer
+    record = chosen_arm(arm)
+    geometry = Geometry.of(record)
+    target = float_array("position", position, (3,))
+    angle = float_array("wrist", wrist, ())
 
-    # The kernel is made for the catalogue's arm: one target needs only this call.
-    solved: Solutions | None = module().inverse_kinematics(Solutions, position, wrist)
-    if solved is not None:
-        return solved
-    return solver.solve(Solutions, position, wrist, solver.shape_of_kernels())
+    answer: tuple[Any, ...]
+    if target.ndim == 1 and angle.ndim == 0:
+        q, *flags = solve_rows(geometry, target[None], angle.reshape(1))
+        exists, within_limits, singular = (flag[0] != 0.0 for flag in flags)
+        answer = (q[0], exists, within_limits, singular.reshape(()), target.copy())
+    else:
+        try:
+            lead = np.broadcast_shapes(target.shape[:-1], angle.shape)
+        except ValueError:
+            expected = f"a shape that broadcasts with {target.shape[:-1]}"
+            raise InputError("wrist", angle.shape, expected) from None
+        target = np.broadcast_to(target, (*lead, 3))
+        answer = solve(geometry, target, angle)
+
+    for array in answer:
+        array.flags.writeable = False
+    return answer_of(Solutions, record, answer)
 
 
-def published_inverse_kinematics(position: ArrayLike) -> FloatArray:
-    """The two poses that the document solves, by its formulas to the letter.
+def answer_of(
+    kind: type[Kind], record: Alpha5Parameters, arrays: tuple[Any, ...]
+) -> Kind:
+    """Arrays as `Solutions` or `PoseSolutions` of an arm.
 
-    The formulas wrap no angle, check no limit and leave out the wrist.
-    `inverse_kinematics` gives all four solutions with flags.
-
-    Args:
-        position: tcp in ``base_link``, (..., 3) [m].
-
-    Returns:
-        theta_0, theta_1, theta_2 of the underarm pose (Section 1.3) and the overarm
-        pose (Section 1.4), (..., 2, 3) [rad]; NaN if the formulas have no value.
-
-    Raises:
-        InputError: Not real numbers of that shape; `NonFiniteError` names a bad row.
+    The arm belongs to the class of the answer. So it stays with ``_replace``, with
+    ``type(s)(*(x[0] for x in s))``, and with copies.
     """
-    return published_formulas.published_inverse_kinematics(
-        catalogue().parameters, position
-    )
+    if record is not chosen_arm(None):
+        kind = _kind_of(kind, record)
+    return tuple.__new__(kind, arrays)
+
+
+@lru_cache(maxsize=64)
+def _kind_of(kind: type[Kind], record: Alpha5Parameters) -> type[Kind]:
+    """The class of the answers of one arm."""
+
+    def reduced(answer: tuple[Any, ...]) -> Any:
+        """What ``copy`` and ``pickle`` make the answer of."""
+        return answer_of, (kind, record, tuple(answer))
+
+    body = {
+        "__doc__": kind.__doc__,
+        "__slots__": (),
+        "arm": record,
+        "__reduce__": reduced,
+    }
+    return type(kind.__name__, (kind,), body)

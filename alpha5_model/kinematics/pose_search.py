@@ -25,10 +25,9 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.spatial import wrap
+from alpha5_model.kinematics.geometry import on_axis
 from alpha5_model.kinematics.hand import Hand
-from alpha5_model.kinematics.plane import on_axis
-from alpha5_model.kinematics.solutions import PoseSolutionArrays, pose_answer
-from alpha5_model.kinematics.solver import solve_batch
+from alpha5_model.kinematics.solver import Branches, solve
 
 #: Even steps of theta_3.
 _STARTS = 192
@@ -70,11 +69,6 @@ class _Found(NamedTuple):
     beyond: FloatArray
 
     @property
-    def fits(self) -> BoolArray:
-        """Whether the branch is there and within the limits, (...)."""
-        return self.exists & self.within_limits
-
-    @property
     def cost(self) -> FloatArray:
         """What is least for the best solution, (...).
 
@@ -84,11 +78,32 @@ class _Found(NamedTuple):
         off = np.where(self.within_limits, self.error, _BEYOND + self.beyond)
         return np.where(self.exists, off, _MISSING)
 
+    def best(self) -> _Found:
+        """The best of W wrist angles of each branch: without the axis W."""
+        index = self.cost.argmin(axis=-1)[..., None]
+        q = np.take_along_axis(self.q, index[..., None], axis=-2)[..., 0, :]
+        others: list[Any] = [
+            np.take_along_axis(each, index, axis=-1)[..., 0] for each in self[1:]
+        ]
+        return _Found(q, *others)
+
+    def or_better(self, other: _Found) -> _Found:
+        """Of each branch the better one of two solutions, (N, 4)."""
+        first = self.cost <= other.cost
+        q = np.where(first[..., None], self.q, other.q)
+        both = zip(self[1:], other[1:], strict=True)
+        return _Found(q, *(np.where(first, one, another) for one, another in both))
+
 
 def search_poses(
     hand: Hand, position: FloatArray, rotation: FloatArray
-) -> PoseSolutionArrays:
-    """All solutions of poses, by positions (..., 3) and rotations (..., 3, 3)."""
+) -> tuple[Branches, FloatArray]:
+    """Branches of poses and their rotation errors, (..., 4) [rad].
+
+    Args:
+        hand: Of the arm.
+        position, rotation: Of the poses, (..., 3) [m] and (..., 3, 3).
+    """
     lead = position.shape[:-1]
     points = position.reshape(-1, 3)
     turns = rotation.reshape(-1, 3, 3)
@@ -98,40 +113,36 @@ def search_poses(
         blocks.append(_searched(hand, points[rows], turns[rows]))
 
     found = _Found._make(np.concatenate(part) for part in zip(*blocks, strict=True))
-    missing = ~found.exists
-    q = np.where(missing[..., None], np.nan, found.q)
-    error = np.where(missing, np.nan, found.error)
-    singular = np.asarray((found.singular & found.exists).any(axis=-1))
-    return pose_answer(
-        q=q.reshape(*lead, 4, 4),
+    branches = Branches(
+        q=found.q.reshape(*lead, 4, 4),
         exists=found.exists.reshape(*lead, 4),
         within_limits=found.within_limits.reshape(*lead, 4),
-        singular=singular.reshape(lead),
+        singular=np.reshape((found.singular & found.exists).any(axis=-1), lead),
         position=position,
-        error=error.reshape(*lead, 4),
     )
+    return branches, found.error.reshape(*lead, 4)
 
 
 def _searched(hand: Hand, position: FloatArray, rotation: FloatArray) -> _Found:
     """The best solution of each branch of N poses."""
-    lower = hand.shape.lower[3]
-    upper = hand.shape.upper[3]
+    lower = hand.geometry.lower[3]
+    upper = hand.geometry.upper[3]
     grid = np.linspace(lower, upper, _STARTS)
     step = float(grid[1] - grid[0])
 
     starts = np.broadcast_to(grid, (len(position), 4, _STARTS))
     even = _tried(hand, position, rotation, starts)
     known = _tried(hand, position, rotation, _known_wrists(hand, rotation))
-    best = _better(_best(even), _best(known))
-    for name in ("exists", "fits"):
-        at_ends = _best_at_ends(hand, position, rotation, even, grid, name)
-        best = _better(best, at_ends)
+    best = even.best().or_better(known.best())
+    for fits_limits in (False, True):
+        at_ends = _best_at_ends(hand, position, rotation, even, grid, fits_limits)
+        best = best.or_better(at_ends)
 
     wrists = grid[_local_minima(even.cost)]
     for _ in range(_ROUNDS):
         around = np.clip(wrists[..., None] + step * _AROUND, lower, upper)
         tried = _tried(hand, position, rotation, around.reshape(len(around), 4, -1))
-        best = _better(best, _best(tried))
+        best = best.or_better(tried.best())
         least = tried.cost.reshape(around.shape).argmin(axis=-1)
         wrists = np.take_along_axis(around, least[..., None], axis=-1)[..., 0]
         step /= _SHRINK
@@ -144,32 +155,35 @@ def _best_at_ends(
     rotation: FloatArray,
     even: _Found,
     grid: FloatArray,
-    name: str,
+    fits_limits: bool,
 ) -> _Found:
-    """The best solution where a branch ends, or meets a limit.
+    """The best solution where a branch ends, or where it meets a limit.
 
     Args:
         hand: Of the arm.
         position, rotation: Of N poses.
         even: What was found at the starts, (N, 4, `_STARTS`).
         grid: The starts, (`_STARTS`,) [rad].
-        name: What ends: ``"exists"`` or ``"fits"``.
+        fits_limits: Where the branch meets a limit.
     """
-    fits = getattr(even, name)
+
+    def fitting(found: _Found) -> BoolArray:
+        return found.exists & found.within_limits if fits_limits else found.exists
+
+    fits = fitting(even)
     differs = fits[..., 1:] != fits[..., :-1]
     first = np.argsort(~differs, axis=-1, kind="stable")[..., :_ENDS]
     first_fits = np.take_along_axis(fits, first, axis=-1)
     inside = np.where(first_fits, grid[first], grid[first + 1])
     outside = np.where(first_fits, grid[first + 1], grid[first])
 
-    best = _best(_tried(hand, position, rotation, inside))
+    best = _tried(hand, position, rotation, inside).best()
     for _ in range(_HALVINGS):
         middle = (inside + outside) / 2
         tried = _tried(hand, position, rotation, middle)
-        best = _better(best, _best(tried))
-        fits = getattr(tried, name)
-        inside = np.where(fits, middle, inside)
-        outside = np.where(fits, outside, middle)
+        best = best.or_better(tried.best())
+        inside = np.where(fitting(tried), middle, inside)
+        outside = np.where(fitting(tried), outside, middle)
     return best
 
 
@@ -177,61 +191,54 @@ def _tried(
     hand: Hand, position: FloatArray, rotation: FloatArray, wrists: FloatArray
 ) -> _Found:
     """Solutions of each branch of N poses at its wrist angles (N, 4, W)."""
+
+    def of_own_branch(array: NDArray[Any]) -> NDArray[Any]:
+        """The entries (N, 4, W, ...) of branch i at the wrist angles of branch i."""
+        return array[:, _BRANCHES, :, _BRANCHES].swapaxes(0, 1)
+
     targets = np.broadcast_to(position[:, None, None], (*wrists.shape, 3))
-    solutions = solve_batch(targets, wrists, hand.shape)
-    exists = _of_own_branch(solutions.exists)
-    own_q = _of_own_branch(solutions.q)
-    q = np.where(exists[..., None], own_q, np.asarray(hand.shape.middle))
+    solved = solve(hand.geometry, targets, wrists)
+    exists = of_own_branch(solved.exists)
+    middle = np.array(hand.geometry.middle)
+    q = np.where(exists[..., None], of_own_branch(solved.q), middle)
     turns = rotation[:, None, None]
-    above = np.maximum(q - np.asarray(hand.shape.upper), 0.0)
-    below = np.maximum(np.asarray(hand.shape.lower) - q, 0.0)
-    found = _Found(
-        q=q,
-        exists=exists,
-        within_limits=_of_own_branch(solutions.within_limits),
-        singular=solutions.singular,
-        error=hand.rotation_error(q, turns),
-        beyond=(above + below).sum(axis=-1),
-    )
+    error = hand.rotation_error(q, turns)
+
     free = on_axis(position)
     if free.any():
-        _choose_yaw(hand, found, turns, free)
-    return found
+        best, least = q[free], error[free]
+        for theta_0 in hand.yaws_with_wrist(best, turns[free]):
+            trial = best.copy()
+            trial[..., 0] = theta_0
+            missed = hand.rotation_error(trial, turns[free])
+            better = missed < least
+            best = np.where(better[..., None], trial, best)
+            least = np.where(better, missed, least)
+        q[free], error[free] = best, least
 
-
-def _of_own_branch(array: NDArray[Any]) -> NDArray[Any]:
-    """The entries (N, 4, W, ...) of branch i at the wrist angles of branch i."""
-    return array[:, _BRANCHES, :, _BRANCHES].swapaxes(0, 1)
-
-
-def _choose_yaw(
-    hand: Hand, found: _Found, rotation: FloatArray, free: BoolArray
-) -> None:
-    """Give poses whose theta_0 is free, (N,), the theta_0 of the least error."""
-    q = found.q[free]
-    error = found.error[free]
-    target = rotation[free]
-    for theta_0 in hand.yaws_with_wrist(q, target):
-        trial = q.copy()
-        trial[..., 0] = theta_0
-        missed = hand.rotation_error(trial, target)
-        better = missed < error
-        q = np.where(better[..., None], trial, q)
-        error = np.where(better, missed, error)
-    found.q[free] = q
-    found.error[free] = error
+    above = np.maximum(q - np.array(hand.geometry.upper), 0.0)
+    below = np.maximum(np.array(hand.geometry.lower) - q, 0.0)
+    return _Found(
+        q=q,
+        exists=exists,
+        within_limits=of_own_branch(solved.within_limits),
+        singular=solved.singular,
+        error=error,
+        beyond=(above + below).sum(axis=-1),
+    )
 
 
 def _known_wrists(hand: Hand, rotation: FloatArray) -> FloatArray:
     """Wrist angles that the target itself names, within the limits, (N, 4, 4)."""
-    shape = hand.shape
+    geometry = hand.geometry
     by_rotation = hand.wrist_of_rotation(rotation)
     # w is 0 there: the tool point reaches the yaw axis.
-    on_yaw_axis = math.atan2(-shape.y, shape.x) - shape.wrist_offset
+    on_yaw_axis = math.atan2(-geometry.y, geometry.x) - geometry.wrist_offset
     by_position = np.full_like(by_rotation, on_yaw_axis)
     angles = np.stack([by_rotation, by_position], axis=-1)
     both = np.concatenate([angles, angles + math.pi], axis=-1)
-    within = np.clip(wrap(both, shape.middle[3]), shape.lower[3], shape.upper[3])
+    turned = wrap(both, geometry.middle[3])
+    within = np.clip(turned, geometry.lower[3], geometry.upper[3])
     return np.repeat(within[:, None], 4, axis=1)
 
 
@@ -246,33 +253,3 @@ def _local_minima(cost: FloatArray) -> NDArray[np.intp]:
     ranked = np.where(is_minimum, cost, cost + 2 * _MISSING)
     order: NDArray[np.intp] = ranked.argsort(axis=-1, kind="stable")
     return order[..., :_FOLLOWED]
-
-
-def _best(tried: _Found) -> _Found:
-    """The best solution of each branch: without the axis W."""
-    index = tried.cost.argmin(axis=-1)[..., None]
-
-    def chosen(array: NDArray[Any]) -> NDArray[Any]:
-        return np.take_along_axis(array, index, axis=-1)[..., 0]
-
-    return _Found(
-        q=np.take_along_axis(tried.q, index[..., None], axis=-2)[..., 0, :],
-        exists=chosen(tried.exists),
-        within_limits=chosen(tried.within_limits),
-        singular=chosen(tried.singular),
-        error=chosen(tried.error),
-        beyond=chosen(tried.beyond),
-    )
-
-
-def _better(one: _Found, other: _Found) -> _Found:
-    """Of each branch the better one of two solutions, (N, 4)."""
-    first = one.cost <= other.cost
-    return _Found(
-        q=np.where(first[..., None], one.q, other.q),
-        exists=np.where(first, one.exists, other.exists),
-        within_limits=np.where(first, one.within_limits, other.within_limits),
-        singular=np.where(first, one.singular, other.singular),
-        error=np.where(first, one.error, other.error),
-        beyond=np.where(first, one.beyond, other.beyond),
-    )

@@ -1,4 +1,4 @@
-"""The exact reachable set of the tcp: its boundary as arcs, and distances from it.
+"""Which points the tcp reaches, how far off others are, and the nearest reachable ones.
 
 Within the limits the reachable set is no full solid of revolution: theta_0 turns 350.97
 degrees, so a wedge of azimuths is closed to the underarm pose and the opposite wedge to
@@ -15,65 +15,34 @@ theta_3, which arcs do not bound. The functions then raise an error;
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.kinematics.arcs import Arc
-from alpha5_model.kinematics.catalogue_arm import kinematics_of
-from alpha5_model.kinematics.half_plane import SIDES
-from alpha5_model.kinematics.reachable_points import Accept
+from alpha5_model._support.checks import BoolArray, FloatArray, flag, float_array
+from alpha5_model.errors import InputError
+from alpha5_model.kinematics.geometry import Geometry, on_axis
+from alpha5_model.kinematics.half_plane import (
+    POSES,
+    Arc,
+    azimuth_beyond,
+    boundary_of,
+    branches_reaching,
+    contains,
+)
+from alpha5_model.kinematics.solver import BLOCK, solve
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
-__all__ = [
-    "SIDES",
-    "Accept",
-    "Arc",
-    "boundary",
-    "distance_to_reach",
-    "in_half_plane",
-    "nearest_reachable",
-    "reachable",
-]
-
-
-def boundary(
-    side: str = "both", limits: bool = True, *, arm: Alpha5Parameters | None = None
-) -> tuple[Arc, ...]:
-    """Boundary arcs of the reachable part of a half-plane.
-
-    The yaw axis, which closes the region at R = 0, is not listed: it is no boundary of
-    the reachable set, which goes on beyond it.
-
-    Args:
-        side: ``"underarm"``, ``"overarm"``, or ``"both"`` for their union, which holds
-            at all azimuths where the range of theta_0 allows both.
-        limits: Respect the limits of theta_1 and theta_2.
-        arm: Record of the arm; None is the catalogue's.
-
-    Raises:
-        UnknownNameError: Another side.
-        InputError: Limits that are neither True nor False, or a tool point beside the
-            wrist axis.
-    """
-    return kinematics_of(arm).boundary(side, limits)
-
-
-def in_half_plane(
-    radius: FloatArray,
-    z: FloatArray,
-    side: str = "both",
-    limits: bool = True,
-    *,
-    arm: Alpha5Parameters | None = None,
-) -> BoolArray:
-    """Which points of a half-plane can be reached, theta_0 aside.
-
-    Args:
-        radius: Distance from the yaw axis, (...) [m].
-        z: Height, (...) [m].
-        side, limits, arm: As for `boundary`.
-    """
-    return kinematics_of(arm).in_half_plane(radius, z, side, limits)
+#: Joint positions (M, 4) -> whether each is accepted, (M,).
+Accept = Callable[[FloatArray], BoolArray]
+#: Values of theta_0 that are tried on the yaw axis, where it is free.
+_YAWS = 36
+#: From here on only the direction of a point matters [m].
+_FAR = 1e100
 
 
 def reachable(
@@ -105,7 +74,51 @@ def reachable(
             limits that are neither True nor False, or a tool point beside the wrist
             axis.
     """
-    return kinematics_of(arm).reachable(positions, limits, accept)
+    geometry = _geometry(arm)
+    target = float_array("positions", positions, (3,))
+    limits = flag("limits", limits)
+    if accept is None:
+        return np.asarray(branches_reaching(geometry, target, limits).any(axis=-1))
+    if not callable(accept):
+        raise InputError("accept", accept, "a function of joint positions")
+
+    points = target.reshape(-1, 3)
+    found = np.zeros(len(points), np.bool_)
+    for start in range(0, len(points), BLOCK):
+        rows = slice(start, start + BLOCK)
+        found[rows] = _accepted(geometry, points[rows], limits, accept)
+    return found.reshape(target.shape[:-1])
+
+
+def _accepted(
+    geometry: Geometry, points: FloatArray, limits: bool, accept: Accept
+) -> BoolArray:
+    """Which points (N, 3) a branch reaches in an accepted joint position, (N,)."""
+    solved = solve(geometry, points, geometry.middle[3])
+    reached = solved.within_limits if limits else solved.exists
+    free = on_axis(points)
+    yaws = np.linspace(geometry.lower[0], geometry.upper[0], _YAWS)
+
+    found = np.zeros(len(points), np.bool_)
+    for branch in range(solved.q.shape[1]):
+        for yaw in (None, *yaws):
+            tried = reached[:, branch] & ~found & (free | (yaw is None))
+            rows = np.flatnonzero(tried)
+            if not len(rows):
+                continue
+            q = solved.q[rows, branch]
+            if yaw is not None:
+                q[:, 0] = yaw
+            found[rows] = _answer(accept(q), len(rows))
+    return found
+
+
+def _answer(answer: Any, count: int) -> BoolArray:
+    """The checked answer of a user's function for so many joint positions."""
+    accepted = np.asarray(answer)
+    if accepted.shape != (count,) or accepted.dtype != np.bool_:
+        raise InputError("accept", accepted, f"{count} times True or False")
+    return accepted
 
 
 def distance_to_reach(
@@ -119,7 +132,15 @@ def distance_to_reach(
     Returns:
         (...) [m].
     """
-    return kinematics_of(arm).distance_to_reach(positions, limits)
+    target = float_array("positions", positions, (3,))
+    off = target - nearest_reachable(target, limits, arm=arm)
+    x, y, z = np.moveaxis(off, -1, 0)
+    with np.errstate(over="ignore"):
+        distance = np.asarray(np.hypot(np.hypot(x, y), z))
+    if not np.isfinite(distance).all():
+        largest = float(np.abs(target).max())
+        raise InputError("positions", largest, "a distance that is a number")
+    return distance
 
 
 def nearest_reachable(
@@ -133,4 +154,78 @@ def nearest_reachable(
     Returns:
         (..., 3) [m].
     """
-    return kinematics_of(arm).nearest_reachable(positions, limits)
+    geometry = _geometry(arm)
+    target = float_array("positions", positions, (3,))
+    limits = flag("limits", limits)
+
+    nearest = target.reshape(-1, 3).copy()
+    inside = branches_reaching(geometry, nearest, limits).any(axis=-1)
+    outside = np.flatnonzero(~inside)
+    for start in range(0, len(outside), BLOCK):
+        rows = outside[start : start + BLOCK]
+        points = nearest[rows]
+        # Very far points move along their ray: squares of their distances overflow.
+        largest = np.abs(points).max(axis=-1, keepdims=True)
+        far = np.maximum(largest / _FAR, 1.0)
+        nearest[rows] = _projected(geometry, points / far, limits)
+    return nearest.reshape(target.shape)
+
+
+def _geometry(arm: Alpha5Parameters | None) -> Geometry:
+    """The geometry of an arm whose reach arcs bound.
+
+    Raises:
+        InputError: Not a record, or a tool point beside the wrist axis.
+    """
+    geometry = Geometry.of(chosen_arm(arm))
+    geometry.require_tool_on_axis("exact reach and workspace")
+    return geometry
+
+
+def _projected(geometry: Geometry, points: FloatArray, limits: bool) -> FloatArray:
+    """Nearest reachable points of points (N, 3) that are outside, (N, 3).
+
+    For each pose, candidates are in the nearest half-plane that it can face: the foot
+    of the perpendicular to that half-plane, if it is reachable, and the nearest point
+    on each arc of the boundary.
+    """
+    candidates = []
+    squares = []
+    for pose in POSES:
+        azimuth = np.arctan2(points[:, 1], points[:, 0])
+        if limits:
+            azimuth -= azimuth_beyond(geometry, azimuth, pose)
+        cos = np.cos(azimuth)
+        sin = np.sin(azimuth)
+
+        # Coordinates in the half-plane, and the distance across it.
+        x, y, z = points.T
+        radius = x * cos + y * sin
+        across = y * cos - x * sin
+
+        own_foot = np.stack([radius, z], axis=-1)
+        feet = [own_foot]
+        for arc in boundary_of(geometry, pose, limits):
+            feet.append(_nearest_on_arc(arc, own_foot))
+        foot_radius, foot_z = np.moveaxis(np.array(feet), -1, 0)
+
+        square = (foot_radius - radius) ** 2 + (foot_z - z) ** 2 + across**2
+        inside = contains(geometry, np.maximum(radius, 0.0), z, pose, limits)
+        square[0, ~inside] = np.inf  # the point's own foot is out of reach
+        squares.append(square)
+        foot = [foot_radius * cos, foot_radius * sin, foot_z]
+        candidates.append(np.stack(foot, axis=-1))
+
+    nearest = np.concatenate(squares).argmin(axis=0)
+    return np.asarray(np.concatenate(candidates)[nearest, np.arange(len(points))])
+
+
+def _nearest_on_arc(arc: Arc, points: FloatArray) -> FloatArray:
+    """The nearest point of an arc to points of the half-plane, (N, 2)."""
+    offset = points - arc.center
+    span = arc.end - arc.start
+    along = (np.arctan2(offset[:, 1], offset[:, 0]) - arc.start) % math.tau
+    # For a point beside the arc it is the nearer end.
+    start_is_nearer = along - span >= math.tau - along
+    along = np.where(start_is_nearer, 0.0, np.minimum(along, span))
+    return arc.points(arc.start + along)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 #: A joint angle this far beyond its limit [rad] is on it, and is returned as the limit
 #: itself.
@@ -34,11 +34,6 @@ class Tolerances(NamedTuple):
     azimuth: float
     elbow: float
     least_sine: float
-
-
-def named_tolerances(values: Any) -> Tolerances:
-    """Tolerances of a sequence of numbers, or of symbols in their place."""
-    return Tolerances(**dict(zip(Tolerances._fields, values, strict=True)))
 
 
 DOUBLE = Tolerances(

@@ -1,4 +1,4 @@
-"""The workspace: as published, as it is, and how much of the published one is wrong.
+"""Area, volume and boundary of what the arm reaches, and its singularities.
 
 `boundary` gives the exact arcs. `reachable`, `distance_to_reach` and
 `nearest_reachable` answer for points, `manipulability` and `singularities` for joint
@@ -23,99 +23,57 @@ References:
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.kinematics import published_region
-from alpha5_model.kinematics.arcs import Arc
-from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
-from alpha5_model.kinematics.published_region import PublishedErrors, Torus
-from alpha5_model.kinematics.reach import (
+from alpha5_model._support import checks
+from alpha5_model._support.checks import BoolArray, FloatArray, float_array
+from alpha5_model._support.spatial import wrap
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.half_plane import (
+    POSES,
     SIDES,
-    Accept,
+    Arc,
+    area,
+    azimuth_beyond,
     boundary,
-    distance_to_reach,
+    first_moment,
     in_half_plane,
+)
+from alpha5_model.kinematics.hand import Hand
+from alpha5_model.kinematics.reach import (
+    Accept,
+    distance_to_reach,
     nearest_reachable,
     reachable,
 )
-from alpha5_model.kinematics.sampled_shares import SampledShare
-from alpha5_model.kinematics.singular import Singularities
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 __all__ = [
     "SIDES",
     "Arc",
-    "PublishedErrors",
     "SampledShare",
     "Singularities",
-    "Torus",
     "boundary",
     "cross_section_area",
     "distance_to_reach",
     "in_half_plane",
-    "in_tori",
     "manipulability",
     "nearest_reachable",
-    "published_but_unreachable",
-    "published_errors",
-    "published_reachable",
-    "published_tori",
     "reachable",
-    "reachable_but_unpublished",
     "sampled_share",
     "singular_elbow_angles",
     "singularities",
     "volume",
 ]
 
-
-def published_tori() -> tuple[Torus, Torus, Torus]:
-    """The three limits of Section 1.2, as printed.
-
-    They contain 39.94 mm, where Table 1 has 40. d_3 is negative.
-    """
-    return published_region.published_tori(catalogue().parameters)
-
-
-def published_reachable(positions: ArrayLike) -> BoolArray:
-    """Whether a point satisfies all three inequalities of Section 1.2.
-
-    Args:
-        positions: In ``base_link``, (..., 3) [m].
-
-    Returns:
-        (...) bool.
-    """
-    return published_region.published_reachable(catalogue().parameters, positions)
-
-
-def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
-    """Which points (R, z) [m] satisfy the three inequalities of Section 1.2, (...)."""
-    return published_region.in_tori(catalogue().parameters, radius, z)
-
-
-def published_errors() -> PublishedErrors:
-    """How much of the published region cannot be reached, and what it misses."""
-    return published_region.published_errors(catalogue().parameters)
-
-
-def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
-    """Boundary of what the document claims and the arm does not reach.
-
-    Args:
-        side: As for `boundary`.
-    """
-    return published_region.published_but_unreachable(catalogue().parameters, side)
-
-
-def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
-    """Boundary of what the arm reaches and the document leaves out.
-
-    Args:
-        side: As for `boundary`.
-    """
-    return published_region.reachable_but_unpublished(catalogue().parameters, side)
+#: A pose can face an azimuth if it misses it by less than this [rad].
+_FACED = 1e-6
 
 
 def cross_section_area(
@@ -129,7 +87,7 @@ def cross_section_area(
         arm: Record of the arm; None is the catalogue's. Its tool point must be on the
             wrist axis.
     """
-    return kinematics_of(arm).cross_section_area(side, limits)
+    return area(boundary(side, limits, arm=arm))
 
 
 def volume(limits: bool = True, *, arm: Alpha5Parameters | None = None) -> float:
@@ -141,7 +99,45 @@ def volume(limits: bool = True, *, arm: Alpha5Parameters | None = None) -> float
             underarm pose alone.
         arm: As for `cross_section_area`.
     """
-    return kinematics_of(arm).volume(limits)
+    arcs = {side: boundary(side, limits, arm=arm) for side in SIDES}
+    return revolved(Geometry.of(chosen_arm(arm)), arcs, limits)
+
+
+def revolved(
+    geometry: Geometry, arcs: Mapping[str, tuple[Arc, ...]], limits: bool = True
+) -> float:
+    """Volume of regions of the half-plane that are revolved about the yaw axis [m^3].
+
+    Each pose turns through the azimuths that it can face.
+
+    Args:
+        geometry: Of the arm.
+        arcs: Boundaries of the regions, by side.
+        limits: Whether theta_0 has limits. Then only the underarm pose can face one
+            wedge of azimuths, and only the overarm pose the opposite wedge.
+    """
+    underarm, overarm, both = (first_moment(arcs[side]) for side in SIDES)
+    turn = geometry.upper[0] - geometry.lower[0]
+    wedge = 2 * math.pi - turn if limits else 0.0
+    return (2 * math.pi - 2 * wedge) * both + wedge * (underarm + overarm)
+
+
+class SampledShare(NamedTuple):
+    """A share of the reachable set, from points drawn evenly from it.
+
+    Attributes:
+        share: 0 to 1.
+        standard_error: Of the share, 1 sigma; computed with one success and one
+            failure added, so that it is never zero.
+        total: Exact volume of the reachable set [m^3], or its area in a half-plane
+            [m^2].
+        samples: Number of points.
+    """
+
+    share: float
+    standard_error: float
+    total: float
+    samples: int
 
 
 def sampled_share(
@@ -169,7 +165,110 @@ def sampled_share(
         InputError: Bad input, or an answer of ``accept`` that is not one True or False
             a row.
     """
-    return kinematics_of(arm).sampled_share(accept, samples, seed, azimuth)
+    record = chosen_arm(arm)
+    number = checks.count("samples", samples)
+    rng = checks.generator(seed)
+    fixed = None if azimuth is None else checks.real("azimuth", azimuth)
+
+    parts: list[FloatArray] = []
+    missing = number
+    while missing:
+        around = _points_around(Geometry.of(record), 2 * missing + 16, rng, fixed)
+        parts.append(around[reachable(around, arm=record)][:missing])
+        missing -= len(parts[-1])
+    hits = int(reachable(np.concatenate(parts), accept=accept, arm=record).sum())
+
+    smoothed = (hits + 1) / (number + 2)
+    if fixed is None:
+        total = volume(arm=record)
+    else:
+        total = cross_section_area(_facing(Geometry.of(record), fixed), arm=record)
+    return SampledShare(
+        share=hits / number,
+        standard_error=math.sqrt(smoothed * (1 - smoothed) / number),
+        total=total,
+        samples=number,
+    )
+
+
+def _points_around(
+    geometry: Geometry, number: int, rng: np.random.Generator, azimuth: float | None
+) -> FloatArray:
+    """Points drawn evenly from a cylinder around the reachable set, (number, 3).
+
+    With an azimuth they are drawn from a rectangle of its half-plane.
+    """
+    u, height, turn = rng.uniform(size=(3, number))
+    if azimuth is None:
+        share_of_radius = np.sqrt(u)  # even in volume: R^2 is uniform
+        angle = 2 * math.pi * turn
+    else:
+        share_of_radius = u  # even in area
+        angle = np.full_like(turn, azimuth)
+    radius = (geometry.a_0 + geometry.longest) * share_of_radius
+    z = geometry.d_0 + geometry.longest * (2 * height - 1)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=-1)
+
+
+def _facing(geometry: Geometry, azimuth: float) -> str:
+    """The side of poses that can face an azimuth."""
+    facing = []
+    for pose in POSES:
+        if abs(azimuth_beyond(geometry, azimuth, pose)) < _FACED:
+            facing.append(pose)
+    return facing[0] if len(facing) == 1 else "both"
+
+
+class Singularities(NamedTuple):
+    """Distance of joint positions from the singular sets.
+
+    Attributes:
+        stretched: theta_2 minus the angle of the stretched arm, wrapped to [-pi, pi),
+            (...) [rad].
+        folded: theta_2 minus the angle of the folded arm, wrapped to [-pi, pi),
+            (...) [rad].
+        yaw_axis: Distance of the tcp from the yaw axis in the plane of the arm,
+            (...) [m]; positive in front of it. For a tool beside the wrist axis, 0 is
+            the cylinder on which underarm and overarm coincide.
+    """
+
+    stretched: FloatArray
+    folded: FloatArray
+    yaw_axis: FloatArray
+
+    def near(self, angle: float = 1e-6, distance: float = 1e-6) -> BoolArray:
+        """Closer than ``angle`` [rad] or ``distance`` [m] to any of the sets, (...)."""
+        angle = checks.real("angle", angle, 0.0)
+        distance = checks.real("distance", distance, 0.0)
+        elbow = np.minimum(np.abs(self.stretched), np.abs(self.folded))
+        return np.asarray((elbow < angle) | (np.abs(self.yaw_axis) < distance))
+
+
+class _InPlane(NamedTuple):
+    """Joint positions in the plane of the arm at their theta_3, (...) each.
+
+    Attributes:
+        gamma: Angle between the links [rad].
+        r: The tcp's distance from the yaw axis, positive in front of it [m].
+        l_2: Length of the second link [m].
+    """
+
+    gamma: FloatArray
+    r: FloatArray
+    l_2: FloatArray
+
+    @classmethod
+    def of(cls, geometry: Geometry, q: FloatArray) -> _InPlane:
+        """Joint positions (..., 4) [rad]."""
+        c, _ = geometry.tool_in_forearm(q[..., 3])
+        l_2 = np.hypot(c, geometry.z)
+        gamma_offset = geometry.zeros[2] + math.pi - np.arctan2(-geometry.z, c)
+
+        phi = q[..., 1] + geometry.phi_offset
+        gamma = q[..., 2] + gamma_offset
+        forearm = phi + math.pi - gamma
+        r = geometry.a_0 + geometry.l_1 * np.cos(phi) + l_2 * np.cos(forearm)
+        return cls(gamma=gamma, r=r, l_2=l_2)
 
 
 def singularities(
@@ -181,7 +280,10 @@ def singularities(
         q: (..., 4) [rad].
         arm: Record of the arm; None is the catalogue's.
     """
-    return kinematics_of(arm).singularities(q)
+    at = _InPlane.of(Geometry.of(chosen_arm(arm)), float_array("q", q, (4,)))
+    return Singularities(
+        stretched=wrap(at.gamma - math.pi), folded=wrap(at.gamma), yaw_axis=at.r
+    )
 
 
 def singular_elbow_angles(*, arm: Alpha5Parameters | None = None) -> dict[str, float]:
@@ -192,7 +294,12 @@ def singular_elbow_angles(*, arm: Alpha5Parameters | None = None) -> dict[str, f
     Args:
         arm: As for `cross_section_area`.
     """
-    return kinematics_of(arm).singular_elbow_angles()
+    geometry = Geometry.of(chosen_arm(arm))
+    geometry.require_tool_on_axis("singular elbow angles")
+    return {
+        "stretched": math.pi - geometry.gamma_offset,
+        "folded": -geometry.gamma_offset,
+    }
 
 
 def manipulability(q: ArrayLike, *, arm: Alpha5Parameters | None = None) -> FloatArray:
@@ -209,4 +316,14 @@ def manipulability(q: ArrayLike, *, arm: Alpha5Parameters | None = None) -> Floa
     Returns:
         (...) [m^3]: volume of the velocity parallelepiped for unit joint speeds.
     """
-    return kinematics_of(arm).manipulability(q)
+    record = chosen_arm(arm)
+    geometry = Geometry.of(record)
+    position = float_array("q", q, (4,))
+    if geometry.tool_on_axis:
+        at = _InPlane.of(geometry, position)
+        return np.asarray(np.abs(at.r * np.sin(at.gamma)) * geometry.l_1 * at.l_2)
+
+    # theta_3 moves the tcp, too: there is no closed form.
+    jacobian = Hand.of(record).chain.jacobian(position)[..., :3, :]
+    square = np.linalg.det(jacobian @ np.swapaxes(jacobian, -1, -2))
+    return np.asarray(np.sqrt(np.maximum(square, 0.0)))

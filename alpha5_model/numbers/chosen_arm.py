@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from os import PathLike
 
 from alpha5_model._support.checks import instance
@@ -25,9 +26,11 @@ def chosen_arm(
         InputError: Not a record, or a record together with other corrections.
         UnknownNameError: A correction that is not recorded.
     """
-    chosen = check_corrections(corrections)
+    chosen = DEFAULT_CORRECTIONS
+    if corrections is not DEFAULT_CORRECTIONS:
+        chosen = check_corrections(corrections)
     if arm is None:
-        return parameters(chosen)
+        return _of_catalogue(chosen)
     if isinstance(arm, str | PathLike):
         expected = "a Alpha5Parameters, as alpha5_model.arm_file(FILE) returns"
         raise InputError("arm", arm, expected)
@@ -37,6 +40,10 @@ def chosen_arm(
         expected = f"no corrections beside an arm, which has its own ({own})"
         raise InputError("corrections", chosen, expected)
     return record
+
+
+#: `parameters` without its checks, which take longer than an inverse kinematics.
+_of_catalogue = cache(parameters)
 
 
 def is_catalogue(arm: Alpha5Parameters) -> bool:

@@ -23,13 +23,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, frozen
+from alpha5_model._support.checks import FloatArray, frozen, real
 from alpha5_model._support.spatial import moved, pose
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.attached import AttachedBody
+from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.inertia import combine, rotate_tensor
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 from alpha5_model.numbers.rigid_body import RigidBody, joined
+from alpha5_model.numbers.tool import ToolPose, printed_tool
 
 GRIPPERS = ("locked", "jaws")
 
@@ -135,6 +137,61 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
         finger_2=_beyond(parameters.spacer, finger_2),
         joints=joints,
     )
+
+
+def tip_height(parameters: Alpha5Parameters, jaw: float) -> tuple[float, float]:
+    """How far the point between the finger tips is along -z of link_4.
+
+    The fingers mirror each other, so the point is on the wrist axis. A tip is one
+    finger length beyond its pivot and meets the other one if the jaws are closed; it
+    turns about the pivot.
+
+    Args:
+        parameters: The arm's parameters.
+        jaw: Position of axis_a [m].
+
+    Returns:
+        The height [m] and its derivative with respect to axis_a [1].
+    """
+    jaws = parameters.jaws
+    angle = jaws.finger_turn * (jaw - parameters.joints[4].lower)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    beyond_pivot = jaws.pivot_offset * sine + jaws.finger_length * cosine
+    by_angle = jaws.pivot_offset * cosine - jaws.finger_length * sine
+    pivot = jaws.collar_base + jaws.pivot_height + parameters.spacer
+    return pivot + beyond_pivot, jaws.finger_turn * by_angle
+
+
+def tool_at_tip(
+    arm: Alpha5Parameters | None = None, *, jaw: float | None = None
+) -> ToolPose:
+    """The point midway between the finger tips, as the tool of an arm.
+
+    With ``arm=dataclasses.replace(record, tool=alpha5_model.tool_at_tip(record))``
+    inverse kinematics, paths and workspaces are those of this point. Its axes are the
+    tcp's. The document prints no fingers: their length is estimated, and the point is
+    as uncertain as that (`alpha5_model.numbers.parameters.JawParameters`).
+
+    Args:
+        arm: Record of the arm; None is the catalogue's.
+        jaw: Position of axis_a [m]; None for closed jaws.
+
+    Raises:
+        InputError: Beyond the limits of axis_a, or an arm with a spacer, whose tool is
+            where the spacer moves Table 1's.
+    """
+    record = chosen_arm(arm)
+    if record.spacer:
+        expected = "an arm without a spacer; its frame tip is in forward_kinematics"
+        raise InputError("arm", f"a spacer of {record.spacer:g} m", expected)
+    joint = record.joints[4]
+    position = joint.lower if jaw is None else real("jaw", jaw)
+    if not joint.lower <= position <= joint.upper:
+        expected = f"a position of {joint.name}, {joint.lower:g} to {joint.upper:g} m"
+        raise InputError("jaw", position, expected)
+    height, _ = tip_height(record, position)
+    tcp = record.tool or printed_tool(record.dh[3], record.dh[4])
+    return ToolPose(position=np.array([0.0, 0.0, -height]), rotation=tcp.rotation)
 
 
 def _rod(parameters: Alpha5Parameters) -> JawBody:

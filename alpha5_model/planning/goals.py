@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray, float_array, real
 from alpha5_model.errors import InputError, JointLimitError
 from alpha5_model.kinematics.choosing import TIE
+from alpha5_model.kinematics.geometry import on_axis
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
-from alpha5_model.kinematics.plane import on_axis
 from alpha5_model.kinematics.pose import inverse_kinematics_pose
 from alpha5_model.numbers.parameters import Alpha5Parameters
 

@@ -141,13 +141,15 @@ def _loaded(arm: Alpha5Parameters | Arm | None) -> Arm:
     """The arm that a caller means.
 
     Raises:
-        InputError: Neither a record nor an `Arm` with four joints on a fixed base.
+        InputError: Neither a record nor an `Arm` with four joints on a fixed base, in
+            still water.
     """
     if not isinstance(arm, Arm):
         return _in_sea_water(chosen_arm(arm))
-    if arm.floating_base or arm.model.nv != 4:
-        found = f"an Arm with nv = {arm.model.nv}"
-        raise InputError("arm", found, "one with closed jaws on a fixed base")
+    if arm.floating_base or arm.model.nv != 4 or arm.has_hydrodynamics:
+        found = f"{type(arm).__name__} with nv = {arm.model.nv}"
+        expected = "one with closed jaws on a fixed base, in still water"
+        raise InputError("arm", found, expected)
     return arm
 
 

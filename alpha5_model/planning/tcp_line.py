@@ -23,7 +23,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import BlockedMotionError, needing
-from alpha5_model.kinematics.catalogue_arm import kinematics_of
+from alpha5_model.kinematics.path import inverse_kinematics_path
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.planning.s_curve import (
     MOST_SAMPLES,
@@ -135,9 +135,7 @@ def tcp_line(
     count = max(_FEWEST, math.ceil(length / STEP)) + 1
     points = np.linspace(tcp, target, count)
     wrists = np.linspace(start[3], wrist, count)
-    way = kinematics_of(arm).inverse_kinematics_path(
-        points, q_start=start, wrist=wrists
-    )
+    way = inverse_kinematics_path(points, start, wrists, arm=arm)
     way[0] = start
     return TcpLine(way)
 

@@ -56,7 +56,7 @@ def motion_for_arm(motion: Motion, arm: Arm) -> Motion:
     Raises:
         InputError: No `Arm` on a fixed base, or a motion without one of its joints.
     """
-    if not isinstance(arm, Arm):
+    if not isinstance(arm, Arm) or arm.has_hydrodynamics:
         expected = "an Arm in still water (moving water: the argument current)"
         raise InputError("arm", type(arm).__name__, expected)
     if arm.floating_base or arm.model.nv not in (4, 5):

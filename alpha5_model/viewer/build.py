@@ -15,10 +15,9 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.dynamics.load import arm_urdf
 from alpha5_model.errors import InputError, SelfCollisionError
-from alpha5_model.kinematics.arm_kinematics import ArmKinematics
-from alpha5_model.kinematics.catalogue_arm import catalogue, kinematics_of
-from alpha5_model.kinematics.plane import ArmPlane
-from alpha5_model.kinematics.solutions import SolutionArrays
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.ik import Solutions, inverse_kinematics
+from alpha5_model.kinematics.reach import nearest_reachable
 from alpha5_model.numbers.chosen_arm import is_catalogue
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
@@ -105,11 +104,9 @@ def build_scene(
     urdf = _urdf(arm)
     tree = tree_of(arm, urdf)
     root = tree[0].parent
-    kinematics = catalogue() if own is None else kinematics_of(record)
-    plane = kinematics.plane if kinematics.shape.has_tool_on_axis else None
 
     goal = None if target is None else shaped("target", target, (3,))
-    given = with_base(arm, _start(arm, kinematics, goal)) if q is None else q
+    given = with_base(arm, _start(arm, goal)) if q is None else q
     position = shaped("q", given, (arm.model.nq,))
     water = _water(arm, current)
     loads = tuple(loads_of(arm, tree))
@@ -120,11 +117,11 @@ def build_scene(
     things: list[Shape | Label] = [
         *bodies,
         *drawing.frames(tree, _beyond_limits(arm, position)),
-        *_extras(record, urdf, plane),
+        *_extras(record, urdf),
         *_forces(arm, root, loads, water, payload),
     ]
     if goal is not None:
-        things += drawing.ghosts(arm, kinematics, tree, bodies, position, goal)
+        things += drawing.ghosts(arm, tree, bodies, position, goal)
 
     scene = Scene(
         notes=_notes(arm, own is not None),
@@ -132,7 +129,7 @@ def build_scene(
         sliders=arm.joint_names,
         q=position[-len(arm.joint_names) :],
         poses=link_poses(arm, tree, position),
-        plane=plane,
+        geometry=Geometry.of(record),
         shapes=tuple(thing for thing in things if isinstance(thing, Shape)),
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
@@ -151,14 +148,12 @@ def build_scene(
     return framed(scene)
 
 
-def _extras(
-    record: Alpha5Parameters, urdf: str, plane: ArmPlane | None
-) -> Iterator[Shape | Label]:
+def _extras(record: Alpha5Parameters, urdf: str) -> Iterator[Shape | Label]:
     """What is attached, the collision bodies, and the reach in a plane."""
     yield from drawing.attached(record.attached)
     yield from drawing.collision_bodies(urdf, _FOLDER)
-    if plane is not None:
-        yield from workspace_shapes(plane)
+    if Geometry.of(record).tool_on_axis:
+        yield from workspace_shapes(Geometry.of(record))
 
 
 def _forces(
@@ -232,7 +227,7 @@ def _urdf(arm: Arm) -> str:
     return arm_urdf(_gripper_of(arm), parameters() if is_catalogue(record) else record)
 
 
-def _start(arm: Arm, kinematics: ArmKinematics, goal: FloatArray | None) -> FloatArray:
+def _start(arm: Arm, goal: FloatArray | None) -> FloatArray:
     """``home`` (n,), with the tcp at a goal (3,), or at the nearest point in reach.
 
     With a tool beside the wrist axis, the arm stays at ``home`` if the goal is out of
@@ -241,45 +236,43 @@ def _start(arm: Arm, kinematics: ArmKinematics, goal: FloatArray | None) -> Floa
     home = named_poses(arm)["home"]
     if goal is None:
         return home
-    if not kinematics.shape.has_tool_on_axis:
-        found = _beside(kinematics, goal, home[:4])
+    record = arm.parameters
+    if not Geometry.of(record).tool_on_axis:
+        found = _beside(record, goal, home[:4])
         return home if found is None else np.concatenate([found, home[4:]])
-    nearest = kinematics.nearest_reachable(goal)
-    solutions = kinematics.inverse_kinematics(nearest, home[3])
-    return np.concatenate([_nearest_to(home[:4], solutions, kinematics), home[4:]])
+    nearest = nearest_reachable(goal, arm=record)
+    solutions = inverse_kinematics(nearest, home[3], arm=record)
+    return np.concatenate([_nearest_to(home[:4], solutions), home[4:]])
 
 
-def _nearest_to(
-    home: FloatArray, solutions: SolutionArrays, kinematics: ArmKinematics
-) -> FloatArray:
+def _nearest_to(home: FloatArray, solutions: Solutions) -> FloatArray:
     """The solution nearest to home (4,), free of self-collision if one is, (4,)."""
     try:
-        return kinematics.best(solutions, home)
+        return solutions.best(home)
     except SelfCollisionError:
-        return kinematics.best(solutions, home, allow_collision=True)
+        return solutions.best(home, allow_collision=True)
 
 
 def _beside(
-    kinematics: ArmKinematics, goal: FloatArray, home: FloatArray
+    record: Alpha5Parameters, goal: FloatArray, home: FloatArray
 ) -> FloatArray | None:
     """The solution (4,) nearest to home (4,), with axis_b as little turned as needed.
 
     It is free of self-collision if one is. None if no angle of axis_b that is tried
     reaches the goal (3,).
     """
-    low = kinematics.shape.lower[3]
-    high = kinematics.shape.upper[3]
-    wrists = np.linspace(low, high, _WRISTS)
+    joint = record.joints[3]
+    wrists = np.linspace(joint.lower, joint.upper, _WRISTS)
     nearest_first = wrists[np.argsort(np.abs(wrists - home[3]), kind="stable")]
     colliding = None
     for wrist in [home[3], *nearest_first]:
-        solutions = kinematics.inverse_kinematics(goal, wrist)
+        solutions = inverse_kinematics(goal, wrist, arm=record)
         if not solutions.within_limits.any():
             continue
-        if (solutions.within_limits & ~kinematics.collides(solutions)).any():
-            return kinematics.best(solutions, home)
+        if (solutions.within_limits & ~solutions.collides).any():
+            return solutions.best(home)
         if colliding is None:
-            colliding = kinematics.best(solutions, home, allow_collision=True)
+            colliding = solutions.best(home, allow_collision=True)
     return colliding
 
 

@@ -14,9 +14,9 @@ from alpha5_model._support.spatial import moved, transform
 from alpha5_model.description.reading import urdf_shapes
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.kinematics.arm_kinematics import ArmKinematics
-from alpha5_model.kinematics.ik import BRANCHES
-from alpha5_model.kinematics.solutions import SolutionArrays
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
+from alpha5_model.kinematics.reach import distance_to_reach
 from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.viewer.poses import link_poses
 from alpha5_model.viewer.scene import (
@@ -270,7 +270,6 @@ class _GhostLook(NamedTuple):
 
 def ghosts(
     arm: Arm,
-    kinematics: ArmKinematics,
     tree: Sequence[UrdfJoint],
     body_shapes: Sequence[Shape],
     q: FloatArray,
@@ -283,7 +282,6 @@ def ghosts(
 
     Args:
         arm: The arm.
-        kinematics: Of the same arm.
         tree: Its joints from the base to the tip.
         body_shapes: Its bodies.
         q: Its joint positions (nq,).
@@ -291,8 +289,8 @@ def ghosts(
     """
     first_joint = len(q) - len(arm.joint_names)
     angles = slice(first_joint, first_joint + 4)
-    solutions = kinematics.inverse_kinematics(target, q[angles][3])
-    collides = kinematics.collides(solutions)
+    solutions = inverse_kinematics(target, q[angles][3], arm=arm.parameters)
+    collides = solutions.collides
     earlier = [link_poses(arm, tree, q)]
     for i in np.flatnonzero(solutions.exists):
         if _turn(solutions.q[i], q[angles]) < _SAME:
@@ -316,15 +314,13 @@ def ghosts(
         yield Label("ghosts", text, Rigid(WORLD, elbow), tuple(LOOK["ghosts"][i]))
     base = link_poses(arm, tree, q)[tree[0].parent]
     point = moved(base, target)
-    yield from _target(point, _missed(kinematics, solutions, target))
+    yield from _target(point, _missed(solutions))
 
 
-def _missed(
-    kinematics: ArmKinematics, solutions: SolutionArrays, target: FloatArray
-) -> str:
+def _missed(solutions: Solutions) -> str:
     """What the label says of a target that is out of reach; empty if it is in reach."""
-    if kinematics.shape.has_tool_on_axis:
-        away = float(kinematics.distance_to_reach(target))
+    if Geometry.of(solutions.arm).tool_on_axis:
+        away = float(distance_to_reach(solutions.position, arm=solutions.arm))
         return f", out of reach by {1e3 * away:.1f} mm" if away else ""
     # How far the tool point stays away is not known for a tool beside the axis.
     return "" if solutions.within_limits.any() else ", out of reach"

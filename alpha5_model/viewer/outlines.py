@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.kinematics.arcs import Arc, planar_arc
-from alpha5_model.theory import planar
+from alpha5_model.kinematics.half_plane import Arc
+from alpha5_model.theory import arcs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,29 +20,29 @@ CHORD = 0.01
 _ORIGIN = (0.0, 0.0)
 
 
-def polyline(curve: planar.Curve, step: float) -> FloatArray:
+def polyline(curve: arcs.Curve, step: float) -> FloatArray:
     """Points along a curve, (N, 2) [m]; on an arc at most ``step`` [rad] apart."""
-    span = curve.span if isinstance(curve, planar.Arc) else step
+    span = curve.span if isinstance(curve, arcs.Arc) else step
     count = max(2, math.ceil(span / step) + 1)
     return curve.point(np.linspace(*curve.interval, count))
 
 
-def loops(arcs: Iterable[Arc], step: float = CHORD) -> list[FloatArray]:
+def loops(bounding: Iterable[Arc], step: float = CHORD) -> list[FloatArray]:
     """Polygons of the origin and each arc, which together wind once around a region.
 
     Lines from the origin and back cancel, and so does the yaw axis where the boundary
     is open.
 
     Args:
-        arcs: A whole boundary, as `alpha5_model.workspace.boundary` gives it.
+        bounding: A whole boundary, as `alpha5_model.workspace.boundary` gives it.
         step: Angle between two points of an arc, at most [rad].
 
     Returns:
         Polygons (N, 2), (R, z) [m], counter-clockwise around what is filled.
     """
     polygons = []
-    for arc in arcs:
-        line = polyline(planar_arc(arc), step)[:: arc.filled]
+    for arc in bounding:
+        line = polyline(arc.curve, step)[:: arc.filled]
         polygons.append(np.vstack([_ORIGIN, line]))
     return polygons
 

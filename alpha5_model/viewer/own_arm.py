@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rpy_from_rotation
-from alpha5_model.codegen.dimensions import Dimensions
 from alpha5_model.dynamics.arm_changes import changed_keys
-from alpha5_model.kinematics.arm_shape import ArmShape
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.chosen_arm import is_catalogue
 from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
@@ -23,25 +21,18 @@ class OwnArm:
 
     Attributes:
         name: Of the arm.
-        shape: Lengths, zeros, limits and tool point, for the inverse kinematics.
-        dimensions: Lengths, zeros and pose of the tool, for kinematics and torques,
-            (24,).
+        geometry: Its lengths, zeros, limits and tool.
     """
 
     name: str
-    shape: ArmShape
-    dimensions: FloatArray
+    geometry: Geometry
 
 
 def own_arm(record: Alpha5Parameters) -> OwnArm | None:
     """What the page needs of a record; None for the catalogue's."""
     if is_catalogue(record):
         return None
-    return OwnArm(
-        name=record.name,
-        shape=ArmShape.from_parameters(record),
-        dimensions=Dimensions.from_parameters(record).numbers,
-    )
+    return OwnArm(name=record.name, geometry=Geometry.of(record))
 
 
 def own_notes(record: Alpha5Parameters, floating_base: bool) -> tuple[str, ...]:
@@ -58,7 +49,7 @@ def own_notes(record: Alpha5Parameters, floating_base: bool) -> tuple[str, ...]:
     if record.attached:
         names = ", ".join(body.name for body in record.attached)
         notes.append(f"Attached, with its weight but not drawn: {names}.")
-    if not ArmShape.from_parameters(record).has_tool_on_axis:
+    if not Geometry.of(record).tool_on_axis:
         notes.append("Reach is not drawn for a tool beside the wrist axis.")
     return tuple(notes)
 

@@ -19,6 +19,7 @@ from alpha5_model._support.spatial import pose, rpy_from_rotation
 from alpha5_model.collision.bodies import CollisionBodies
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.geometry.primitives import Primitive
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.ik import BRANCHES
 from alpha5_model.viewer.commands import (
     anchors,
@@ -106,9 +107,9 @@ def page_data(scene: Scene) -> dict[str, Any]:
     }
     if scene.own is not None:
         data["own"] = {
-            "shape": scene.own.shape._asdict(),
-            "toolOnAxis": scene.own.shape.has_tool_on_axis,
-            "dimensions": scene.own.dimensions,
+            "shape": _lengths_and_zeros(scene.own.geometry),
+            "kinematics": scene.own.geometry.ik_parameters,
+            "dimensions": scene.own.geometry.dimensions,
         }
     return data
 
@@ -164,12 +165,44 @@ def _shape(shape: Primitive) -> dict[str, Any]:
 
 
 def _plane(scene: Scene) -> dict[str, Any] | None:
-    """The plane of the arm, without what it was computed from."""
-    if scene.plane is None:
+    """The plane of the arm; None for a tool beside the wrist axis."""
+    geometry = scene.geometry
+    if not geometry.tool_on_axis:
         return None
-    plane = scene.plane._asdict()
-    del plane["shape"]
-    return plane
+    return {
+        "a_0": geometry.a_0,
+        "d_0": geometry.d_0,
+        "l_1": geometry.l_1,
+        "l_2": geometry.l_2,
+        "azimuth_offset": geometry.azimuth_offset,
+        "phi_offset": geometry.phi_offset,
+        "gamma_offset": geometry.gamma_offset,
+        "lower": geometry.lower,
+        "upper": geometry.upper,
+        "middle": geometry.middle,
+        "longest": geometry.longest,
+        "shortest": geometry.shortest,
+    }
+
+
+def _lengths_and_zeros(geometry: Geometry) -> dict[str, Any]:
+    """The lengths, zeros and limits of an arm with any tool."""
+    azimuth_offset, phi_offset, elbow_offset, wrist_offset = geometry.zeros
+    return {
+        "a_0": geometry.a_0,
+        "d_0": geometry.d_0,
+        "a_1": geometry.a_1,
+        "a_2": geometry.a_2,
+        "x": geometry.x,
+        "y": geometry.y,
+        "z": geometry.z,
+        "azimuth_offset": azimuth_offset,
+        "phi_offset": phi_offset,
+        "elbow_offset": elbow_offset,
+        "wrist_offset": wrist_offset,
+        "lower": geometry.lower,
+        "upper": geometry.upper,
+    }
 
 
 def _groups(scene: Scene) -> list[dict[str, Any]]:

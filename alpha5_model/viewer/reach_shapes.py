@@ -7,10 +7,8 @@ from functools import cache
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.kinematics.arcs import planar_arc
-from alpha5_model.kinematics.boundaries import boundary
-from alpha5_model.kinematics.half_plane import in_half_plane
-from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.half_plane import boundary_of, contains
 from alpha5_model.viewer.outlines import polyline
 from alpha5_model.viewer.scene import Rigid, Shape
 from alpha5_model.viewer.shapes import Mesh, join, lathe, quads, tube
@@ -27,26 +25,26 @@ _LINE = 1.1e-3
 
 
 @cache
-def workspace_shapes(plane: ArmPlane) -> tuple[Shape, Shape, Shape]:
+def workspace_shapes(geometry: Geometry) -> tuple[Shape, Shape, Shape]:
     """The section of the reachable set, its boundary line, and its surface.
 
     The section turns with the arm; it lies outwards for underarm solutions, behind the
     yaw axis for overarm ones.
 
     Args:
-        plane: Lengths and limits of the arm.
+        geometry: Of the arm.
     """
     outwards = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     behind = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     strips = []
     lines = []
     for side, in_plane in (("underarm", outwards), ("overarm", behind)):
-        outline = _outline(plane, side)
+        outline = _outline(geometry, side)
         if not outline:
             continue  # the limits keep the arm from this side
         lines += [tube(points @ in_plane, _LINE) for points in outline]
-        strips.append(_section(plane, side, np.concatenate(outline), in_plane))
-    shell = [lathe(points, 48) for points in _outline(plane, "both")]
+        strips.append(_section(geometry, side, np.concatenate(outline), in_plane))
+    shell = [lathe(points, 48) for points in _outline(geometry, "both")]
     return (
         Shape(
             group="workspace",
@@ -76,35 +74,35 @@ def workspace_shapes(plane: ArmPlane) -> tuple[Shape, Shape, Shape]:
     )
 
 
-def _outline(plane: ArmPlane, side: str) -> list[FloatArray]:
+def _outline(geometry: Geometry, side: str) -> list[FloatArray]:
     """The arcs of a boundary as polylines (N, 2), (R, z) [m]."""
-    arcs = boundary(plane, side, limits=True)
-    return [polyline(planar_arc(arc), _CHORD) for arc in arcs]
+    arcs = boundary_of(geometry, side, limits=True)
+    return [polyline(arc.curve, _CHORD) for arc in arcs]
 
 
 def _section(
-    plane: ArmPlane, side: str, outline: FloatArray, in_plane: FloatArray
+    geometry: Geometry, side: str, outline: FloatArray, in_plane: FloatArray
 ) -> Mesh:
     """The reachable part of the half-plane, filled with upright strips.
 
     Args:
-        plane: Lengths and limits of the arm.
+        geometry: Of the arm.
         side: ``"underarm"`` or ``"overarm"``.
         outline: Points of its boundary, (N, 2) [m].
         in_plane: (R, z) to the axes of link_1, (2, 3).
     """
-    corners = _strips(plane, side, outline) @ in_plane
+    corners = _strips(geometry, side, outline) @ in_plane
     return quads(corners, [0.0, 1.0, 0.0])
 
 
-def _strips(plane: ArmPlane, side: str, outline: FloatArray) -> FloatArray:
+def _strips(geometry: Geometry, side: str, outline: FloatArray) -> FloatArray:
     """Corners of the strips, (N, 4, 2); the boundary line hides their steps."""
     bottom = outline[:, 1].min()
     width, top = outline.max(axis=0)
     middles = np.arange(_STRIP / 2, width + _STRIP, _STRIP)
     heights = np.arange(bottom - _STEP, top + 2 * _STEP, _STEP)
     radius, z = np.meshgrid(middles, heights, indexing="ij")
-    inside = in_half_plane(plane, radius, z, side, limits=True)
+    inside = contains(geometry, radius, z, side, limits=True)
 
     # Up each column the arm's reach begins and ends in turn.
     changes = np.diff(inside, axis=1)

@@ -18,7 +18,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, transform
 from alpha5_model.collision.bodies import CollisionBodies
 from alpha5_model.description.urdf_robot import UrdfJoint
-from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.viewer.own_arm import OwnArm
 from alpha5_model.viewer.shapes import Mesh
 
@@ -356,8 +356,7 @@ class Scene:
         sliders: Names of the joints with a slider.
         q: Positions of these joints.
         poses: Pose of every link in the world at ``q``, (4, 4).
-        plane: Lengths and limits, for the inverse kinematics; None for a tool beside
-            the wrist axis.
+        geometry: Lengths and limits, for the inverse kinematics.
         shapes, labels, loads: What to draw.
         statics: Numbers for the torque that holds the arm still.
         show: Groups that are shown.
@@ -378,7 +377,7 @@ class Scene:
     sliders: tuple[str, ...]
     q: FloatArray
     poses: dict[str, FloatArray]
-    plane: ArmPlane | None
+    geometry: Geometry
     shapes: tuple[Shape, ...]
     labels: tuple[Label, ...]
     loads: tuple[Load, ...]

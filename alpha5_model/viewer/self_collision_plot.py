@@ -10,10 +10,11 @@ import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.paths import REPOSITORY_PATH
-from alpha5_model.dynamics.collision import without_self_collision
+from alpha5_model.collision.self_collision import without_self_collision
 from alpha5_model.dynamics.load import load
-from alpha5_model.kinematics.arm_kinematics import ArmKinematics
-from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.workspace import reachable, sampled_share
+from alpha5_model.numbers.parameters import parameters
 from alpha5_model.viewer.figures import Color, new_figure, style
 from alpha5_model.viewer.shapes import Mesh, read_obj
 from alpha5_model.viewer.workspace_plot import FILL
@@ -55,8 +56,7 @@ def self_collision_figure(cell: float = CELL, *, samples: int) -> Any:
         cell: Edge of the cells whose centres are tried [m].
         samples: Points behind the share in the title.
     """
-    kinematics = catalogue()
-    cells = _tried(kinematics, cell)
+    cells = _tried(cell)
     base = _base()
     page = new_figure(9.6, 4.7)
     above, side = page.subplots(1, 2)
@@ -74,7 +74,7 @@ def self_collision_figure(cell: float = CELL, *, samples: int) -> Any:
         arrowprops={"arrowstyle": "-", "lw": 0.6},
     )
 
-    found = kinematics.sampled_share(without_self_collision, samples)
+    found = sampled_share(without_self_collision, samples)
     share = f"{1 - found.share:.1%} ± {found.standard_error:.1%}"
     title = f"{share} of the reachable volume is reached only in self-collision"
     page.suptitle(title, fontsize=11)
@@ -83,16 +83,16 @@ def self_collision_figure(cell: float = CELL, *, samples: int) -> Any:
     return page
 
 
-def _tried(kinematics: ArmKinematics, cell: float) -> _Cells:
+def _tried(cell: float) -> _Cells:
     """Try a grid of points that holds all that the arm can reach."""
-    plane = kinematics.plane
-    x = _centered(plane.a_0 + plane.longest, cell)
+    geometry = Geometry.of(parameters())
+    x = _centered(geometry.a_0 + geometry.longest, cell)
     y = x
-    z = _centered(plane.longest, cell) + plane.d_0
+    z = _centered(geometry.longest, cell) + geometry.d_0
     points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
-    reached = kinematics.reachable(points)
+    reached = reachable(points)
     free = np.zeros_like(reached)
-    free[reached] = kinematics.reachable(points[reached], accept=without_self_collision)
+    free[reached] = reachable(points[reached], accept=without_self_collision)
     return _Cells(x=x, y=y, z=z, reached=reached, free=free)
 
 

@@ -8,11 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alpha5_model.kinematics import published_region
-from alpha5_model.kinematics.arcs import Arc, planar_arc
-from alpha5_model.kinematics.arm_kinematics import ArmKinematics
-from alpha5_model.kinematics.plane import ArmPlane
-from alpha5_model.theory import planar
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.workspace import (
+    Arc,
+    boundary,
+    cross_section_area,
+    volume,
+)
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.proofs.audit import printed_workspace
+from alpha5_model.theory import arcs as plane
 from alpha5_model.viewer.figures import Color, new_figure, style
 from alpha5_model.viewer.outlines import CHORD, fill, legend_below, loops, polyline
 
@@ -38,19 +43,16 @@ _LEGEND = (
 
 
 @style(**_STYLE)
-def workspace_figure(kinematics: ArmKinematics) -> Any:
-    """Plot the exact and the published workspace, as a matplotlib Figure.
+def workspace_figure() -> Any:
+    """Plot the catalogue's exact and published workspace, as a matplotlib Figure.
 
     Left, the boundary of the reachable set by the joint that stops it. Right, the
     published region over it. Lengths in mm.
-
-    Args:
-        kinematics: Of the arm.
     """
     page = new_figure(9.4, 9.0)
     left, right = page.subplots(1, 2, sharey=True)
-    _draw_exact(left, kinematics)
-    _draw_published(right, kinematics)
+    _draw_exact(left, parameters())
+    _draw_published(right)
     for axes in (left, right):
         legend_below(axes, 0.08)
         axes.set(aspect="equal", xlim=(0.0, 370.0), ylim=(-310.0, 400.0))
@@ -60,20 +62,20 @@ def workspace_figure(kinematics: ArmKinematics) -> Any:
 
 
 @style(**_STYLE)
-def own_workspace_figure(kinematics: ArmKinematics) -> Any:
+def own_workspace_figure(arm: Alpha5Parameters) -> Any:
     """Plot the exact workspace of an arm of one's own, as a matplotlib Figure.
 
     It is the left half of `workspace_figure`; nothing is published of such an arm.
 
     Args:
-        kinematics: Of the arm.
+        arm: Its record.
 
     Raises:
         InputError: A tool point beside the wrist axis, whose reach no arcs bound.
     """
     page = new_figure(5.2, 9.0)
     axes = page.subplots()
-    _draw_exact(axes, kinematics)
+    _draw_exact(axes, arm)
     legend_below(axes, 0.08)
     axes.set(aspect="equal", xlim=(0.0, None))
     axes.set_xlabel("distance from the yaw axis R [mm]")
@@ -81,18 +83,18 @@ def own_workspace_figure(kinematics: ArmKinematics) -> Any:
     return page
 
 
-def _draw_exact(axes: Axes, kinematics: ArmKinematics) -> None:
-    _fill_arcs(axes, kinematics.boundary("both"), FILL)
+def _draw_exact(axes: Axes, arm: Alpha5Parameters) -> None:
+    _fill_arcs(axes, boundary(arm=arm), FILL)
     for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):
-        for arc in kinematics.boundary(side):
-            points = polyline(planar_arc(arc), CHORD) * 1e3
+        for arc in boundary(side, arm=arm):
+            points = polyline(arc.curve, CHORD) * 1e3
             axes.plot(*points.T, _line_style(arc), color=color, linewidth=1.8)
-    _mark_shoulder(axes, kinematics.plane)
+    _mark_shoulder(axes, Geometry.of(arm))
     for color, line, text in _LEGEND:
         axes.plot([], [], line, color=color, label=text)
-    area = kinematics.cross_section_area() * 1e4
-    volume = kinematics.volume() * 1e3
-    size = f"{area:.0f} cm² of the half-plane, {volume:.1f} L in all"
+    area = cross_section_area(arm=arm) * 1e4
+    litres = volume(arm=arm) * 1e3
+    size = f"{area:.0f} cm² of the half-plane, {litres:.1f} L in all"
     axes.set_title(f"What is reached within the joint limits\n{size}")
 
 
@@ -103,36 +105,35 @@ def _line_style(arc: Arc) -> str:
     return "--" if "theta_1" in arc.cause else ":"
 
 
-def _mark_shoulder(axes: Axes, plane: ArmPlane) -> None:
-    shoulder = (plane.a_0 * 1e3, plane.d_0 * 1e3)
+def _mark_shoulder(axes: Axes, geometry: Geometry) -> None:
+    shoulder = (geometry.a_0 * 1e3, geometry.d_0 * 1e3)
     axes.plot(*shoulder, "+", color=Color.BLACK)
     leader = {"arrowstyle": "-", "lw": 0.6}
     axes.annotate("shoulder", shoulder, (12, -70), fontsize=8, arrowprops=leader)
 
 
-def _draw_published(axes: Axes, kinematics: ArmKinematics) -> None:
-    parameters = kinematics.parameters
-    for torus in published_region.published_tori(parameters):
-        circle = planar.Arc(center=torus.center, radius=torus.radius, start=math.pi)
+def _draw_published(axes: Axes) -> None:
+    for torus in printed_workspace.published_tori():
+        circle = plane.Arc(center=torus.center, radius=torus.radius, start=math.pi)
         points = polyline(circle, CHORD) * 1e3
         # The half-plane ends at the yaw axis.
         points[points[:, 0] < 0] = np.nan
         words = "the three published tori"
         axes.plot(*points.T, color=Color.BLACK, linewidth=1.0, label=words)
 
-    errors = published_region.published_errors(parameters)
+    errors = printed_workspace.published_errors()
     unreachable = errors.unreachable_area / errors.published_area
     missed = errors.missed_area / errors.reachable_area
     for arcs, color, alpha, label in (
-        (kinematics.boundary("both"), FILL, None, "published, and reachable"),
+        (boundary(), FILL, None, "published, and reachable"),
         (
-            published_region.published_but_unreachable(parameters, "both"),
+            printed_workspace.published_but_unreachable(),
             Color.VERMILION,
             0.55,
             f"not reachable: {unreachable:.1%} of the published area",
         ),
         (
-            published_region.reachable_but_unpublished(parameters, "both"),
+            printed_workspace.reachable_but_unpublished(),
             Color.GREEN,
             0.55,
             f"not published: {missed:.1%} of the reachable area",

@@ -5,16 +5,12 @@ tau_drag``. It is computed on the tree of the arm's joints, with its base on a
 free-flyer (`alpha5_model.water.tree`). The tree moves at ``v_tree = G v``, so the arm's
 torques are ``tau = G^T tau_tree``. On a fixed base, the first six torques of the tree
 are the load on the mount.
-
-Generated kernels compute inverse and forward dynamics if they know the arm and its
-water (`alpha5_model.water.kernel_water`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -24,13 +20,15 @@ from alpha5_model._support.checks import (
     FloatArray,
     array,
     choice,
-    float_array,
     frozen,
     rigid_transform,
 )
-from alpha5_model.dynamics.batch import kernel_rows, solved, solved_rows
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.batch import solved, solved_rows
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
+from alpha5_model.dynamics.regression import Regressor
 from alpha5_model.dynamics.states import Partials, forces, rows
+from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.hydrodynamics import (
     WATER_DENSITY,
@@ -39,11 +37,6 @@ from alpha5_model.numbers.hydrodynamics import (
     hydrodynamics,
 )
 from alpha5_model.water.forces import JointWater
-from alpha5_model.water.kernel_water import (
-    WaterKernels,
-    water_kernel_parameters,
-    water_kernels,
-)
 from alpha5_model.water.tree import HydrodynamicTree
 from alpha5_model.water.vehicle import (
     Trim,
@@ -58,12 +51,9 @@ Rows = ArrayLike
 #: Velocity of the water, in the world [m/s]; None for the arm's `current`.
 Current = ArrayLike | None
 
-#: Attributes of an arm in still water that an arm in moving water does not have.
-_NOT_SHARED = ("still", "with_hydrodynamics", "regressor")
-
 
 def in_moving_water(
-    arm: Any, current: ArrayLike, level: str, numbers: str
+    arm: Arm, current: ArrayLike, level: str, numbers: str
 ) -> HydrodynamicArm:
     """An arm in moving water: see `Arm.with_hydrodynamics`."""
     gripper = "jaws" if "finger_1" in arm._frames else "locked"
@@ -76,16 +66,16 @@ def in_moving_water(
     return HydrodynamicArm(arm, bodies, velocity)
 
 
-class HydrodynamicArm:
+class HydrodynamicArm(Arm):
     """An arm in moving water.
 
     Make one with `Arm.with_hydrodynamics`, or with `on_vehicle`.
 
-    Arguments and errors are those of `alpha5_model.dynamics.arm.Arm`. What is not
-    listed here is that of the arm in still water (kinematics, weight, buoyancy,
-    collisions, `model`, `joint_names`, ...). Every method that depends on the current
-    has an argument ``current``, the uniform velocity of the water in the world, (3,)
-    [m/s]; batches take one for each row.
+    It is an `alpha5_model.dynamics.arm.Arm`, whose methods it overrides where the water
+    changes the result; arguments and errors are the same. Every method that depends on
+    the current has an argument ``current``, the uniform velocity of the water in the
+    world, (3,) [m/s]; batches take one for each row. The generated kernels, JAX, CasADi
+    and C do not know moving water.
 
     Attributes:
         still: The same arm in still water: with buoyancy only.
@@ -93,27 +83,19 @@ class HydrodynamicArm:
         bodies: The added mass and drag of each body.
     """
 
+    has_hydrodynamics = True
+
     def __init__(
         self,
-        still: Any,
+        still: Arm,
         bodies: Iterable[JointWater],
         current: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
+        super().__init__(*still._constructor_arguments, parameters=still.parameters)
         self.still = still
         self.bodies = tuple(bodies)
-        self._model = still._model
         self.current = frozen(array("current", current, 3))
         self._tree = HydrodynamicTree(still, self.bodies)
-
-    def __getattr__(self, name: str) -> Any:
-        # What this class does not define is the same in still water, or does not exist.
-        if not _is_shared(name):
-            own_type = type(self).__name__
-            raise AttributeError(f"{own_type!r} object has no attribute {name!r}")
-        return getattr(self.still, name)
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *filter(_is_shared, dir(self.still))]
 
     def added_mass(self, link: str) -> FloatArray:
         """Added mass of a link at the arm's fluid density, (6, 6) [kg, kg m, kg m^2].
@@ -130,12 +112,12 @@ class HydrodynamicArm:
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """``M(q) + sum J^T A J``, (nv, nv), symmetric positive definite [kg m^2]."""
-        (q_tree,) = self._tree.expand(self.still._clean_q(q))
+        (q_tree,) = self._tree.expand(self._clean_q(q))
         return self._tree.mass(q_tree)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """C(q, v) in still water, (nv, nv), with ``dM/dt - 2 C`` skew-symmetric."""
-        q_tree, v_tree = self._tree.expand(*self.still._clean_qv(q, v))
+        q_tree, v_tree = self._tree.expand(*self._clean_qv(q, v))
         return self._tree.coriolis(q_tree, v_tree)
 
     def nonlinear_effects(
@@ -157,16 +139,7 @@ class HydrodynamicArm:
         current: Current = None,
     ) -> FloatArray:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
-        kernel = self._kernels.inverse_dynamics if fext is None else None
-        if kernel is not None:
-            given = self.current if current is None else current
-            out: FloatArray | None = kernel(q, v, a, given)
-            if out is not None:
-                return out
-
-        state = self.still._clean_qva(q, v, a)
-        if kernel is not None:
-            return cast(FloatArray, kernel(*state, self._checked(current)))
+        state = self._clean_qva(q, v, a)
         return np.asarray(self._tree.g.T @ self._tree_torque(state, fext, current))
 
     def forward_dynamics(
@@ -181,16 +154,7 @@ class HydrodynamicArm:
 
         See `Arm.forward_dynamics`.
         """
-        kernel = self._kernels.forward_dynamics if fext is None else None
-        if kernel is not None:
-            given = self.current if current is None else current
-            out: FloatArray | None = kernel(q, v, tau, given)
-            if out is not None:
-                return out
-
-        q, v, torque = self.still._clean_qvtau(q, v, tau)
-        if kernel is not None:
-            return cast(FloatArray, kernel(q, v, torque, self._checked(current)))
+        q, v, torque = self._clean_qvtau(q, v, tau)
         bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
         return solved(self.mass_matrix(q), torque - bias)
 
@@ -224,15 +188,6 @@ class HydrodynamicArm:
         inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
         return -inverse @ dq, -inverse @ dv, inverse
 
-    def forward_dynamics_current_derivative(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Current = None
-    ) -> FloatArray:
-        """Derivative of `forward_dynamics` with respect to the current, (nv, 3)."""
-        a = self.forward_dynamics(q, v, tau, current=current)
-        change = self.inverse_dynamics_current_derivative(q, v, a, current)
-        faster = np.linalg.solve(self.mass_matrix(q), change)
-        return np.asarray(-faster, dtype=np.float64)
-
     def base_wrench(
         self,
         q: ArrayLike,
@@ -245,7 +200,7 @@ class HydrodynamicArm:
 
         See `Arm.base_wrench`.
         """
-        state = self.still._clean_qva(q, v, a)
+        state = self._clean_qva(q, v, a)
         return pin.Force(-self._tree_torque(state, fext, current)[:6])
 
     def base_wrench_derivatives(
@@ -254,13 +209,6 @@ class HydrodynamicArm:
         """dw/dq, dw/dv, dw/da, each (6, nv); see `Arm.base_wrench_derivatives`."""
         dq, dv, da, _ = self._derivatives(current, q, v, a)
         return -dq[:6], -dv[:6], -da[:6]
-
-    def base_wrench_current_derivative(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
-    ) -> FloatArray:
-        """Derivative of `base_wrench` with respect to the current, (6, 3)."""
-        _, _, _, du = self._derivatives(current, q, v, a)
-        return -du[:6]
 
     def current_load(
         self, q: ArrayLike, current: Current = None
@@ -278,7 +226,7 @@ class HydrodynamicArm:
             base_link, (6,).
         """
         at_rest = np.zeros(self._model.nv)
-        position = self.still._clean_q(q)
+        position = self._clean_q(q)
         velocity = self._checked(current)
         (tree_torque,) = self._water_torques(position, at_rest, at_rest, velocity)
         return self._tree.g.T @ tree_torque, -tree_torque[:6]
@@ -306,7 +254,7 @@ class HydrodynamicArm:
         .. [Morison1950] Morison et al.: The force exerted by surface waves on piles,
            J. Petroleum Technology 2(5), 1950.
         """
-        (position,) = self._tree.expand(self.still._clean_q(q))
+        (position,) = self._tree.expand(self._clean_q(q))
         rate = array("acceleration", acceleration, 3)
         tree_torque = self._tree.torque_of_accelerating_water(position, rate)
         return self._tree.g.T @ tree_torque, -tree_torque[:6]
@@ -349,10 +297,6 @@ class HydrodynamicArm:
             threads: As in `Arm.inverse_dynamics_batch`.
             current: (3,), or (N, 3), one for each row.
         """
-        if self._water_kernel_parameters is not None:
-            return self._rows_by_kernel(
-                "inverse_dynamics_in_current", threads, current, q=q, v=v, a=a
-            )
         water = self._water_torques(q, v, a, current) @ self._tree.g
         return np.asarray(self.still.inverse_dynamics_batch(q, v, a, threads) + water)
 
@@ -383,10 +327,6 @@ class HydrodynamicArm:
 
         Arguments are as of `inverse_dynamics_batch`.
         """
-        if self._water_kernel_parameters is not None:
-            return self._rows_by_kernel(
-                "forward_dynamics_in_current", threads, current, q=q, v=v, tau=tau
-            )
         return solved_rows(self, q, v, tau, threads, current=current)
 
     def with_payload(
@@ -414,6 +354,29 @@ class HydrodynamicArm:
         body = joint_water(still, still.displacements[-1].body, data)
         return HydrodynamicArm(still, (*self.bodies, body), self.current)
 
+    def with_hydrodynamics(
+        self,
+        current: ArrayLike = (0.0, 0.0, 0.0),
+        level: str = "nominal",
+        numbers: str = "estimated",
+    ) -> HydrodynamicArm:
+        """The arm with other water around it; see `Arm.with_hydrodynamics`.
+
+        The added mass and drag of payloads stay.
+        """
+        other = self.still.with_hydrodynamics(current, level, numbers)
+        links = {body.body for body in other.bodies}
+        payloads = [body for body in self.bodies if body.body not in links]
+        return HydrodynamicArm(self.still, (*other.bodies, *payloads), other.current)
+
+    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
+        """Drag is not linear in base parameters: ask ``still.regressor``.
+
+        Raises:
+            InputError: Always.
+        """
+        raise InputError("arm", self, "an arm in still water, such as arm.still")
+
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         """This arm, afloat, with a vehicle in place of the mount."""
         still = on_floating_base(self.still)
@@ -432,7 +395,7 @@ class HydrodynamicArm:
 
     def _tree_state(self, q: ArrayLike, v: ArrayLike) -> list[FloatArray]:
         """State of the tree, without acceleration."""
-        position, velocity = self.still._clean_qv(q, v)
+        position, velocity = self._clean_qv(q, v)
         return self._tree.expand(position, velocity, np.zeros_like(velocity))
 
     def _tree_torque(
@@ -457,41 +420,11 @@ class HydrodynamicArm:
         *states, currents = rows(self._model, q=q, v=v, a=a, current=given)
         return self._tree.water_torques(self._tree.expand(*states), currents)
 
-    def _rows_by_kernel(
-        self, kernel: str, threads: int | None, current: Current, q: Rows, **rates: Rows
-    ) -> FloatArray:
-        """A kernel's output for each row, (N, 4)."""
-        given = self.current if current is None else current
-        currents = float_array("current", given, (3,))
-        if currents.ndim == 1 and isinstance(q, np.ndarray) and q.ndim == 2:
-            # The kernels read a broadcast row once.
-            currents = np.broadcast_to(currents, (len(q), 3))
-        parameters = self._water_kernel_parameters
-        return kernel_rows(
-            self.still, kernel, 4, threads, parameters, q=q, **rates, current=currents
-        )
-
-    @cached_property
-    def _water_kernel_parameters(self) -> FloatArray | None:
-        """Parameters of the kernels; None if they do not know the arm or its water."""
-        added_mass = self._tree.water.added_mass
-        return water_kernel_parameters(self.still, self.bodies, added_mass)
-
-    @cached_property
-    def _kernels(self) -> WaterKernels:
-        """Inverse and forward dynamics of this arm by kernels."""
-        return water_kernels(self._water_kernel_parameters)
-
     def _derivatives(
         self, current: Current, *given: ArrayLike
     ) -> tuple[FloatArray, ...]:
-        state = self._tree.expand(*self.still._clean_qva(*given))
+        state = self._tree.expand(*self._clean_qva(*given))
         return self._tree.derivatives(state, self._checked(current))
-
-
-def _is_shared(name: str) -> bool:
-    """Whether an attribute of the arm in still water is one in moving water, too."""
-    return not name.startswith("_") and name not in _NOT_SHARED
 
 
 class ArmOnVehicle(HydrodynamicArm):
@@ -575,6 +508,16 @@ class ArmOnVehicle(HydrodynamicArm):
 
     def with_payload(self, *args: Any, **kwargs: Any) -> ArmOnVehicle:
         return ArmOnVehicle(self.arm.with_payload(*args, **kwargs), self.vehicle)
+
+    def with_hydrodynamics(
+        self,
+        current: ArrayLike = (0.0, 0.0, 0.0),
+        level: str = "nominal",
+        numbers: str = "estimated",
+    ) -> ArmOnVehicle:
+        """The system with other water around it; the vehicle's numbers stay."""
+        arm = self.arm.with_hydrodynamics(current, level, numbers)
+        return ArmOnVehicle(arm, self.vehicle)
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         return ArmOnVehicle(self.arm, vehicle)

@@ -51,16 +51,6 @@ class JointWater:
     linear: FloatArray = field(default_factory=lambda: np.zeros(6))
     quadratic: FloatArray = field(default_factory=lambda: np.zeros(6))
 
-    @property
-    def plain(self) -> bool:
-        """Whether there is no further damping, and all strips are in the joint's frame.
-
-        Only such bodies can be written as parameters of the generated kernels.
-        """
-        if self.linear.any() or self.quadratic.any():
-            return False
-        return not self.data.strips or np.array_equal(self.action, np.eye(6))
-
 
 class DragElement(NamedTuple):
     """Drag against two components of a twist, the slip.

@@ -59,10 +59,11 @@ class HydrodynamicTree:
     """
 
     def __init__(self, still: Any, bodies: Iterable[JointWater]) -> None:
-        self._tree, self._fluid, embedding = still._floating_tree
+        tree = still._floating_tree
+        self._tree, self._fluid = tree.model, tree.fluid
         self._joints = range(1, self._tree.njoints)
-        self.g = embedding.g
-        self.expand: Callable[..., list[FloatArray]] = embedding.expand
+        self.g = tree.g
+        self.expand: Callable[..., list[FloatArray]] = tree.expand
         self.water = MovingWater([*self._tree.names][1:], bodies, still.fluid_density)
         self._scratch = _Scratch(self._tree, self._fluid)
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import functools
-import warnings
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -26,41 +24,10 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.hydrodynamics import added_mass
 from alpha5_model.numbers.inertia import check_possible
 
-Kind = TypeVar("Kind", bound=type)
-
 #: With a shorter lever between weight and buoyancy, a vehicle has no trim [m].
 _LEAST_LEVER = 1e-9
 
 
-def _with_the_old_name(kind: Kind) -> Kind:
-    """A class with the deprecated argument and attribute transform_vehicle_to_base."""
-    name = "transform_vehicle_to_base"
-    make: Any = vars(kind)["__init__"]
-
-    def warn() -> None:
-        text = f"{name} is deprecated: give mount, its inverse"
-        warnings.warn(text, DeprecationWarning, stacklevel=3)
-
-    @functools.wraps(make)
-    def made(self: Any, *values: Any, **named: Any) -> None:
-        if name in named:
-            warn()
-            if "mount" in named:
-                raise InputError("mount", f"also {name}, its inverse", "mount alone")
-            named["mount"] = _inverse(rigid_transform(name, named.pop(name)))
-        make(self, *values, **named)
-
-    def transform_vehicle_to_base(self: Any) -> FloatArray:
-        """Deprecated: pose of the vehicle's frame in base_link, inverse of `mount`."""
-        warn()
-        return frozen(_inverse(self.mount))
-
-    kind.__init__ = made  # type: ignore[misc]
-    setattr(kind, name, property(transform_vehicle_to_base))
-    return kind
-
-
-@_with_the_old_name
 @dataclass(frozen=True, eq=False)
 class Vehicle:
     """A rigid vehicle, with all quantities in its own frame.
@@ -84,14 +51,12 @@ class Vehicle:
             line and arm files take it.
 
     Raises:
-        InputError: Both `mount` and its deprecated inverse, negative damping, mass or
-            volume, an inertia that no body can have, an added mass that is not
-            symmetric or has a negative eigenvalue, or a transform that is not rigid;
-            ShapeError: wrong shapes.
+        InputError: Negative damping, mass or volume, an inertia that no body can have,
+            an added mass that is not symmetric or has a negative eigenvalue, or a
+            transform that is not rigid; ShapeError: wrong shapes.
 
     Warns:
         ImplausibleWarning: A mass, volume, density or distance that no vehicle has.
-        DeprecationWarning: The deprecated inverse of `mount` is given or asked for.
     """
 
     mass: float
@@ -127,10 +92,6 @@ class Vehicle:
             "added_mass": _added_mass(self.added_mass),
             "mount": rigid_transform("mount", self.mount),
         }
-
-
-def _inverse(transform: FloatArray) -> FloatArray:
-    return np.asarray(pin.SE3(np.array(transform)).inverse().homogeneous)
 
 
 def _damping(name: str, value: ArrayLike) -> FloatArray:
@@ -175,7 +136,7 @@ def on_floating_base(still: Any) -> Any:
         replace(volume, joint="root_joint") if volume.joint == "universe" else volume
         for volume in still.displacements
     ]
-    return still._rebuilt_afloat(on_free_flyer(still._joint_tree.model), volumes)
+    return still._rebuilt(on_free_flyer(still._joint_tree.model), volumes)
 
 
 def with_vehicle(still: Any, vehicle: Vehicle) -> Any:
@@ -215,8 +176,8 @@ def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
     if gravity[0] or gravity[1] or not gravity[2]:
         raise InputError("gravity", gravity.tolist(), "gravity along the world's z")
     g = abs(gravity[2])
-    mass = pin.computeTotalMass(still._model)
-    displaced_mass = still.fluid_density * still._volume
+    mass = still.total_mass
+    displaced_mass = still.fluid_density * still.displaced_volume
 
     centres = np.array([still.center_of_mass(q), still.center_of_buoyancy(q)])
     com, cob = centres @ vehicle.mount[:3, :3].T + vehicle.mount[:3, 3]
@@ -234,6 +195,6 @@ def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
         roll=float(roll),
         pitch=float(pitch),
         rotation_vehicle_to_world=pin.rpy.rpyToMatrix(roll, pitch, 0.0),
-        net_weight=g * (mass - displaced_mass),
+        net_weight=float(g * (mass - displaced_mass)),
         righting_moment=moment,
     )

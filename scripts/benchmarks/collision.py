@@ -1,8 +1,7 @@
-"""Self-collision by tables, exactly and by coal, and what it adds to the solutions.
+"""Self-collision by C and by coal, and what it adds to the solutions.
 
-Joint positions are random within the limits. coal is asked as Pinocchio asks it: all
-pairs of bodies, each with a fresh request. Before anything is timed, its verdicts are
-compared with ours.
+Joint positions are random within the limits. coal is asked for all pairs of bodies.
+Before anything is timed, its verdicts are compared with ours.
 """
 
 from __future__ import annotations
@@ -16,8 +15,9 @@ from benchmarks.timing import Row, compare
 import alpha5_model as a5
 from alpha5_model.collision import self_collision as module
 from alpha5_model.collision.bodies import collision_bodies
+from alpha5_model.collision.coal_scene import CoalScene
 from alpha5_model.collision.self_collision import SelfCollision
-from alpha5_model.dynamics.collision import CollisionModel
+from alpha5_model.kernels import numpy_kernels
 
 COUNT = 100_000
 #: Positions that a slow candidate is asked about.
@@ -36,16 +36,13 @@ def rows() -> list[Row]:
 
 def _positions(q: np.ndarray) -> list[Row]:
     arm = a5.load()
-    coal = CollisionModel(arm.model)
     bodies = collision_bodies(a5.parameters())
-    with mock.patch.object(module, "committed_cells", return_value=()):
-        exact = SelfCollision(bodies)
-        exact.touches(q[:1])
-    with mock.patch.object(module, "is_compiled", return_value=False):
+    coal = CoalScene(bodies)
+    with mock.patch.object(module, "module", return_value=numpy_kernels):
         in_numpy = SelfCollision(bodies)
         in_numpy.touches(q[:1])
 
-    distance = np.array([coal.clearance(row).distance for row in q[:SOME]])
+    distance = np.array([coal.nearest(row).distance for row in q[:SOME]])
     same = np.asarray(arm.in_collision(q[:SOME])) == (distance < 0.0)
     agreed = float(same[np.abs(distance) > COAL].mean())
 
@@ -53,13 +50,12 @@ def _positions(q: np.ndarray) -> list[Row]:
     candidates = {
         "in_collision, one position": (lambda: arm.in_collision(one), 1),
         "in_collision, 100 000 positions": (lambda: arm.in_collision(q), COUNT),
-        "without tables, 100 000 positions": (lambda: exact.touches(q), COUNT),
         "without a compiler, 2 000 positions": (
             lambda: in_numpy.touches(q[:SOME]),
             SOME,
         ),
         "collision_distance, one position": (lambda: arm.collision_distance(one), 1),
-        "coal's distances": (lambda: [coal.clearance(x) for x in q[:FEW]], FEW),
+        "coal's distances": (lambda: [coal.nearest(x) for x in q[:FEW]], FEW),
     }
     found = []
     # One after the other: some leave the processor's caches to the next.

@@ -17,7 +17,7 @@ import pinocchio as pin
 from benchmarks.timing import Row, compare, installed
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import choice as kernels
+from alpha5_model.kernels import choice as kernels
 
 OWN = "alpha5_model"
 STATES = 100_000
@@ -25,12 +25,6 @@ STATES = 100_000
 MJX_STATES = 10_000
 #: Of an arm in moving water.
 WET_STATES = 20_000
-WIDTHS = {
-    8: "8 states wide",
-    4: "4 states wide",
-    2: "2 states wide",
-    1: "one state at a time",
-}
 State = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -42,7 +36,6 @@ def rows() -> list[Row]:
     q, v, a = rng.uniform(-3.0, 3.0, (3, STATES, 4))
     states = (q, v, a)
     return [
-        *_kernels(state),
         *(_casadi(state) if installed("casadi") else []),
         *_batches(states),
         *(_jax(states) if installed("jax") else []),
@@ -59,42 +52,6 @@ def _check(name: str, found: Any, expected: Any, tolerance: float) -> None:
 
 
 # --- single calls ---------------------------------------------------------------------
-
-
-def _kernels(state: State) -> list[Row]:
-    """Single calls of the package's own kernels."""
-    q, v, a = state
-    arm = a5.load(backend="kernels")
-    model, data = arm.model, arm.model.createData()
-    tcp, axes = model.getFrameId("tcp"), pin.LOCAL_WORLD_ALIGNED
-    peers: dict[str, tuple[tuple[Any, ...], Callable[[], Any], str]] = {
-        "inverse_dynamics": (state, lambda: pin.rnea(model, data, q, v, a), "rnea"),
-        "hydrostatic_torque": (
-            (q,),
-            lambda: pin.computeGeneralizedGravity(model, data, q),
-            "computeGeneralizedGravity",
-        ),
-        "mass_matrix": ((q,), lambda: pin.crba(model, data, q), "crba"),
-        "jacobian": (
-            (q,),
-            lambda: pin.computeFrameJacobian(model, data, q, tcp, axes),
-            "computeFrameJacobian",
-        ),
-        "inverse_dynamics_derivatives": (
-            state,
-            lambda: pin.computeRNEADerivatives(model, data, q, v, a),
-            "computeRNEADerivatives",
-        ),
-        "forward_dynamics": (state, lambda: pin.aba(model, data, q, v, a), "aba"),
-    }
-    found = []
-    for name, (given, raw, raw_name) in peers.items():
-        candidates = {
-            f"{OWN}, {kernels.backend()}": partial(getattr(arm, name), *given),
-            f"Pinocchio: {raw_name}, no water": raw,
-        }
-        found += compare(f'{name}, backend="kernels"', candidates)
-    return found
 
 
 def _single(state: State) -> list[Row]:
@@ -215,20 +172,17 @@ def _casadi(state: State) -> list[Row]:
     q, v, a = state
     arm = a5.load()
     model, data = arm.model, arm.model.createData()
-    candidates: dict[str, Callable[[], object]] = {}
-    kept = []  # a buffer holds no reference to what it writes into
-    for compiled in (True, False)[kernels.backend() == "numpy" :]:
-        buffer, run = load(arm, compiled=compiled).inverse_dynamics.buffer()
-        tau = np.zeros(4)
-        for i, x in enumerate(state):
-            buffer.set_arg(i, memoryview(x))
-        buffer.set_res(0, memoryview(tau))
-        kept.append((buffer, tau))
-        run()
-        _check("CasADi", tau, arm.inverse_dynamics(q, v, a), 1e-12)
-        how = "compiled" if compiled else "interpreted"
-        candidates[f"alpha5_model.casadi, buffered, {how}"] = run
-    candidates["Pinocchio: rnea, no water"] = lambda: pin.rnea(model, data, q, v, a)
+    buffer, run = load(arm).inverse_dynamics.buffer()
+    tau = np.zeros(4)
+    for i, x in enumerate(state):
+        buffer.set_arg(i, memoryview(x))
+    buffer.set_res(0, memoryview(tau))
+    run()
+    _check("CasADi", tau, arm.inverse_dynamics(q, v, a), 1e-12)
+    candidates: dict[str, Callable[[], object]] = {
+        "alpha5_model.casadi, buffered": run,
+        "Pinocchio: rnea, no water": lambda: pin.rnea(model, data, q, v, a),
+    }
     return compare("inverse_dynamics, one call of a CasADi Function", candidates)
 
 
@@ -236,7 +190,7 @@ def _casadi(state: State) -> list[Row]:
 
 
 def _batches(states: State) -> list[Row]:
-    """On one thread, at every width that this processor has, and without a compiler."""
+    """On one thread, compiled and without a compiler."""
     q, v, a = states
     arm = a5.load()
     pool = pin.ModelPool(arm.model, 1)
@@ -247,10 +201,7 @@ def _batches(states: State) -> list[Row]:
     ):
         candidates: dict[str, Callable[[], object]] = {}
         if kernels.backend() != "numpy":
-            for width, text in WIDTHS.items():
-                unit = kernels.module().width(width)
-                label = f"alpha5_model, compiled ({unit}, {text})"
-                candidates[label] = partial(_at_width, width, ours, states)
+            candidates["alpha5_model, compiled"] = partial(ours, *states, threads=1)
         without = "alpha5_model, numpy"
         peer = f"Pinocchio: {name}InParallel, no water"
         candidates[without] = partial(_without_compiler, ours, states)
@@ -261,14 +212,7 @@ def _batches(states: State) -> list[Row]:
         if name == "rnea":
             work += ", without a compiler"
             found += [replace(row, work=work) for row in rows[-2:]]
-    if kernels.backend() != "numpy":
-        kernels.module().width(max(WIDTHS))
     return found
-
-
-def _at_width(width: int, batch: Callable[..., Any], states: State) -> Any:
-    kernels.module().width(width)
-    return batch(*states, threads=1)
 
 
 def _without_compiler(batch: Callable[..., Any], states: State) -> Any:

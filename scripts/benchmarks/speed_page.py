@@ -32,8 +32,6 @@ SHOWN = (
     ("IK of one position", "Pinocchio CLIK", "one target: Pinocchio, CLIK"),
     ("IK of one position", "pin-pink", "one target: pink"),
     ("IK of 100 000 positions", "EAIK", "100 000 targets: EAIK"),
-    ('inverse_dynamics, backend="kernels"', "Pinocchio", "RNEA: Pinocchio"),
-    ('forward_dynamics, backend="kernels"', "Pinocchio", "ABA: Pinocchio"),
     (
         "inverse_dynamics_batch, 100000 states, 1 thread",
         "Pinocchio",

@@ -46,6 +46,6 @@ for file in "$wheel" "$work"/numpy-*aarch64.whl; do "$python" -m zipfile -e "$fi
 "$python" "$repository/scripts/checks/kernel_bits.py" write "$work/here.npz"
 emulated() { qemu-aarch64-static -L "$work/root" -E PYTHONPATH="$work/site" -E OPENBLAS_NUM_THREADS=1 "$work/root/usr/bin/python3.11" "$@"; }
 emulated "$repository/scripts/checks/numpy_alone.py" | tee "$work/alone.txt"
-grep -q 'kernels: compiled (neon)' "$work/alone.txt"
+grep -q 'kernels: compiled;' "$work/alone.txt"
 emulated "$repository/scripts/checks/kernel_bits.py" compare "$work/here.npz"
 echo "ARM64 check passed: $(basename "$wheel")"

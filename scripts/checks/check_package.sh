@@ -18,7 +18,6 @@ ls "$work"/dist/alpha5_model-*-cp311-abi3-*.whl # one for every Python from 3.11
 mkdir "$work/elsewhere" && cd "$work/elsewhere"
 
 "$work/venv/bin/python" - <<'PYTHON'
-import re
 from collections import Counter
 from hashlib import sha256
 from importlib.metadata import metadata
@@ -32,14 +31,11 @@ arm = a5.load()
 q = np.array([3.0, 1.0, 1.0, 0.5])
 v = np.zeros(4)
 assert arm.model.nv == 4
-assert a5.backend().startswith("compiled ("), a5.backend()
+assert a5.backend() == "compiled", a5.backend()
 np.testing.assert_allclose(arm.inverse_dynamics(q, v, v), arm.hydrostatic_torque(q), atol=1e-12)
 
-# An index shows the description without the repository: it names no file.
-description = metadata("alpha5_model").get_payload()
-addresses = re.findall(r"\]\(([^)]*)\)", re.sub(r"(?ms)^```.*?^```", "", description))
-assert "## Conventions" in description and "![" not in description
-assert all(each.startswith(("https:", "#")) for each in addresses), addresses
+# An index shows README.
+assert "## Conventions" in metadata("alpha5_model").get_payload()
 
 # The meshes are there once, and MuJoCo's models find them.
 data = Path(a5.REPOSITORY_PATH)
@@ -54,7 +50,7 @@ for model in models:
 assert len(models) == 3, models
 PYTHON
 "$work/venv/bin/alpha5" --version
-"$work/venv/bin/alpha5" --version | grep -q ', kernels: compiled ('
+"$work/venv/bin/alpha5" --version | grep -q ', kernels: compiled'
 "$work/venv/bin/alpha5" generate --gripper jaws --output arm.urdf
 grep -q '<mimic joint="axis_a"' arm.urdf
 test -s meshes/link_0.obj
@@ -130,5 +126,5 @@ np.testing.assert_allclose(arm.inverse_dynamics_batch(q, v, a), single, atol=1e-
 PYTHON
 without_compiler -m alpha5_model --version | grep ', kernels: numpy$'
 if ALPHA5_KERNELS=compiled without_compiler -c 'import alpha5_model as a5; a5.backend()' 2>error.txt; then exit 1; fi
-tail -1 error.txt | grep 'ALPHA5_KERNELS=compiled needs alpha5_model.codegen.kernels._compiled'
+tail -1 error.txt | grep 'ALPHA5_KERNELS=compiled needs alpha5_model.kernels._compiled'
 echo "package check passed"

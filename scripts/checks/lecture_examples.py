@@ -22,8 +22,11 @@ import alpha5_model as a5
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.pose import approach_directions
 from alpha5_model.proofs.audit.planar_arms import PRINTED_TABLE
-from alpha5_model.theory.dh.arm_types import classify
-from alpha5_model.theory.dh.tasks import spatial_conditions, task_capability
+from alpha5_model.theory.dh.types_and_tasks import (
+    classify,
+    spatial_conditions,
+    task_capability,
+)
 from alpha5_model.viewer.planar_plot import new_axes, plot_planar, save
 
 QUARTER = math.pi / 2

@@ -22,7 +22,7 @@ retry=(bash "$repository/scripts/checks/retry.sh")
 "${retry[@]}" "$uv" build --quiet --sdist --out-dir "$work" "$repository"
 mkdir "$work/checkout"
 tar --extract --file "$work"/alpha5_model-*.tar.gz --directory "$work/checkout" --strip-components 1
-kernels=alpha5_model/codegen/kernels
+kernels=alpha5_model/kernels
 cp $kernels/_compiled.abi3.so "$work/checkout/$kernels/"
 
 # Recordings are beside the checkout, or named by ALPHA5_RECORDINGS.

@@ -25,7 +25,6 @@ import numpy as np
 
 import alpha5_model as a5
 from alpha5_model._support.writing import atomic_write
-from alpha5_model.kinematics.catalogue_arm import catalogue
 from alpha5_model.trajectory import analyse, read_motion
 from alpha5_model.viewer import self_collision_plot, workspace_plot
 from alpha5_model.viewer.build import build_scene
@@ -75,7 +74,7 @@ def arm_picture() -> bytes:
 
 def workspace_figure() -> bytes:
     """Half-plane through the yaw axis: what can be reached, and what is published."""
-    return _png(workspace_plot.workspace_figure(catalogue()))
+    return _png(workspace_plot.workspace_figure())
 
 
 def mujoco_picture() -> bytes:

@@ -12,8 +12,8 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli import main
+from alpha5_model.collision.self_collision import without_self_collision
 from alpha5_model.description.urdf import Variant, urdf
-from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.kinematics import workspace
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"

@@ -5,17 +5,15 @@ from __future__ import annotations
 import pickle
 import sys
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from compiled_kernels import compiled_kernels
 from dynamics_cases import PAYLOAD
 from ik_targets import ordinary
 from product_cases import ARMS, DYNAMICS, states
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.errors import MissingDependencyError
 
 if TYPE_CHECKING:
@@ -33,24 +31,14 @@ def called(function: casadi.Function, *inputs: object) -> list[np.ndarray]:
 pytestmark = pytest.mark.tools
 
 
-@pytest.fixture(params=[False, True], ids=["interpreted", "compiled"])
-def compiled(request: pytest.FixtureRequest) -> bool:
-    """Whether the Functions call the compiled kernels."""
-    if request.param:
-        compiled_kernels()
-    return bool(request.param)
-
-
 @pytest.mark.parametrize("fold", [True, False])
 @pytest.mark.parametrize("name", ARMS)
-def test_every_function_gives_what_pinocchio_gives(
-    name: str, fold: bool, compiled: bool
-) -> None:
+def test_every_function_gives_what_pinocchio_gives(name: str, fold: bool) -> None:
     from alpha5_model.casadi import load
     from alpha5_model.codegen.c_library.self_test import answer
 
     arm = ARMS[name]()
-    functions = load(arm, fold=fold, compiled=compiled)
+    functions = load(arm, fold=fold)
     rest = [] if fold else [functions.parameters]
     for state in states(5, seed=1):
         for method in DYNAMICS:
@@ -65,11 +53,11 @@ def test_every_function_gives_what_pinocchio_gives(
                 ), method
 
 
-def test_casadis_own_derivatives_are_pinocchios(compiled: bool) -> None:
+def test_casadis_own_derivatives_are_pinocchios() -> None:
     from alpha5_model.casadi import load
 
     arm = a5.load()
-    functions = load(compiled=compiled)
+    functions = load()
     (state,) = states(2, seed=2)[1:]
     q, v, a, tau = state.values()
     for method, last in (
@@ -111,82 +99,6 @@ def test_a_payload_is_an_input_too() -> None:
     np.testing.assert_allclose(slope, (found - zero) / PAYLOAD["mass"], atol=1e-12)
 
 
-@pytest.mark.parametrize("fold", [True, False])
-def test_compiled_functions_have_the_interpreted_ones_derivatives(fold: bool) -> None:
-    """First and second derivatives inside expressions of MX, even without a kernel."""
-    compiled_kernels()
-    from alpha5_model.casadi import load
-
-    options = {"fluid_density": 1000.0, "gravity": (0.3, -1.0, -9.7), "fold": fold}
-    interpreted = load(**options)
-    compiled = load(**options, compiled=True)
-    rng = np.random.default_rng(6)
-    for name in DYNAMICS:
-        expected = with_derivatives(interpreted, name)
-        found = with_derivatives(compiled, name)
-        sizes = [expected.size1_in(i) for i in range(expected.n_in())]
-        state = [rng.uniform(0.2, 1.0, size) for size in sizes]
-        results = zip(called(found, *state), called(expected, *state), strict=True)
-        for got, want in results:
-            assert np.abs(got - want).max() < 1e-10 * max(1.0, np.abs(want).max()), name
-
-
-def with_derivatives(functions: Any, name: str) -> casadi.Function:
-    """A Function's sum of squares, with its gradient and Hessian in the first input."""
-    import casadi
-
-    function = getattr(functions, name)
-    names = function.name_in()
-    x = [casadi.MX.sym(n, function.size1_in(i)) for i, n in enumerate(names)]
-    given = [*x[:-1], functions.parameters] if "parameters" in names else x
-    squares = casadi.sumsqr(casadi.veccat(*function.call(given)))
-    hessian, gradient = casadi.hessian(squares, x[0])
-    return casadi.Function("f", x, [squares, gradient, hessian])
-
-
-def test_a_solver_takes_compiled_functions() -> None:
-    """IPOPT finds the same least holding torque with compiled and other functions."""
-    compiled_kernels()
-    import casadi
-
-    from alpha5_model.casadi import load
-
-    found = []
-    for compiled in (False, True):
-        opti = casadi.Opti()
-        q = opti.variable(4)
-        opti.minimize(casadi.sumsqr(load(compiled=compiled).hydrostatic_torque(q)))
-        opti.subject_to(opti.bounded(1.2, q, 2.4))
-        opti.set_initial(q, np.full(4, 1.5))
-        opti.solver("ipopt", {"print_time": False}, {"print_level": 0, "sb": "yes"})
-        solution = opti.solve()
-        found.append(solution.value(opti.f))
-        assert solution.stats()["success"]
-    assert found[1] == pytest.approx(found[0], abs=1e-12)
-
-
-def test_compiled_functions_make_nan_of_what_they_cannot_compute() -> None:
-    compiled_kernels()
-    from alpha5_model.casadi import load
-
-    for name in ("inverse_dynamics", "jacobian"):
-        function = getattr(load(compiled=True), name)
-        (found,) = called(function, *[np.full(4, np.nan)] * function.n_in())
-        assert np.isnan(found).all()
-
-
-def test_without_compiled_kernels_they_are_refused(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    from alpha5_model.casadi import load
-
-    monkeypatch.setattr(kernels, "backend", lambda: "numpy")
-    with pytest.raises(
-        MissingDependencyError, match=r"compiled=True.*_compiled.*compiled=False"
-    ):
-        load(compiled=True)
-
-
 def test_inverse_kinematics_with_its_flags() -> None:
     from alpha5_model.casadi import load
 
@@ -201,10 +113,10 @@ def test_inverse_kinematics_with_its_flags() -> None:
         assert singular == expected.singular[i]
 
 
-def test_names_shapes_and_units_are_documented(compiled: bool) -> None:
+def test_names_shapes_and_units_are_documented() -> None:
     from alpha5_model.casadi import load
 
-    functions = load(compiled=compiled)
+    functions = load()
     assert functions.inverse_dynamics.__doc__.startswith("Joint torque for a motion")
     for line in (
         "q (4): joint positions, base to tip [rad]",
@@ -223,10 +135,10 @@ def test_names_shapes_and_units_are_documented(compiled: bool) -> None:
     )
 
 
-def test_a_buffered_call_gives_the_same(compiled: bool) -> None:
+def test_a_buffered_call_gives_the_same() -> None:
     from alpha5_model.casadi import load
 
-    function = load(compiled=compiled).inverse_dynamics
+    function = load().inverse_dynamics
     state = states(2, seed=5)[1]
     buffer, evaluate = function.buffer()
     tau = np.zeros(4)

@@ -10,9 +10,6 @@ import numpy as np
 import pytest
 from collision_scenes import (
     AT_ORIGIN,
-    FREE,
-    HIT,
-    UNDECIDED,
     assert_same_nearest,
     at,
     chain,
@@ -23,8 +20,6 @@ from collision_scenes import (
     scene_of,
     shape,
     shares,
-    solutions,
-    table,
 )
 
 # --- distances --------------------------------------------------------------------
@@ -172,73 +167,6 @@ def test_points_of_shapes_that_touch_are_not_a_number() -> None:
     assert np.isnan(found[0, 3:]).all()
 
 
-# --- tables -----------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("used", [1, 2, 3])
-@pytest.mark.parametrize("joint", [0, 1])
-def test_a_table_answers_for_its_cells(used: int, joint: int) -> None:
-    """In the open, and at both ends of its range; beyond it the exact test answers."""
-    rng = np.random.default_rng(used)
-    bodies = chain(joint + used + 1)
-    bodies[-1, 1:] = at(1.0)
-    shapes = [shape(0, [0.1] * 3), shape(len(bodies) - 1, [0.1] * 3)]
-    lower = [-0.5, 0.25, 1.0]
-    codes = rng.integers(0, 3, [3, 5, 4][:used]).astype(np.uint8)
-    made = table(codes, lower, per_radian=4.0, joint=joint)
-    scene = scene_of(bodies, shapes, [(0, len(bodies) - 1)], *made)
-
-    for cell in np.ndindex(codes.shape):
-        for share in (0.0, 0.5):
-            angles = np.zeros(len(bodies) - 1)
-            angles[joint : joint + used] = np.add(lower[:used], np.add(cell, share) / 4)
-            found = compiled.self_collision(scene, angles, 0.0)
-            assert found == (codes[cell] == HIT)
-            assert compiled.self_collision(scene, angles, 1e-9) is False
-    top = np.zeros(len(bodies) - 1)
-    top[joint : joint + used] = np.add(lower[:used], np.array(codes.shape) / 4)
-    last = codes[(-1,) * used]
-    assert compiled.self_collision(scene, top, 0.0) == (last == HIT)
-
-    all_hit = table(np.full_like(codes, HIT), lower, per_radian=4.0, joint=joint)
-    deceived = scene_of(bodies, shapes, [(0, len(bodies) - 1)], *all_hit)
-    for place in range(used):
-        for angle in (lower[place] - 1e-9, top[joint + place] + 1e-9):
-            beyond = top.copy()
-            assert compiled.self_collision(deceived, beyond, 0.0) is True
-            beyond[joint + place] = angle
-            assert compiled.self_collision(deceived, beyond, 0.0) is False
-
-
-def test_a_pair_is_tested_unless_a_table_calls_it_free() -> None:
-    """Three cubes in a row touch; tables deny that, each for the pairs it names."""
-    bodies = chain(3)
-    bodies[1:, 1:] = at(0.15)
-    shapes = [shape(body, [0.1] * 3) for body in range(3)]
-    pairs = [(0, 1), (1, 2), (0, 2)]
-    angles = np.full((1, 2), 0.5)
-    assert nearest(scene_of(bodies, shapes, [(0, 2)]), angles)[0, 0] > 0.0
-
-    def found(*named: list[int], code: int = FREE, margin: float = 0.0) -> bool:
-        tables = [table(np.full(1, code, np.uint8), pairs=own) for own in named]
-        scene = scene_of(bodies, shapes, pairs, *itertools.chain(*tables))
-        one = compiled.self_collision(scene, angles[0], margin)
-        assert hits(scene, angles, margin)[0] == one
-        return bool(one)
-
-    assert found()
-    assert found([0])
-    assert found([1])
-    assert found([0, 2])
-    assert found([0], [2])
-    assert not found([0, 1, 2])
-    assert not found([0], [1], [2])
-    assert not found([0], [1])
-    assert found([0, 1, 2], code=UNDECIDED)
-    assert found([2], code=HIT)
-    assert found([0, 1, 2], margin=1e-9)
-
-
 # --- lines ------------------------------------------------------------------------
 
 
@@ -284,30 +212,7 @@ def test_a_line_of_several_pairs_ends_at_the_first() -> None:
     assert found[2] == 1.0
 
 
-# --- the nearest solution -----------------------------------------------------------
-
-
-def test_the_best_solution_is_the_nearest_that_may_be_taken() -> None:
-    rng = np.random.default_rng(8)
-    bodies = chain(5)
-    bodies[4, 1:] = at(0.25)
-    scene = scene_of(bodies, [shape(0, [0.1] * 3), shape(4, [0.1] * 3)], [(0, 4)])
-    blocked = 0
-    for _ in range(300):
-        q = rng.uniform(-3.0, 3.0, (4, 4))
-        reference = rng.uniform(-3.0, 3.0, 4)
-        within = rng.random(4) < 0.6
-        travel = np.where(within, ((q - reference) ** 2).sum(axis=1), np.inf)
-        free = np.where(hits(scene, q), np.inf, travel)
-        for allowed, cost in ((True, travel), (False, free)):
-            given = solutions(q, within)
-            found = compiled.best_solution(scene, given, reference, allowed)
-            if np.isinf(cost).all():
-                assert found is None
-            else:
-                assert found.tolist() == q[cost.argmin()].tolist()
-        blocked += int(np.isfinite(travel).any() and travel.argmin() != free.argmin())
-    assert blocked > 50
+# --- what is refused ---------------------------------------------------------------
 
 
 def test_what_is_not_plainly_their_input_is_not_computed() -> None:
@@ -363,11 +268,10 @@ def test_what_is_not_plainly_their_input_is_not_computed() -> None:
 
 
 def test_scenes_that_do_not_fit_are_refused() -> None:
-    """At most eight bodies, 64 pairs and four tables, and each number in its range."""
+    """At most eight bodies and 64 pairs, and each number in its range."""
     ends = [shape(0, [0.1] * 3), shape(7, [0.1] * 3)]
     many = [(0, 7)] * 64
-    never = table(np.full(1, FREE, np.uint8), pairs=range(64))
-    scene_of(chain(8), ends, many, *never * 4)
+    scene_of(chain(8), ends, many)
     bodies, shapes = cubes()
     backwards = bodies.copy()
     backwards[1, 0] = 1.0
@@ -377,8 +281,6 @@ def test_scenes_that_do_not_fit_are_refused() -> None:
         (chain(9), ends, many),
         (chain(0), [], []),
         (chain(8), ends, [*many, (0, 7)]),
-        (chain(8), ends, many, *never * 5),
-        (chain(8), ends, many, never[0], b""),
         (backwards, shapes, [(0, 1)]),
         (bodies, elsewhere, [(0, 1)]),
         (bodies, shapes, [(0, 2)]),
@@ -386,23 +288,3 @@ def test_scenes_that_do_not_fit_are_refused() -> None:
     ):
         with pytest.raises(ValueError, match="scene"):
             scene_of(*wrong)
-
-
-def test_no_best_solution_is_made_of_what_is_not_plainly_one() -> None:
-    q = np.linspace(0.0, 1.0, 16).reshape(4, 4)
-    ends = [shape(0, [0.1] * 3), shape(4, [0.1] * 3)]
-    scene = scene_of(chain(5), ends, [(0, 4)])
-    plain = solutions(q, [1] * 4)
-    assert compiled.best_solution(scene, plain, np.zeros(4), True).tolist() == [*q[0]]
-    for found, near in (
-        (plain[:4], np.zeros(4)),
-        (solutions(q.astype(np.float32), [1] * 4), np.zeros(4)),
-        (solutions(q[:3], [1] * 4), np.zeros(4)),
-        (solutions(q, [1] * 3), np.zeros(4)),
-        (solutions(q, [0] * 4), np.zeros(4)),
-        (solutions(q, [1] * 4, singular=True), np.zeros(4)),
-        (plain, np.zeros(3)),
-        (plain, [0.0, 0.0, 0.0, np.nan]),
-        (plain, [0.0, 0.0, 0.0, 10**400]),
-    ):
-        assert compiled.best_solution(scene, found, near, True) is None

@@ -25,7 +25,7 @@ def test_nothing_else_lies_beside_the_generated_kernels() -> None:
     from alpha5_model.codegen.sources import generated_sources
 
     root = Path(REPOSITORY_PATH)
-    folder = root / "alpha5_model" / "codegen" / "kernels" / "generated"
+    folder = root / "alpha5_model" / "kernels" / "generated"
     found = {path.relative_to(root).as_posix() for path in folder.glob("*.*")}
     expected = {
         path

@@ -200,7 +200,9 @@ def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
 
 
 @pytest.mark.parametrize(("single", "compiled"), [(False, True), (True, False)])
-def test_what_is_not_reached_has_no_gradient(single: bool, compiled: bool) -> None:
+def test_a_missing_branch_does_not_spoil_the_others(
+    single: bool, compiled: bool
+) -> None:
     import jax
     import jax.numpy as jnp
 
@@ -222,19 +224,12 @@ def test_what_is_not_reached_has_no_gradient(single: bool, compiled: bool) -> No
     with jax.enable_x64(not single):
         run = jax.jit if compiled else lambda function: function
         for slopes in (jax.jacrev, jax.jacfwd):
-            slope = run(slopes(q, (0, 1)))  # once: compiling it takes seconds
-            by_position, by_wrist = slope(far, 0.3)
-            assert np.isnan(by_position).all()
-            assert np.isnan(by_wrist).all()
-            by_position, by_wrist = slope(one_elbow, 0.3)
-            assert np.array_equal(np.isfinite(by_position).all(axis=(1, 2)), expected)
-            assert np.array_equal(np.isnan(by_position).all(axis=(1, 2)), ~expected)
-            assert np.array_equal(np.isnan(by_wrist).all(axis=1), ~expected)
+            slope = run(slopes(q, (0, 1)))
+            by_position, by_wrist = map(np.asarray, slope(one_elbow, 0.3))
+            assert np.isfinite(by_position[expected]).all()
+            assert np.abs(by_position[expected]).max() > 1.0
             assert np.array_equal(by_wrist[expected][:, 3], np.ones(expected.sum()))
-        assert np.isnan(run(jax.grad(lambda p: q(p, 0.3)[0, 0]))(far)).all()
         assert np.isfinite(run(jax.grad(chosen))(one_elbow)).all()
-        tiny = run(jax.grad(lambda p: 1e-12 * q(p, 0.3)[0, 0]))(far)
-        assert np.isnan(tiny).all()
         many = run(jax.vmap(jax.grad(chosen)))(np.array([one_elbow, far]))
         assert np.isfinite(many).all()
 

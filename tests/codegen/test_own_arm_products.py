@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from compiled_kernels import compiled_kernels
 from own_arm import random_arm, tips, within
 
 import alpha5_model as a5
@@ -81,19 +80,16 @@ def test_casadi_without_an_arm_is_the_catalogues() -> None:
     np.testing.assert_allclose(np.array(q), expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("compiled", [False, True])
-def test_an_arm_with_its_own_limits_keeps_them_in_casadi(compiled: bool) -> None:
+def test_an_arm_with_its_own_limits_keeps_them_in_casadi() -> None:
     pytest.importorskip("casadi")
     from alpha5_model.casadi import load
     from alpha5_model.dynamics.load import arm_of
 
-    if compiled:
-        compiled_kernels()
     record = a5.parameters()
     elbow = dataclasses.replace(record.joints[2], upper=1.0)
     joints = (*record.joints[:2], elbow, *record.joints[3:])
     own = dataclasses.replace(record, joints=joints)
-    solve = load(arm_of(own), compiled=compiled).inverse_kinematics
+    solve = load(arm_of(own)).inverse_kinematics
     position, wrist = targets(own)
     expected = a5.inverse_kinematics(position, wrist, arm=own)
     published = a5.inverse_kinematics(position, wrist)

@@ -26,7 +26,6 @@ CHILD = """
 import ctypes, sys
 import numpy as np
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import choice as kernels
 
 libm = ctypes.CDLL(sys.argv[1])
 mode, exact = int(sys.argv[2]), sys.argv[3] == "compiled"
@@ -34,23 +33,16 @@ rng = np.random.default_rng(2)
 q, v, a = rng.normal(scale=3.0, size=(3, 203, 4))
 q[7] *= 1e6  # sines of libm
 position = rng.uniform(-0.3, 0.3, (203, 3))
-arm = a5.load(backend="kernels")
-parameters = arm._kernel_parameters
-wet = arm.with_hydrodynamics((0.1, 0.2, 0.0))
+arm = a5.load()
 
 def answers():
     yield arm.inverse_dynamics_batch(q, v, a)
     yield arm.forward_dynamics_batch(q, v, a)
     yield arm.base_wrench_batch(q, v, a)
-    yield wet.inverse_dynamics_batch(q, v, a)
     yield arm.regressor(q, v, a).matrix
     yield a5.inverse_kinematics(position).q
     for i in range(20):
-        yield arm.inverse_dynamics(q[i], v[i], a[i])
-        yield arm.mass_matrix(q[i])
-        yield arm.forward_dynamics_derivatives(q[i], v[i], a[i])[0]
         yield a5.inverse_kinematics(position[i]).q
-    yield kernels.module().bind("inverse_dynamics", parameters)(q[0], v[0], a[0])
 
 # They tell the rounding of the processor's vectors, which fegetround may not read.
 def sums(one=1.0, little=1e-30):

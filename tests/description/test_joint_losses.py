@@ -103,11 +103,6 @@ def test_the_current_has_the_measured_friction(calibrated: Alpha5Parameters) -> 
     np.testing.assert_allclose(np.array(held) * k_t, [0.2 - BACKWARD, 0.2 + FORWARD])
     loads = motor.holding_torque(held.upper)
     assert loads.lower == pytest.approx(0.2)
-    speeds = motor.speed_limits(0.2, supply_voltage=24.0, current_limit=5.0)
-    for speed in np.array(speeds):
-        at_speed = motor.current(0.2, speed)
-        full = np.copysign(24.0, speed)
-        assert motor.voltage(at_speed, speed) == pytest.approx(full, rel=1e-12)
     power = motor.power(0.2, -0.4)
     parts = [power.mechanical, power.copper, power.friction, power.gear]
     total = sum(parts) + power.rotor + power.contradiction

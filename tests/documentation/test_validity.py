@@ -29,7 +29,6 @@ import alpha5_model as a5
 PAGE = (REPOSITORY / "docs" / "validity.md").read_text("utf-8")
 #: A number as the page prints it: 20 000, −3, 2e-15, 9.8.
 NUMBER = r"([-−]?\d+(?: \d{3})*(?:\.\d+)?(?:e-?\d+)?)"
-BACKENDS = ("pinocchio", "kernels")
 #: An error that is this much smaller than its bound would mean that the bound, or the
 #: check, is wrong.
 LOOSE = 1e-4
@@ -130,12 +129,11 @@ def surroundings() -> tuple[tuple[float, tuple[float, ...]], ...]:
 
 
 def arms() -> list[tuple[a5.Arm, float, tuple[float, ...]]]:
-    """An arm of each backend in each of the surroundings."""
+    """An arm in each of the surroundings."""
     made = []
     for density, gravity in surroundings():
-        for backend in BACKENDS:
-            arm = a5.load(fluid_density=density, gravity=gravity, backend=backend)
-            made.append((arm, density, gravity))
+        arm = a5.load(fluid_density=density, gravity=gravity)
+        made.append((arm, density, gravity))
     return made
 
 
@@ -157,12 +155,9 @@ def motion(
 def forward_kinematics(angles: float) -> float:
     q = within(angles, 500, seed=4)
     frames = fk(q)
-    worst = 0.0
-    for backend in BACKENDS:
-        arm = a5.load(backend=backend)
-        ours = np.array([arm.forward_kinematics(row).homogeneous for row in q])
-        worst = max(worst, float(np.abs(ours - frames).max()))
-    return worst
+    arm = a5.load()
+    ours = np.array([arm.forward_kinematics(row).homogeneous for row in q])
+    return float(np.abs(ours - frames).max())
 
 
 @check("Arm.jacobian")
@@ -265,12 +260,9 @@ def mass_matrix(angles: float) -> float:
         unit = np.broadcast_to(np.eye(4)[joint], q.shape)
         columns.append(newton_euler(q, still, unit, 0.0, np.zeros(3))[0])
     exact = np.stack(columns, axis=-1)
-    worst = 0.0
-    for backend in BACKENDS:
-        arm = a5.load(backend=backend)
-        ours = np.array([arm.mass_matrix(row) for row in q])
-        worst = max(worst, float(np.abs(ours - exact).max()))
-    return worst
+    arm = a5.load()
+    ours = np.array([arm.mass_matrix(row) for row in q])
+    return float(np.abs(ours - exact).max())
 
 
 @check("Arm.hydrostatic_torque")
@@ -372,13 +364,12 @@ def inverse_dynamics_derivatives(speeds: float, accelerations: float) -> float:
 def forward_dynamics_in_a_current(strongest: float, speeds: float) -> float:
     direction = np.array([0.6, -0.64, 0.48])
     worst = 0.0
-    for backend in BACKENDS:
-        arm = a5.load(backend=backend).with_hydrodynamics(strongest * direction)
-        q, v, a = motion(10.0, speeds, 100.0, 100)
-        for state in zip(q, v, a, strict=True):
-            torque = arm.inverse_dynamics(*state)
-            again = arm.forward_dynamics(state[0], state[1], torque)
-            worst = max(worst, float(np.abs(again - state[2]).max()))
+    arm = a5.load().with_hydrodynamics(strongest * direction)
+    q, v, a = motion(10.0, speeds, 100.0, 100)
+    for state in zip(q, v, a, strict=True):
+        torque = arm.inverse_dynamics(*state)
+        again = arm.forward_dynamics(state[0], state[1], torque)
+        worst = max(worst, float(np.abs(again - state[2]).max()))
     return worst
 
 

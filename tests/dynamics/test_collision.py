@@ -22,6 +22,7 @@ from coal_reference import without_pair
 from drawn_bodies import BODIES, LINKS, MESHES, Mesh, finger_pose, link_poses, placed
 from loops import each
 from own_shapes_urdf import urdf_with_own_shapes
+from pinocchio_collision import CollisionModel, collision_geometry
 from reference import LOWER, UPPER
 from shared_recordings import JOINT_STATES, needs_recordings
 
@@ -34,7 +35,6 @@ from alpha5_model.collision.link_pairs import (
     NEVER_WITHIN_LIMITS,
 )
 from alpha5_model.description.srdf import NAMED_POSES, named_pose, srdf
-from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
 from alpha5_model.errors import NonFiniteError, ShapeError, UnknownNameError
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.geometry.exported_shapes import exported_primitives

@@ -15,12 +15,12 @@ import pinocchio as pin
 import pytest
 from dynamics_cases import PAYLOAD, VARIANTS, make, random_q, random_v
 from loops import each
+from pinocchio_collision import CollisionModel
 from reference import MASS, VOLUME
 
 import alpha5_model as a5
 from alpha5_model._support.checks import LARGEST
 from alpha5_model.dynamics import load as dynamics
-from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import (
@@ -61,7 +61,7 @@ METHODS = {
     **dict.fromkeys(OF_QV, 2),
     **dict.fromkeys(OF_QVX, 3),
 }
-KINDS = ("locked", "kernels", "floating", "jaws")
+KINDS = ("locked", "floating", "jaws")
 
 
 def numbers(result):
@@ -450,7 +450,7 @@ def test_external_forces_are_checked():
             call(q, v, a, fext=[*zero[:-1], pin.Force(np.full(6, 1e60))])
 
 
-@pytest.mark.parametrize("options", [{}, {"gripper": "jaws"}, {"backend": "kernels"}])
+@pytest.mark.parametrize("options", [{}, {"gripper": "jaws"}])
 def test_an_arm_keeps_its_record(options: dict[str, str]) -> None:
     corrections = ("base_frame", "link3_cob")
     record = a5.parameters(corrections)

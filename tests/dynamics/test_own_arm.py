@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import own_arm_dynamics as own
@@ -15,13 +14,13 @@ from loops import each
 
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
-from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.load import arm_of, arm_urdf
 from alpha5_model.errors import InputError
+from alpha5_model.kernels import choice as kernels
+from alpha5_model.kernels import numpy_kernels
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -119,23 +118,6 @@ def test_a_payload_adds_its_weight_at_the_records_tool() -> None:
     assert loaded.parameters is record
 
 
-#: Methods of single states -> what they take besides q.
-SINGLE = {
-    "jacobian": (),
-    "mass_matrix": (),
-    "gravity_torque": (),
-    "buoyancy_torque": (),
-    "hydrostatic_torque": (),
-    "hydrostatic_torque_derivative": (),
-    "coriolis_matrix": ("v",),
-    "nonlinear_effects": ("v",),
-    "inverse_dynamics_derivatives": ("v", "a"),
-    "base_wrench_derivatives": ("v", "a"),
-    "forward_dynamics": ("v", "a"),
-    "forward_dynamics_derivatives": ("v", "a"),
-}
-
-
 @pytest.mark.parametrize("module", ["compiled", "numpy"])
 @every_record
 def test_the_kernels_know_the_record(
@@ -143,8 +125,7 @@ def test_the_kernels_know_the_record(
 ) -> None:
     chosen = numpy_kernels if module == "numpy" else compiled_kernels()
     monkeypatch.setattr(kernels, "module", lambda: chosen)
-    fast = a5.load(DENSITY, arm=record, backend="kernels")
-    assert type(fast).__name__ == "KernelArm"
+    fast = a5.load(DENSITY, arm=record)
     q, v, a = own.states(record, 30)
     torque, load = own.inverse_dynamics(
         record, q, v, a, DENSITY, gravity_at_base(record)
@@ -156,32 +137,6 @@ def test_the_kernels_know_the_record(
     assert regressor.matrix @ regressor.parameters == pytest.approx(torque, abs=1e-12)
     tips = [own.tcp(record, row)[:3, 3] for row in q]
     assert frame_positions(fast, q) == pytest.approx(np.array(tips), abs=1e-14)
-
-    for k in range(5):
-        single = fast.inverse_dynamics(q[k], v[k], a[k])
-        assert single == pytest.approx(torque[k], abs=1e-12)
-        wrench = fast.base_wrench(q[k], v[k], a[k]).vector
-        assert wrench == pytest.approx(load[k], abs=1e-11)
-
-
-@every_record
-def test_derivatives_by_kernels_are_pinocchios(record: Alpha5Parameters) -> None:
-    fast = a5.load(DENSITY, arm=record, backend="kernels")
-    arm = a5.load(DENSITY, arm=record)
-    q, v, a = own.states(record, 4)
-    for k in range(4):
-        given = {"v": v[k], "a": a[k]}
-        for method, inputs in SINGLE.items():
-            state = (q[k], *(given[name] for name in inputs))
-            ours = flat(getattr(fast, method)(*state))
-            theirs = flat(getattr(arm, method)(*state))
-            scale = max(1.0, np.abs(theirs).max())
-            assert np.abs(ours - theirs).max() < 1e-11 * scale, method
-
-
-def flat(result: Any) -> np.ndarray:
-    parts = result if isinstance(result, tuple) else (result,)
-    return np.concatenate([np.ravel(part) for part in parts])
 
 
 def test_a_model_that_is_not_its_records_stays_on_pinocchio() -> None:

@@ -12,11 +12,11 @@ import numpy as np
 import own_arm_dynamics as own
 import pytest
 from loops import each
+from pinocchio_collision import CollisionModel, collision_geometry
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import pose
 from alpha5_model.collision.link_pairs import unchecked_pairs
-from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.geometry.primitives import Primitive
@@ -147,7 +147,7 @@ def test_without_self_collision_is_of_the_record(seed: int) -> None:
 def test_reach_without_self_collision_of_an_arm_with_its_tool_on_the_axis() -> None:
     record = RECORDS[1]
     accept = partial(a5.without_self_collision, arm=record)
-    q = own.states(record, 300)[0]
+    q = own.states(record, 80)[0]
     points = np.array([own.tcp(record, each)[:3, 3] for each in q])
     reached = a5.reachable(points, accept=accept, arm=record)
     free = a5.without_self_collision(q, arm=record)

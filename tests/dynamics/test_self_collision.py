@@ -57,6 +57,7 @@ def test_the_pairs_are_those_of_the_committed_files() -> None:
     assert len(self_collision(a5.parameters())._coal._pairs) == len(pairs)
 
 
+@pytest.mark.slow
 def test_a_wrist_angle_is_not_held_against_the_others(arm: Any) -> None:
     """A position is free if the hand is free at any angle of the wrist."""
     q = sample(3000, seed=94)
@@ -132,7 +133,7 @@ def test_shares_against_exact_volumes_and_areas() -> None:
 
     Green's theorem gives the moment; the wedge is what the pose cannot face.
     """
-    from alpha5_model.kinematics.arcs import first_moment
+    from alpha5_model.kinematics.half_plane import first_moment
 
     exact = (2 * math.pi - WEDGE) * first_moment(space.boundary("underarm"))
     found = space.sampled_share(underarm, 40_000, seed=3)
@@ -183,6 +184,7 @@ def test_the_standard_error_is_never_zero_and_holds() -> None:
     assert space.sampled_share(underarm, 400) == shares[0] != shares[1]
 
 
+@pytest.mark.slow
 def test_the_share_by_plain_sampling(arm: Any) -> None:
     rng = np.random.default_rng(93)
     p = rng.uniform([-0.36, -0.36, -0.3], [0.36, 0.36, 0.39], (1200, 3))
@@ -215,6 +217,7 @@ def test_command_line(capsys: Any, tmp_path: Any) -> None:
     assert main(["workspace", "--self-collision", "--samples", "0"]) == 2
 
 
+@pytest.mark.slow
 def test_the_picture_shows_the_share_of_each_column(arm: Any) -> None:
     from alpha5_model.viewer.self_collision_plot import self_collision_figure
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.errors import (
-    JointLimitError,
-)
-from alpha5_model.kinematics.arm_kinematics import ArmKinematics
+from alpha5_model.errors import JointLimitError
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.ik import Solutions
-from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.kinematics.pose import PoseSolutions, approach_directions
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
@@ -47,43 +46,44 @@ def wider() -> Alpha5Parameters:
     return with_joint(2, upper=a5.parameters().joints[2].upper + 0.1)
 
 
-def test_the_plane_of_another_arm_is_its_own() -> None:
-    ours = ArmPlane.from_parameters(a5.parameters())
-    theirs = longer()
-    plane = ArmPlane.from_parameters(theirs)
-    assert plane.l_1 == pytest.approx(ours.l_1 + 0.05, abs=1e-15)
-    assert plane.longest == pytest.approx(ours.longest + 0.05, abs=1e-15)
-    assert plane.l_2 == ours.l_2
-    assert ArmPlane.from_parameters(wider()).upper[2] == ours.upper[2] + 0.1
+def test_the_geometry_of_another_arm_is_its_own() -> None:
+    ours = Geometry.of(a5.parameters())
+    geometry = Geometry.of(longer())
+    assert geometry.l_1 == pytest.approx(ours.l_1 + 0.05, abs=1e-15)
+    assert geometry.longest == pytest.approx(ours.longest + 0.05, abs=1e-15)
+    assert geometry.l_2 == ours.l_2
+    assert Geometry.of(wider()).upper[2] == ours.upper[2] + 0.1
 
 
 def test_an_arm_of_the_same_lengths_answers_as_the_catalogue() -> None:
     record = a5.parameters()
     links = (*record.links[:4], replace(record.links[4], mass=0.5))
-    arm = ArmKinematics(replace(record, links=links))
+    arm = replace(record, links=links)
     poses = a5.dh.DHChain.alpha5().forward_kinematics(
         np.random.default_rng(3).uniform(0.5, 3.0, (20, 4))
     )
     inside = TARGETS[a5.reachable(TARGETS)]
     for ours, theirs in (
-        (arm.inverse_kinematics(TARGETS, 0.4), a5.inverse_kinematics(TARGETS, 0.4)),
-        (arm.inverse_kinematics_pose(poses), a5.inverse_kinematics_pose(poses)),
+        (
+            a5.inverse_kinematics(TARGETS, 0.4, arm=arm),
+            a5.inverse_kinematics(TARGETS, 0.4),
+        ),
+        (a5.inverse_kinematics_pose(poses, arm=arm), a5.inverse_kinematics_pose(poses)),
     ):
-        assert type(ours)._fields == type(theirs)._fields
         for one, other in zip(ours, theirs, strict=True):
             np.testing.assert_array_equal(one, other)
     np.testing.assert_array_equal(
-        arm.best(arm.inverse_kinematics(inside), REFERENCE, allow_collision=True),
+        a5.inverse_kinematics(inside, arm=arm).best(REFERENCE, allow_collision=True),
         a5.inverse_kinematics(inside).best(REFERENCE, allow_collision=True),
     )
     np.testing.assert_array_equal(
-        arm.approach_directions(TARGETS).directions,
+        approach_directions(TARGETS, arm=arm).directions,
         approach_directions(TARGETS).directions,
     )
     np.testing.assert_array_equal(
-        arm.nearest_reachable(TARGETS), a5.nearest_reachable(TARGETS)
+        a5.nearest_reachable(TARGETS, arm=arm), a5.nearest_reachable(TARGETS)
     )
-    assert arm.volume() == a5.workspace.volume()
+    assert a5.workspace.volume(arm=arm) == a5.workspace.volume()
 
 
 def test_the_public_functions_keep_the_limits_unless_told_otherwise() -> None:
@@ -97,10 +97,9 @@ def test_the_public_functions_keep_the_limits_unless_told_otherwise() -> None:
 
 
 def test_a_refusal_names_the_joint_of_the_arm_that_was_solved() -> None:
-    arm = ArmKinematics(with_joint(3, name="left_axis_b"))
-    solutions = arm.inverse_kinematics([0.2, 0.0, 0.1], 6.25)
+    arm = with_joint(3, name="left_axis_b")
     with pytest.raises(JointLimitError, match="left_axis_b"):
-        arm.best(solutions, REFERENCE)
+        a5.inverse_kinematics([0.2, 0.0, 0.1], 6.25, arm=arm).best(REFERENCE)
     with pytest.raises(JointLimitError, match=r"^axis_b"):
         a5.inverse_kinematics([0.2, 0.0, 0.1], 6.25).best(REFERENCE)
 
@@ -138,3 +137,43 @@ def test_solutions_are_of_the_public_class_and_can_be_pickled(
     assert type(again) is kind
     for one, other in zip(solutions, again, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize(
+    "solve",
+    [
+        lambda arm: a5.inverse_kinematics(TARGETS, arm=arm),
+        lambda arm: a5.inverse_kinematics_pose(np.eye(4)[None], arm=arm),
+    ],
+)
+@pytest.mark.parametrize(
+    "remade",
+    [
+        lambda s: s._replace(position=s.position),
+        lambda s: type(s)(*(array[0] for array in s)),
+        lambda s: s._make(s),
+        copy.copy,
+        copy.deepcopy,
+        lambda s: pickle.loads(pickle.dumps(s)),
+    ],
+)
+def test_solutions_keep_their_arm(
+    solve: Callable[[Alpha5Parameters], Any], remade: Callable[[Any], Any]
+) -> None:
+    for arm in (a5.parameters(), longer()):
+        solutions = solve(arm)
+        assert isinstance(solutions, Solutions | PoseSolutions)
+        again = remade(solutions)
+        assert solutions.arm is arm
+        assert again.arm.dh[1].a == arm.dh[1].a
+        assert again.collides.shape == again.exists.shape
+
+
+def test_one_row_of_a_batch_chooses_as_the_batch() -> None:
+    arm = longer()
+    batch = a5.inverse_kinematics(TARGETS, arm=arm)
+    solved = batch.within_limits.any(axis=-1)
+    batch = type(batch)(*(array[solved] for array in batch))
+    row = type(batch)(*(array[2] for array in batch))
+    best = batch.best(REFERENCE, allow_collision=True)
+    np.testing.assert_array_equal(row.best(REFERENCE, allow_collision=True), best[2])

@@ -11,15 +11,13 @@ import pytest
 from fk import sample, tip
 from loops import each
 from own_arm import random_arm, tips, within
+from pinocchio_collision import CollisionModel
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.collision.self_collision import SelfCollision, self_collision
-from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.errors import JointLimitError, SelfCollisionError, UnreachableError
-from alpha5_model.kinematics import colliding
-from alpha5_model.kinematics.catalogue_arm import catalogue
-from alpha5_model.kinematics.colliding import nearest_free_angle
+from alpha5_model.kinematics.choosing import nearest_free_yaw
 
 HOME = np.array([3.0, 1.6, 1.6, 1.4])
 #: Reached only with link_2 in link_0.
@@ -135,7 +133,7 @@ def test_what_an_error_proposes_frees_the_target(coal: CollisionModel) -> None:
         options = s.q[s.within_limits]
         return any(coal.clearance(q).distance > -1e-6 for q in options)
 
-    proposed = {"wrist": 0, "yaw": 0, "nearest": 0}
+    proposed = {"wrist": 0, "yaw": 0}
     for target in np.concatenate([targets(350, seed=7), targets(4000, 8)[:, :]]):
         s = a5.inverse_kinematics(target, 0.0)
         valid = s.within_limits & ~s.collides
@@ -162,12 +160,8 @@ def test_what_an_error_proposes_frees_the_target(coal: CollisionModel) -> None:
                 nearer = np.array([[c, -sn, 0], [sn, c, 0], [0, 0, 1]]) @ target
                 if abs(error.yaw) * (1 - share) > 0.02:
                     assert not is_free(nearer, 0.0)
-        if proposed["nearest"] < 6 and not math.isnan(error.distance):
-            assert is_free(error.nearest, 0.0)
-            assert error.distance == pytest.approx(math.dist(target, error.nearest))
-            proposed["nearest"] += 1
     assert proposed["wrist"] >= 1
-    assert proposed["yaw"] == proposed["nearest"] == 6
+    assert proposed["yaw"] == 6
 
 
 def test_a_wrist_that_collides_on_its_own_is_told_from_a_limit() -> None:
@@ -235,34 +229,11 @@ def test_a_gap_of_a_degree_between_collisions_is_found(
     monkeypatch.setattr(SelfCollision, "touches", touches)
     scene = self_collision(a5.parameters())
     q = np.array([start, 1.0, 1.0, 0.0])
-    found = nearest_free_angle(scene, q, 0, LOWER[0], UPPER[0])
+    found = nearest_free_yaw(scene, q, LOWER[0], UPPER[0])
     assert abs(found - near) < math.radians(0.01)
     assert (found - near) * side >= 0.0
-    none = nearest_free_angle(scene, q, 0, start - 0.1, start + 0.1)
+    none = nearest_free_yaw(scene, q, start - 0.1, start + 0.1)
     assert math.isnan(none)
-
-
-@pytest.mark.parametrize("needed", [1e-3, 0.0042, 0.03, 0.17, 0.4])
-def test_a_free_target_is_little_farther_than_the_nearest(
-    needed: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Behind a wall, at most a third farther than the wall itself."""
-    rng = np.random.default_rng(15)
-    plane = catalogue()
-    for _ in range(6):
-        normal = rng.normal(size=3)
-        normal /= np.linalg.norm(normal)
-        target = rng.uniform(-0.2, 0.2, 3)
-        wall = target @ normal + 0.95 * needed
-
-        def is_free(
-            targets: np.ndarray, *_: Any, wall: float = wall, n: np.ndarray = normal
-        ) -> np.ndarray:
-            return np.asarray(targets @ n > wall)
-
-        monkeypatch.setattr(colliding, "_is_free", is_free)
-        found = colliding._free_target(target, 0.0, plane.shape, plane.self_collision)
-        assert needed * 0.95 < math.dist(found, target) < 1.36 * needed
 
 
 def test_best_of_poses_is_free(coal: CollisionModel) -> None:

@@ -11,12 +11,12 @@ from compiled_kernels import compiled_kernels
 from fk import FOLDED, sample, tip
 from ik_reference import solved
 from ik_targets import EDGES, at_edge, elbow_and_tip, ordinary
+from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import choice as kernels_package
-from alpha5_model.codegen.kernels import numpy_kernels
-from alpha5_model.kinematics import ik
-from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE
+from alpha5_model.kernels import choice as kernels_package
+from alpha5_model.kernels import numpy_kernels
+from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE, LIMIT_TOLERANCE
 
 COUNT, EACH = 130_000, 10_000
 
@@ -26,8 +26,7 @@ def kernels(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> ModuleType:
     chosen = numpy_kernels if request.param == "numpy" else compiled_kernels()
-    for user in (ik, kernels_package):
-        monkeypatch.setattr(user, "module", lambda: chosen)
+    monkeypatch.setattr(kernels_package, "module", lambda: chosen)
     return chosen
 
 
@@ -63,22 +62,21 @@ def test_200_000_targets(
     position, wrist = targets
     assert len(position) == 200_000
     s = a5.inverse_kinematics(position, wrist)
-    q, *flags = careful
-    for got, wanted in zip((s.exists, s.within_limits, s.singular), flags, strict=True):
-        assert np.array_equal(got, wanted)
+    q, exists, within_limits, singular = careful
+    assert np.array_equal(s.exists, exists)
+    assert np.array_equal(s.singular, singular)
+    # Both move an angle onto a limit that it passes by less than 1e-12 and rounding.
+    doubtful = s.within_limits != within_limits
+    passed = np.maximum(q - UPPER, LOWER - q)[doubtful].max(axis=-1, initial=0.0)
+    assert np.abs(passed - LIMIT_TOLERANCE).max(initial=0.0) < 1e-13
     assert np.array_equal(np.isnan(s.q).all(axis=-1), ~s.exists)
     # Near the stretched and the folded arm, rounding of the target moves both angles by
     # rounding / sin(gamma).
     sine = np.abs(np.sin(q[..., 2] - FOLDED))[..., None]
-    assert (np.abs(s.q - q) * np.maximum(sine, 1e-8))[s.exists].max() < 3e-15
-    plain = [
-        numpy_kernels.inverse_kinematics(tuple, *one)
-        for one in zip(position.tolist(), wrist.tolist(), strict=True)
-    ]
-    plain_q = np.array([answer[0] for answer in plain])
-    assert np.abs(s.q - plain_q)[s.exists].max() < 1e-10
-    for got, column in zip(s[1:4], (1, 2, 3), strict=True):
-        assert np.array_equal(got, [answer[column] for answer in plain])
+    error = (np.abs(s.q - q) * np.maximum(sine, 1e-8)).max(axis=-1)
+    at_limit = ((s.q == LOWER) | (s.q == UPPER)).any(axis=-1)
+    assert error[s.exists & ~at_limit].max() < 3e-15
+    assert error[s.exists].max() < 2.0 * LIMIT_TOLERANCE
     off = np.linalg.norm(elbow_and_tip(s.q)[1] - position[:, None], axis=-1)
     regular = s.exists & ~s.singular[:, None]
     assert off[regular].max() < 1e-12
@@ -90,11 +88,10 @@ def test_one_target_is_a_row_of_the_batch(
 ) -> None:
     position, wrist = (x[::200] for x in targets)
     s = a5.inverse_kinematics(position, wrist)
-    rounding = 1e-10 if "numpy" in kernels.__name__ else 0.0
     for i, (p, w) in enumerate(zip(position, wrist.tolist(), strict=True)):
         for got, wanted in zip(a5.inverse_kinematics(p, w), s, strict=True):
             assert got.shape == wanted[i].shape
-            np.testing.assert_allclose(got, wanted[i], rtol=0.0, atol=rounding)
+            np.testing.assert_array_equal(got, wanted[i])
 
 
 def test_reach_is_the_same_without_angles(

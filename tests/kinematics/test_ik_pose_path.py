@@ -576,30 +576,24 @@ def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None
 
 
 @each(
-    ("size", "turn", "first", "expected"),
+    ("size", "turn", "expected"),
     [
-        ([1.0, 3.0], 0.4, 0.0, [0.1, 0.3]),
-        ([1.0, 3.0], 0.7, 0.0, [0.2, 0.5]),  # the larger one at its most
-        (
-            [3.0, 1.0, 0.0],
-            1.2,
-            0.0,
-            [0.5, 0.5, 0.2],
-        ),  # and what is left to the one that stands
-        ([0.0, 0.0], 0.6, 0.0, [0.3, 0.3]),
-        ([1.0, 3.0], 0.4, 0.3, [0.3, 0.1]),  # the first one has to
-        ([1.0, 1.0], 1.0, 0.0, [0.5, 0.5]),
-        ([2.0], 0.25, 0.25, [0.25]),
-        ([1.0, 2.0], 0.0, 0.0, [0.0, 0.0]),
+        ([1.0, 3.0], 0.4, [0.1, 0.3]),
+        ([1.0, 3.0], 0.7, [0.2, 0.5]),  # the larger one at its most
+        # And what is left to the one that stands.
+        ([3.0, 1.0, 0.0], 1.2, [0.5, 0.5, 0.2]),
+        ([0.0, 0.0], 0.6, [0.3, 0.3]),
+        ([1.0, 1.0], 1.0, [0.5, 0.5]),
+        ([1.0, 2.0], 0.0, [0.0, 0.0]),
     ],
 )
 def test_how_a_turn_is_shared(
-    size: list[float], turn: float, first: float, expected: list[float]
+    size: list[float], turn: float, expected: list[float]
 ) -> None:
-    from alpha5_model.kinematics.axis_crossing import shared_turn
+    from alpha5_model.kinematics.path import shared_turn
 
     np.testing.assert_allclose(
-        shared_turn(np.array(size), turn, first, 0.5), expected, rtol=0, atol=1e-15
+        shared_turn(np.array(size), turn, 0.5), expected, rtol=0, atol=1e-15
     )
 
 

@@ -12,12 +12,10 @@ from loops import each
 from own_arm import limits, random_arm, tips, turned_apart, with_tool, within
 
 import alpha5_model as a5
-from alpha5_model.codegen.kernels import numpy_kernels
-from alpha5_model.codegen.kernels.choice import module
 from alpha5_model.errors import JointLimitError, UnreachableError
-from alpha5_model.kinematics.arm_shape import ArmShape
-from alpha5_model.kinematics.ik import ArmSolutions, Solutions
-from alpha5_model.kinematics.solver import OFF_AXIS, ON_AXIS
+from alpha5_model.kernels import numpy_kernels
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.ik import Solutions
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 TARGETS = 4000
@@ -161,7 +159,7 @@ def test_the_edge_of_reach_is_right_to_1e_10(fold: float) -> None:
     arm = random_arm(np.random.default_rng(2), off_axis=False)
     q, elbow = stretched_or_folded(arm, 500, fold)
     position = tips(arm, q)
-    plane = ArmShape.from_parameters(arm)
+    plane = Geometry.of(arm)
     l_2 = math.hypot(plane.a_2, plane.z)
     outwards = (position - elbow) / l_2
     outwards *= 1.0 if fold == 0.0 or l_2 > plane.a_1 else -1.0
@@ -180,7 +178,7 @@ def test_the_edge_of_reach_is_right_to_1e_10(fold: float) -> None:
 def test_the_cylinder_is_right_to_1e_10(seed: int) -> None:
     """Targets at the distance |w| of the yaw axis: underarm and overarm coincide."""
     arm = random_arm(np.random.default_rng(seed), off_axis=True)
-    shape = ArmShape.from_parameters(arm)
+    shape = Geometry.of(arm)
     q = within(arm, 400, seed=1)
     _, w = shape.tool_in_forearm(q[:, 3])
     rng = np.random.default_rng(2)
@@ -205,7 +203,7 @@ def test_the_cylinder_is_right_to_1e_10(seed: int) -> None:
 
 def test_theta_0_is_free_on_the_yaw_axis_where_the_tool_reaches_it() -> None:
     arm = with_tool(0.03, 0.02, -0.2)
-    shape = ArmShape.from_parameters(arm)
+    shape = Geometry.of(arm)
     wrist = math.atan2(-shape.y, shape.x) - shape.wrist_offset + math.pi
     s = a5.inverse_kinematics([0.0, 0.0, 0.2], wrist, arm=arm)
     assert s.exists.any()
@@ -218,7 +216,7 @@ def test_theta_0_is_free_on_the_yaw_axis_where_the_tool_reaches_it() -> None:
 
 def test_theta_2_is_free_with_the_tool_point_on_the_elbow_axis() -> None:
     arm = with_tool(-0.02, 0.05, 0.0)
-    shape = ArmShape.from_parameters(arm)
+    shape = Geometry.of(arm)
     wrist = -shape.wrist_offset + math.tau
     q = np.array([2.0, 1.0, 0.3, wrist])
     s = a5.inverse_kinematics(tips(arm, q), wrist, arm=arm)
@@ -236,51 +234,13 @@ def test_theta_1_is_free_at_the_shoulder_of_equal_links() -> None:
     joints[2] = dataclasses.replace(joints[2], lower=-0.5, upper=4.0)
     wide = dataclasses.replace(published, joints=tuple(joints))
     arm = with_tool(0.0, 0.0, -math.sqrt(a_1**2 - a_2**2), wide)
-    shape = ArmShape.from_parameters(arm)
+    shape = Geometry.of(arm)
     shoulder = np.array([-shape.a_0, 0.0, shape.d_0])
     s = a5.inverse_kinematics(shoulder, 0.1, arm=arm)
     assert bool(s.singular)
     free = s.exists & (np.abs(s.q[:, 1] - shape.middle[1]) == 0.0)
     assert free.any()
     assert np.abs(tips(arm, s.q[s.exists]) - shoulder).max() < 1e-9
-
-
-def test_an_arm_as_published_answers_as_the_catalogue() -> None:
-    """The general kernels and the catalogue's, on the same arm."""
-    rng = np.random.default_rng(4)
-    position = rng.uniform(-0.4, 0.4, (TARGETS, 3))
-    wrist = rng.uniform(-10.0, 10.0, TARGETS)
-    ours = a5.inverse_kinematics(position, wrist)
-    numbers = ArmShape.from_parameters(a5.parameters()).numbers
-    for name in (ON_AXIS, OFF_AXIS):
-        q = np.empty((TARGETS, 4, 4))
-        flags = [np.empty((TARGETS, size)) for size in (4, 4, 1)]
-        assert module().batch(name, numbers, position, wrist, q, *flags)
-        assert (flags[0] == ours.exists).all()
-        assert (flags[1] == ours.within_limits).all()
-        assert (flags[2][:, 0] == ours.singular).all()
-        assert q == pytest.approx(ours.q, abs=2e-12, nan_ok=True)
-
-
-@pytest.mark.parametrize("name", ["43 mm along", "60 mm beside, 1"])
-def test_one_target_is_solved_as_many_are(name: str) -> None:
-    arm = ARMS[name]
-    q = within(arm, 100, seed=9)
-    position = tips(arm, q)
-    many = a5.inverse_kinematics(position, 0.3, arm=arm)
-    shape = ArmShape.from_parameters(arm)
-    kernel = ON_AXIS if shape.has_tool_on_axis else OFF_AXIS
-    in_numpy = numpy_kernels.bind(kernel, shape.numbers)
-    for i, target in enumerate(position):
-        one = a5.inverse_kinematics(target, 0.3, arm=arm)
-        listed = a5.inverse_kinematics(target.tolist(), 0.3, arm=arm)
-        plain = numpy_kernels.inverse_kinematics(ArmSolutions, target, 0.3, in_numpy)
-        assert one.q == pytest.approx(many.q[i], abs=1e-13, nan_ok=True)
-        assert plain.q == pytest.approx(many.q[i], abs=1e-12, nan_ok=True)
-        np.testing.assert_array_equal(one.q, listed.q)
-        for answer in (one, listed, plain):
-            assert (answer.within_limits == many.within_limits[i]).all()
-            assert not answer.q.flags.writeable
 
 
 @pytest.mark.parametrize("count", [1, 5, 500])
@@ -290,15 +250,30 @@ def test_numpy_solves_few_and_many_targets_alike(name: str, count: int) -> None:
     arm = ARMS[name]
     position = tips(arm, within(arm, count, seed=3))
     expected = a5.inverse_kinematics(position, 0.3, arm=arm)
-    q = np.empty((count, 4, 4))
-    flags = [np.empty((count, size)) for size in (4, 4, 1)]
-    shape = ArmShape.from_parameters(arm)
-    numbers = shape.numbers
+    numbers = Geometry.of(arm).ik_parameters
     wrist = np.full(count, 0.3)
-    kernel = ON_AXIS if shape.has_tool_on_axis else OFF_AXIS
-    assert numpy_kernels.batch(kernel, numbers, position, wrist, q, *flags)
+    q, exists, within_limits, singular = numpy_kernels.rows(
+        "inverse_kinematics", numbers, position, wrist
+    )
     assert q == pytest.approx(expected.q, abs=1e-12, nan_ok=True)
-    assert (flags[1] == expected.within_limits).all()
+    assert (exists == expected.exists).all()
+    assert (within_limits == expected.within_limits).all()
+    assert (singular[:, 0] == expected.singular).all()
+
+
+@pytest.mark.parametrize("name", ["43 mm along", "60 mm beside, 1"])
+def test_one_target_is_solved_as_many_are(name: str) -> None:
+    arm = ARMS[name]
+    position = tips(arm, within(arm, 100, seed=9))
+    many = a5.inverse_kinematics(position, 0.3, arm=arm)
+    for i, target in enumerate(position):
+        one = a5.inverse_kinematics(target, 0.3, arm=arm)
+        listed = a5.inverse_kinematics(target.tolist(), 0.3, arm=arm)
+        np.testing.assert_array_equal(one.q, many.q[i])
+        np.testing.assert_array_equal(one.q, listed.q)
+        for answer in (one, listed):
+            assert (answer.within_limits == many.within_limits[i]).all()
+            assert not answer.q.flags.writeable
 
 
 def test_targets_far_off_are_out_of_reach() -> None:
@@ -311,7 +286,7 @@ def test_the_best_solution_is_that_of_the_own_arm() -> None:
     narrow = random_arm(np.random.default_rng(1), off_axis=True)
     q = within(narrow, 50, seed=2)
     s = a5.inverse_kinematics(tips(narrow, q), q[:, 3], arm=narrow)
-    assert isinstance(s, ArmSolutions)
+    assert s.arm is narrow
     assert turned_apart(s.best(q, allow_collision=True), q).max() < 1e-8
     again = pickle.loads(pickle.dumps(s))
     assert turned_apart(again.best(q, allow_collision=True), q).max() < 1e-8

@@ -12,7 +12,7 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.errors import UnknownNameError
-from alpha5_model.kinematics.arcs import Arc, first_moment
+from alpha5_model.kinematics.half_plane import Arc, first_moment
 
 space = a5.workspace
 #: Box around everything that can be reached [m].

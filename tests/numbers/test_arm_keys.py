@@ -47,12 +47,12 @@ _WATER = f"{_DYNAMICS} mjcf sdf water"
 #: the record and the arm file that is written of it.
 KINDS = {
     "name": ('name = "other"', f"{_ROBOTS} srdf"),
-    "corrections": ("corrections = []", f"{_DYNAMICS} {_ROBOTS}"),
+    "corrections": ("corrections = []", f"{_DYNAMICS} {_ROBOTS} srdf"),
     "mount.parent": ('[mount]\nparent = "rov"', _ROBOTS),
     "mount.xyz": ("[mount]\nxyz = [0.1, 0, 0]", _ROBOTS),
     "mount.rpy": ("[mount]\nrpy = [0.1, 0.2, 0]", f"{_DYNAMICS} {_ROBOTS}"),
-    "lengths": ("[lengths]\na_1 = 0.152", _GEOMETRY),
-    "zeros": ("[zeros]\naxis_c = 0.05", _GEOMETRY),
+    "lengths": ("[lengths]\na_1 = 0.152", f"{_GEOMETRY} srdf"),
+    "zeros": ("[zeros]\naxis_c = 0.05", f"{_GEOMETRY} srdf"),
     "min_position": (
         "[joint_limits.axis_c]\nmin_position = 0.1",
         f"limits inverse_kinematics c_code srdf trajectory viewer {_ROBOTS}",
@@ -159,11 +159,9 @@ def kinematics(arm: Alpha5Parameters) -> Any:
 
 
 def kernels(arm: Alpha5Parameters) -> Any:
-    by_kernels = a5.load(arm=arm, backend="kernels")
-    return [
-        by_kernels.inverse_dynamics(Q, V, A),
-        by_kernels.base_wrench(Q, V, A).vector,
-    ]
+    loaded = a5.load(arm=arm)
+    state = [np.array([x]) for x in (Q, V, A)]
+    return [loaded.inverse_dynamics_batch(*state), loaded.base_wrench_batch(*state)]
 
 
 def moving_water(arm: Alpha5Parameters) -> Any:

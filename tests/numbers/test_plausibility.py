@@ -413,7 +413,6 @@ for gripper in ("locked", "jaws"):
         arm = a5.load(gripper=gripper, floating_base=base)
         arm.with_hydrodynamics()
 [a5.actuators.actuator(f"axis_{x}").extremes() for x in "edcba"]
-a5.load(backend="kernels")
 a5.parameters(("link3_cob",))
 a5.robot_wrapper("jaws")
 """

@@ -14,10 +14,9 @@ from alpha5_model._support.spatial import pose, rotation_from_rpy
 from alpha5_model.description import frames
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.errors import ImplausibleWarning, InputError
-from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.tool import ToolPose, printed_tool
 from alpha5_model.theory.dh import DHChain
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
 
 TOOL = ToolPose(
     position=np.array([0.004, -0.03, -0.245]),
@@ -45,7 +44,7 @@ def test_the_tool_of_table_1_is_where_the_test_puts_it() -> None:
 
 
 def test_a_chain_has_the_tool() -> None:
-    chain = DHChain(**alpha5_table(RECORD))
+    chain = DHChain.alpha5(arm=RECORD)
     q = sample(200, seed=1)
     assert chain.forward_kinematics(q) == pytest.approx(with_tool(q), abs=1e-15)
 
@@ -69,10 +68,10 @@ def test_a_tool_as_published_changes_nothing() -> None:
 
 def test_the_plane_of_the_arm_has_a_tool_on_the_wrist_axis() -> None:
     on_axis = dataclasses.replace(TOOL, position=[0.0, 0.0, -0.245])
-    plane = ArmPlane.from_parameters(dataclasses.replace(RECORD, tool=on_axis))
-    assert plane.l_2 == math.hypot(0.02, 0.245)
+    geometry = Geometry.of(dataclasses.replace(RECORD, tool=on_axis))
+    assert geometry.l_2 == math.hypot(0.02, 0.245)
     with pytest.raises(InputError, match="on the wrist axis"):
-        ArmPlane.from_parameters(RECORD)
+        Geometry.of(RECORD).require_tool_on_axis("this test")
 
 
 def test_a_tool_is_read_only() -> None:

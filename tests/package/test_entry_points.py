@@ -11,37 +11,32 @@ PACKAGE = Path(__file__).resolve().parents[2] / "alpha5_model"
 #: Function -> module that defines it.
 CATALOGUE = {
     "parameters": "alpha5_model.numbers.parameters",
-    "catalogue": "alpha5_model.kinematics.catalogue_arm",
 }
 #: Module -> its callers of the catalogue: public functions without an arm among their
 #: arguments, commands, generators, and what was made for the catalogue's arm only.
 ENTRY_POINTS = {
     "cli.arm": "a command",
     "cli.ik": "a command",
-    "cli.workspace": "a command",
-    "codegen.sources": "a generator; the kernels are the catalogue's arm",
-    "collision.disabled_pairs": "the proof that is committed is the catalogue's",
+    "codegen.sources": "a generator; the page has the catalogue's arm",
     "collision.link_pairs": "for which lengths links never meet",
     "description.committed": "a generator",
     "dynamics.arm_model": "Arm without a record",
     "dynamics.dimensions": "for which arm kernels and drawn bodies were made",
     "geometry.collision_shapes": "bodies that are drawn for the catalogue's arm",
     "geometry.drawing": "bodies that are drawn for the catalogue's arm",
-    "kinematics.catalogue_arm": "catalogue, and kinematics_of without an arm",
-    "kinematics.ik": "Solutions.best, and the published formulas",
-    "kinematics.pose": "PoseSolutions.best",
-    "kinematics.solver": "which arm the kernels solve",
-    "kinematics.workspace": "the published region",
     "numbers.arm_file": "arm_file; what a file leaves out is the catalogue's",
     "numbers.joint_losses": "a friction that is not the catalogue's was measured",
     "numbers.record_writing": "a file says what differs from the catalogue's arm",
     "numbers.chosen_arm": "chosen_arm without an arm; is_catalogue compares",
+    "proofs.audit.printed_inverse_kinematics": "the published formulas",
+    "proofs.audit.printed_workspace": "the published region",
     "proofs.audit.run": "audit",
     "studies.sweep.arms": "a study that names corrections",
     "studies.uncertainty.arm_numbers": "arm_numbers; which values are the printed ones",
-    "viewer.build": "the workspace and the page's inverse kinematics",
+    "viewer.build": "which URDF is drawn",
     "viewer.own_arm": "what the page says of the differences",
     "viewer.self_collision_plot": "self_collision_figure",
+    "viewer.workspace_plot": "workspace_figure",
 }
 
 
@@ -105,10 +100,6 @@ def test_only_entry_points_ask_for_the_catalogue() -> None:
         "from alpha5_model.numbers.parameters import parameters as p\n"
         "def f():\n    p(())",
         "from alpha5_model.numbers import parameters as records\nrecords.parameters()",
-        "def f():\n    from alpha5_model.kinematics.catalogue_arm import catalogue\n"
-        "    catalogue()",
-        "from alpha5_model.kinematics import catalogue_arm\n"
-        "catalogue_arm.catalogue().plane",
     ],
 )
 def test_the_guard_sees_a_call(source: str) -> None:

@@ -13,8 +13,8 @@ import pytest
 
 import alpha5_model as a5
 
-#: From the signal to the answer [s].
-LIMIT = 0.2
+#: From the signal to the answer [s], with time to spare: batches take many times that.
+LIMIT = 1.0
 #: On a machine that does other work, the quickest of so many.
 ATTEMPTS = 4
 
@@ -47,7 +47,7 @@ CASES = {
         "locked",
         "fixed",
         "forward_dynamics_batch",
-        "60000000",
+        "20000000",
         "still",
         "compiled",
     ),
@@ -55,7 +55,7 @@ CASES = {
         "locked",
         "fixed",
         "inverse_dynamics_batch",
-        "60000000",
+        "1000000",
         "moving",
         "compiled",
     ),
@@ -125,7 +125,7 @@ def test_a_batch_ends_upon_ctrl_c(case: str) -> None:
     *arguments, kernels = CASES[case]
     if kernels == "compiled":
         pytest.importorskip(
-            "alpha5_model.codegen.kernels._compiled",
+            "alpha5_model.kernels._compiled",
             reason="the kernels are not compiled here",
             exc_type=ImportError,
         )
@@ -143,7 +143,7 @@ def test_a_batch_ends_upon_ctrl_c(case: str) -> None:
 )
 def test_signals_are_answered_within_a_batch_and_change_nothing() -> None:
     compiled = pytest.importorskip(
-        "alpha5_model.codegen.kernels._compiled",
+        "alpha5_model.kernels._compiled",
         reason="the kernels are not compiled here",
         exc_type=ImportError,
     )
@@ -152,20 +152,19 @@ def test_signals_are_answered_within_a_batch_and_change_nothing() -> None:
     q, v, tau = rng.normal(
         scale=1e6, size=(3, 150_000, 4)
     )  # slow: sines of large angles
-    wanted, out = np.empty((2, *q.shape))
-    for start in range(0, len(q), 1000):
-        part = slice(start, start + 1000)
-        assert compiled.batch(
-            "forward_dynamics", parameters, *(x[part] for x in (q, v, tau, wanted))
-        )
+    parts = [slice(start, start + 1000) for start in range(0, len(q), 1000)]
+    wanted = [
+        compiled.rows("forward_dynamics", parameters, q[part], v[part], tau[part])[0]
+        for part in parts
+    ]
     answered: list[int] = []
     before = signal.signal(signal.SIGALRM, lambda number, _: answered.append(number))
     try:
         signal.setitimer(signal.ITIMER_REAL, 0.005, 0.005)
-        assert compiled.batch("forward_dynamics", parameters, q, v, tau, out)
+        (out,) = compiled.rows("forward_dynamics", parameters, q, v, tau)
         within = len(answered)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
     assert within > 1
-    np.testing.assert_allclose(out, wanted, rtol=1e-12)
+    np.testing.assert_array_equal(out, np.concatenate(wanted))

@@ -63,7 +63,7 @@ def same(ours, theirs):
     )
 
 
-@pytest.mark.parametrize("kind", ["locked", "kernels", "floating", "jaws"])
+@pytest.mark.parametrize("kind", ["locked", "floating", "jaws"])
 def test_threads_change_no_answer(kind):
     arm = make(kind)
     q, v, a = states(arm)
@@ -76,7 +76,7 @@ def test_threads_change_no_answer(kind):
 
 @pytest.mark.slow
 def test_batches_and_errors_in_a_pool_s_workers(context):
-    kinds = ["locked", "kernels", "floating", "jaws"]
+    kinds = ["locked", "floating", "jaws"]
     with context.Pool(1) as pool:
         there = pool.map_async(answers, kinds).get(LIMIT)
         with pytest.raises(a5.errors.NonFiniteError) as caught:

@@ -65,7 +65,7 @@ def built(
 def kernels_of(wheel: dict[str, Any]) -> list[str]:
     """The compiled kernels among the files that a wheel is given."""
     places = wheel["force_include"].values()
-    return [place for place in places if "codegen/kernels" in place]
+    return [place for place in places if "kernels" in place]
 
 
 def test_a_wheel_fits_one_platform_only_if_it_holds_compiled_kernels(

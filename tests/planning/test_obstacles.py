@@ -19,6 +19,7 @@ import alpha5_model as a5
 from alpha5_model._support.spatial import moved, pose
 from alpha5_model.collision import self_collision
 from alpha5_model.errors import Alpha5Error, InputError
+from alpha5_model.kernels import numpy_kernels
 from alpha5_model.planning import Mesh, Obstacle
 from alpha5_model.planning.broad_phase import SHORTEST
 from alpha5_model.planning.obstacles import seen_from
@@ -198,7 +199,7 @@ def test_without_a_compiler_the_answers_are_the_same(
     hits = compiled.touches(q)
     lines = [compiled.obstruction(*pair) for pair in zip(q[:5], q[5:10], strict=True)]
 
-    monkeypatch.setattr(self_collision, "is_compiled", lambda: False)
+    monkeypatch.setattr(self_collision, "module", lambda: numpy_kernels)
     record = own.dataclasses.replace(a5.parameters(), name="again")
     plain = Surroundings(record, ALL, 0.01)
     assert np.array_equal(plain.touches(q), hits)

@@ -11,7 +11,7 @@ import alpha5_model as a5
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
-    if not a5.backend().startswith("compiled ("):
+    if a5.backend() != "compiled":
         pytest.skip("the kernels are not compiled here")
     file = tmp_path_factory.mktemp("bits") / "here.npz"
     assert kernel_bits.main(["write", str(file)]) == 0
@@ -20,7 +20,7 @@ def stored(tmp_path_factory):
 
 def test_the_same_machine_gives_the_same_bits(stored, capsys):
     assert kernel_bits.main(["compare", str(stored)]) == 0
-    assert "52 of 52 arrays" in capsys.readouterr().out
+    assert "14 of 14 arrays" in capsys.readouterr().out
 
 
 def test_the_last_bit_of_one_number_counts(stored, tmp_path, capsys):

@@ -668,7 +668,7 @@ as = "peak"
 
 
 def test_states_in_self_collision_are_left_out(tmp_path: Path) -> None:
-    from alpha5_model.dynamics.collision import CollisionModel
+    from pinocchio_collision import CollisionModel
 
     collisions = CollisionModel(a5.load().model)
     names = ("row", *(f"axis_{x}_pos" for x in "edcb"), "torque.axis_d")

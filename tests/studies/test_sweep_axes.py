@@ -10,10 +10,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from parquet_files import read_table
+from pinocchio_collision import CollisionModel
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.studies.sweep.blocks import blocks_of
 from alpha5_model.studies.sweep.study import read_study
 

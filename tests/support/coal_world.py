@@ -12,10 +12,10 @@ from typing import Any
 import coal
 import numpy as np
 import pinocchio as pin
+from pinocchio_collision import collision_geometry
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
-from alpha5_model.dynamics.collision import collision_geometry
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.planning import Mesh, Obstacle
 

@@ -10,7 +10,6 @@ from compiled_kernels import compiled_kernels
 
 compiled = compiled_kernels()
 
-FREE, HIT, UNDECIDED = 0, 1, 2
 AT_ORIGIN = np.eye(4)[:3].ravel()
 
 
@@ -35,38 +34,16 @@ def scene_of(
     bodies: np.ndarray,
     shapes: Sequence[np.ndarray],
     pairs: Sequence[tuple[int, int]],
-    *tables: Any,
 ) -> Any:
     rows = np.array(shapes, np.float64).reshape(-1, 17)
     numbers = np.array(pairs, np.float64).reshape(-1, 2)
-    return compiled.scene(bodies, rows, numbers, *tables)
+    return compiled.scene(bodies, rows, numbers)
 
 
 def cubes(distance: float = 1.0) -> tuple[np.ndarray, list[np.ndarray]]:
     """Two cubes of 0.2, the second one at a distance along x, and turned about z."""
     bodies = np.array([[-1, *AT_ORIGIN], [0, *at(distance)]], np.float64)
     return bodies, [shape(0, [0.1, 0.1, 0.1]), shape(1, [0.1, 0.1, 0.1])]
-
-
-def table(
-    codes: np.ndarray,
-    lower: Sequence[float] = (0.0, 0.0, 0.0),
-    per_radian: float = 1.0,
-    joint: int = 0,
-    pairs: Sequence[int] = (0,),
-) -> tuple[np.ndarray, bytes]:
-    """A table of `alpha5_model.collision.cells` as the kernels take it."""
-    used = codes.ndim
-    numbers = np.zeros(11 + 64)
-    numbers[:2] = joint, used
-    numbers[2 : 2 + used] = lower[:used]
-    numbers[5 : 5 + used] = per_radian
-    numbers[8 : 8 + used] = codes.shape
-    numbers[11 + np.array(pairs, int)] = 1.0
-    padded = np.zeros(-(-codes.size // 4) * 4, np.uint8)
-    padded[: codes.size] = codes.ravel()
-    fours = padded.reshape(-1, 4) << np.array([0, 2, 4, 6], np.uint8)
-    return numbers, fours.sum(axis=1).astype(np.uint8).tobytes()
 
 
 def nearest(scene: Any, angles: np.ndarray) -> np.ndarray:
@@ -92,8 +69,3 @@ def shares(scene: Any, rates: Any, start: Any, end: Any, margin: float = 0.0) ->
     out = np.full(len(start), np.nan)
     assert compiled.free_shares(scene, rates, start, end, margin, out) is True
     return out
-
-
-def solutions(q: Any, within: Any, singular: bool = False) -> tuple[Any, ...]:
-    flags = np.ones(4, np.bool_)
-    return q, flags, np.array(within, np.bool_), np.array(singular), np.zeros(3)

@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-NAME = "alpha5_model.codegen.kernels._compiled"
+NAME = "alpha5_model.kernels._compiled"
 
 
 def compiled_kernels() -> ModuleType:

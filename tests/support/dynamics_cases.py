@@ -24,17 +24,6 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "locked, air, tilted": {"fluid_density": a5.AIR, "gravity": TILTED},
     "locked, payload, tilted": {"gravity": TILTED, "payload": PAYLOAD},
     "to the letter": {"corrections": ()},
-    "kernels": {"backend": "kernels"},
-    "kernels, air, tilted": {
-        "backend": "kernels",
-        "fluid_density": a5.AIR,
-        "gravity": TILTED,
-    },
-    "kernels, payload, tilted": {
-        "backend": "kernels",
-        "gravity": TILTED,
-        "payload": PAYLOAD,
-    },
     "floating": {"floating_base": True},
     "floating, air, payload": {
         "floating_base": True,

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model.codegen.dimensions import Dimensions
 from alpha5_model.codegen.regrouping import base_parameters
+from alpha5_model.kinematics.geometry import Geometry
 
 #: Of the catalogue's arm.
-DIMENSIONS = Dimensions.from_parameters(a5.parameters()).numbers
+DIMENSIONS = Geometry.of(a5.parameters()).dimensions
 
 
 def kernel_inputs(links: Any, *water: Any) -> np.ndarray:

@@ -19,7 +19,6 @@ from alpha5_model.errors import (
     FileFormatError,
     InputError,
     MissingFileError,
-    MissingParameterError,
     NonFiniteError,
     ShapeError,
     UnknownNameError,
@@ -282,69 +281,6 @@ def test_alpha5_is_the_generated_urdf() -> None:
             assert np.abs(placement.rotation[:, 2] - directions[j]).max() < 1e-12
             off = np.cross(placement.translation - points[j], directions[j])
             assert np.abs(off).max() < 1e-12
-
-
-def rigid(seed: int) -> np.ndarray:
-    rng = np.random.default_rng(seed)
-    axis = rng.normal(size=3)
-    return pin.SE3(pin.exp3(axis), rng.normal(size=3)).homogeneous
-
-
-def limited(table: list[list[float]], **options: object) -> DHChain:
-    rows = [DHLink(*row, 0.3, -3, 3) for row in table]
-    return DHChain(tuple(rows), **options)
-
-
-@pytest.mark.parametrize(
-    "chain",
-    [
-        pytest.param(DHChain.alpha5(), id="alpha5"),
-        pytest.param(DHChain.from_table(PUMA_560, name="puma"), id="puma, continuous"),
-        pytest.param(
-            limited(STANFORD, base=rigid(1), tool=rigid(2), name='a & "b"'),
-            id="stanford",
-        ),
-        pytest.param(limited(COBRA_600, base=rigid(3)), id="cobra"),
-    ],
-)
-def test_to_urdf_against_pinocchio(chain: DHChain) -> None:
-    model = pin.buildModelFromXML(chain.to_urdf())
-    data = model.createData()
-    assert model.name == chain.name
-    assert tuple(model.names)[1:] == chain.joint_names
-    back = DHChain.from_pinocchio(model, "tool")
-    assert np.array_equal(back.lower, chain.lower)
-    assert np.array_equal(back.upper, chain.upper)
-    for q in np.random.default_rng(8).uniform(-3, 3, (30, chain.n)):
-        pairs = zip(list(model.joints)[1:], q, strict=True)
-        full = [
-            v
-            for j, x in pairs
-            for v in ([x] if j.nq == 1 else [math.cos(x), math.sin(x)])
-        ]
-        pin.framesForwardKinematics(model, data, np.array(full))
-        frames = chain.frames(q)
-        names = [f"frame_{j}" for j in range(chain.n + 1)] + ["tool"]
-        for name, ours in zip(names, frames, strict=True):
-            theirs = data.oMf[model.getFrameId(name)].homogeneous
-            assert np.abs(theirs - ours).max() < 1e-12
-        assert np.abs(back.forward_kinematics(q) - frames[-1]).max() < 1e-12
-
-
-@pytest.mark.parametrize("pitch", [QUARTER, -QUARTER, QUARTER - 1e-9, QUARTER - 1e-5])
-def test_to_urdf_keeps_rotations_at_the_gimbal_lock(pitch: float) -> None:
-    tool = pin.SE3(pin.rpy.rpyToMatrix(0.3, pitch, 0.7), np.ones(3)).homogeneous
-    chain = DHChain.from_table(PUMA_560, tool=tool)
-    model = pin.buildModelFromXML(chain.to_urdf())
-    placement = model.frames[model.getFrameId("tool")].placement.homogeneous
-    assert np.abs(placement - tool).max() < 1e-15
-
-
-def test_urdf_needs_limits_where_the_format_does() -> None:
-    with pytest.raises(MissingParameterError, match="joint_3"):
-        DHChain.from_table(STANFORD).to_urdf()
-    with pytest.raises(MissingParameterError, match="joint_1"):
-        DHChain((DHLink(0, 0, 1, 0, lower=0.0),)).to_urdf()
 
 
 @each(

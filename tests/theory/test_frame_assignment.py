@@ -12,7 +12,6 @@ from loops import each
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
 from alpha5_model.theory.dh.chain import DHChain
-from alpha5_model.theory.dh.frame_assignment import common_normal, unit_vectors
 
 QUARTER = math.pi / 2
 
@@ -174,18 +173,26 @@ def unit(vector: np.ndarray) -> np.ndarray:
     return vector / np.linalg.norm(vector)
 
 
-def worst_error(tilts, rng: np.random.Generator, **options) -> float:
+def worst_error(tilts, rng: np.random.Generator) -> float:
     """The largest error of the end effector's pose at random joint positions."""
     points, z = tilted_axes(tilts, rng)
     end = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.5, 0.5, 3)).homogeneous
     if rng.integers(3) == 0:  # along the last axis
         x = unit(np.cross(z[-1], rng.normal(size=3)))
         end[:3, :3] = np.column_stack([x, np.cross(z[-1], x), z[-1]])
-    chain = assign_frames(points, z, None, end, np.zeros(len(points)), **options)
+    chain = assign_frames(points, z, None, end, np.zeros(len(points)))
     states = [np.zeros(len(points)), *rng.uniform(-3, 3, (4, len(points)))]
     found = [chain.forward_kinematics(q) for q in states]
     expected = [product_of_exponentials(points, z, end, q) for q in states]
     return float(np.abs(np.subtract(found, expected)).max())
+
+
+def test_tilts_next_to_the_tolerance() -> None:
+    """The error is small if some tilts are just above the tolerance and some below."""
+    rng = np.random.default_rng(52)
+    for _ in range(100):
+        tilts = 1.5e-8 * np.array([1.2, 0.7, 1.9, 0.4])[rng.permutation(4)]
+        assert worst_error(tilts, rng) < 2e-7
 
 
 @pytest.mark.slow
@@ -199,27 +206,6 @@ def test_axes_that_are_nearly_parallel_move_the_tool_as_they_were_drawn(
         others = 10 ** rng.uniform(-12, -6, rng.integers(0, 5)) * rng.integers(0, 2)
         tilts = rng.permutation([first, *others])
         assert worst_error(tilts, rng) < 1e-7
-
-
-@pytest.mark.parametrize("tolerance", [1e-9, 1e-8, 1e-7])
-def test_tilts_next_to_the_tolerance(tolerance: float) -> None:
-    """The error is small if some tilts are just above the tolerance and some below."""
-    rng = np.random.default_rng(52)
-    for _ in range(100):
-        tilts = tolerance * np.array([1.2, 0.7, 1.9, 0.4])[rng.permutation(4)]
-        bound = 10 * tolerance + 5e-16 / tolerance
-        assert worst_error(tilts, rng, tolerance=tolerance) < bound
-
-
-def test_common_normal_is_the_shortest_way() -> None:
-    rng = np.random.default_rng(41)
-    for _ in range(30):
-        p1, z1, p2, z2 = rng.normal(size=(4, 3))
-        foot_1, foot_2 = common_normal(p1, z1, p2, z2)
-        # normal equations of the least-squares problem, by a library routine
-        s, *_ = np.linalg.lstsq(np.stack([z1, -z2], axis=1), p2 - p1, rcond=None)
-        assert np.abs(foot_1 - (p1 + s[0] * z1)).max() < 1e-11
-        assert np.abs(foot_2 - (p2 + s[1] * z2)).max() < 1e-11
 
 
 def test_alpha5_axes_from_its_urdf_give_table_1() -> None:
@@ -312,7 +298,7 @@ def test_joints_that_have_no_dh_row_are_refused() -> None:
         (([[0, 0, 0]], [[0, 0, 1], [0, 0, 1]]), r"\(N, 3\)"),
         (([0, 0, 0], [0, 0, 1]), r"\(N, 3\)"),
         (([[0, 0, math.nan]], [[0, 0, 1]]), "finite"),
-        (([[0, 0, 0]], [[0, 0, 1]], [0, 1]), "1 joints"),
+        (([[0, 0, 0]], [[0, 0, 1]], [0, 1]), "sigma"),
         (([[0, 0, 0]], [[0, 0, 1]], [3]), "sigma"),
         (([[0, 0, 0]], [[0, 0, 1]], None, np.zeros((4, 4))), "rigid"),
         (([[0, 0, 0]], [[0, 0, 1]], None, None, [1, 2]), "q"),
@@ -322,14 +308,13 @@ def test_joints_that_have_no_dh_row_are_refused() -> None:
 def test_bad_axes(arguments, words) -> None:
     with pytest.raises(Alpha5Error, match=words):
         assign_frames(*arguments)
-    with pytest.raises(InputError, match="not parallel"):
-        common_normal([0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 0, 2])
 
 
 @pytest.mark.parametrize(
     ("name", "wrong"),
     [
         ("points", {"points": np.full((3, 3), 1e300)}),
+        ("end_effector", {"end_effector": np.eye(4) + 1e300 * np.eye(4, k=3)}),
         ("sigma", {"sigma": np.eye(3), "q": np.zeros(3)}),
         ("sigma", {"sigma": [0, 2, 0], "q": np.zeros(3)}),
     ],
@@ -338,43 +323,6 @@ def test_what_cannot_be_computed_with_is_named(name: str, wrong: dict) -> None:
     given = {"points": np.zeros((3, 3)), "directions": np.eye(3), **wrong}
     with pytest.raises(InputError, match=f"^{name}"):
         assign_frames(**given)
-
-
-@pytest.mark.parametrize("wrong", ["point_1", "direction_1", "point_2", "direction_2"])
-def test_lines_too_far_to_compute_with_are_refused(wrong: str) -> None:
-    lines = {
-        "point_1": [0.0, 0.0, 0.0],
-        "direction_1": [0.0, 0.0, 1.0],
-        "point_2": [1.0, 0.0, 0.0],
-        "direction_2": [0.0, 1.0, 0.0],
-    }
-    first, second = common_normal(**lines)
-    assert second - first == pytest.approx([1.0, 0.0, 0.0])
-    with pytest.raises(InputError, match=f"^{wrong}: expected numbers of at most"):
-        common_normal(**{**lines, wrong: [1e300, 1e300, 0.0]})
-
-
-@pytest.mark.parametrize("value", [[0, 0, 0], [[0, 0, 1]], [[0, 0, 1], [0, 0, 0]]])
-def test_one_direction_is_asked_for_where_there_is_one(value: list) -> None:
-    with pytest.raises(
-        InputError, match="expected one direction that is not zero, got"
-    ):
-        unit_vectors("vertical", value)
-    several = "directions: expected directions that are not zero, got"
-    with pytest.raises(InputError, match=several):
-        unit_vectors("directions", [0.0, 0.0, 1.0], 2)
-    with pytest.raises(InputError, match=several):
-        unit_vectors("directions", [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]], 2)
-
-
-@pytest.mark.parametrize("tolerance", [1.0, 30.0])
-def test_a_tolerance_that_makes_perpendicular_axes_parallel_is_refused(
-    tolerance: float,
-) -> None:
-    with pytest.raises(InputError, match="expected a number below 1"):
-        DHChain.from_axes(np.zeros((3, 3)), np.eye(3), tolerance=tolerance)
-    chain = DHChain.from_axes(np.zeros((3, 3)), np.eye(3), tolerance=0.99)
-    assert np.isfinite(chain.forward_kinematics(np.zeros(3))).all()
 
 
 @pytest.mark.parametrize("direction", [[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]])
@@ -391,11 +339,7 @@ def test_a_single_joint_turns_about_its_axis(direction: list[float]) -> None:
 
 
 def test_directions_of_any_length() -> None:
-    from alpha5_model.theory.dh.arm_types import classify
-
     points = [[0.0, 0, 0], [1, 0, 0]]
-    arm = a5.dh.DHChain.alpha5()
     for scale in (1e-300, 1.0, 1e300):
         chain = a5.dh.DHChain.from_axes(points, [[0, 0, scale], [0, 0, scale]])
         assert chain.links[0].a == pytest.approx(1.0)
-        assert classify(arm, [0, 0, scale]) == classify(arm)

@@ -8,9 +8,15 @@ import numpy as np
 import pytest
 from loops import each
 
-from alpha5_model.theory.planar import Arc, Segment
-from alpha5_model.theory.planar.boundary import bounds
-from alpha5_model.theory.planar.intersections import circle_hits, line_hits
+from alpha5_model.theory.arcs import (
+    Arc,
+    Circles,
+    Lines,
+    Segment,
+    crossings,
+    enclosed_area,
+    outline,
+)
 
 Curve = Arc | Segment
 TINY = 1e-9
@@ -116,8 +122,8 @@ def test_circles_and_lines_meet_curves_where_the_distance_changes_sign() -> None
         radii = rng.uniform(0.3, 3.0, 12)
         directions = rng.normal(size=(12, 2))
         directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-        on_circles = circle_hits(centers, radii, curve, TINY)
-        on_lines = line_hits(centers, directions, curve, TINY)
+        on_circles = crossings(Circles(centers, radii), curve, TINY)
+        on_lines = crossings(Lines(centers, directions), curve, TINY)
         for k in range(12):
             expected = crossings_of_circle(curve, centers[k], radii[k])
             assert_same_points(on_circles[k], expected)
@@ -148,13 +154,54 @@ def test_a_square_of_lines_with_a_hole_and_a_hair() -> None:
         return np.asarray(box & (np.hypot(x - 2.0, y - 2.0) >= 1.0))
 
     curves: list[Curve] = [*square, hole, hair, inside_only]
-    edges, thin = bounds(curves, contains, TINY, 1e-6)
-    area = sum(
-        edge.curve.area_integral() * (1 if edge.inside_left else -1) for edge in edges
-    )
-    assert area == pytest.approx(16 - math.pi)
+    edges, thin = outline(curves, contains, size=10.0)
+    assert enclosed_area(edges) == pytest.approx(16 - math.pi)
     length = sum(edge.curve.length for edge in edges)
     assert length == pytest.approx(16 + 2 * math.pi)
     assert len(thin) == 1
     assert thin[0].length == pytest.approx(2.0)
     assert points_of(thin[0], 2) == pytest.approx(np.array([[4.0, 1.0], [6.0, 1.0]]))
+
+
+@pytest.mark.parametrize("radius", [0.01, 1.0, 300.0])
+def test_parts_of_a_circle_are_one_edge_whatever_their_overlap(radius: float) -> None:
+    """Their order, their turns and gaps within the tolerance make no difference."""
+    rng = np.random.default_rng(3)
+
+    def contains(points: np.ndarray) -> np.ndarray:
+        return np.asarray(np.linalg.norm(points, axis=1) <= radius)
+
+    for _ in range(50):
+        count = rng.integers(1, 5)
+        cuts = np.sort(rng.uniform(0.0, 2 * math.pi, count))
+        spans = np.diff([*cuts, cuts[0] + 2 * math.pi]) - 1e-10
+        overlap = rng.uniform(0.0, 1.0, count) * rng.integers(0, 2, count)
+        turns = math.tau * rng.integers(-2, 3, count)
+        rows = list(
+            zip(cuts + turns, np.minimum(spans + overlap, math.tau), strict=True)
+        )
+        parts = [Arc((0.0, 0.0), radius, start, span) for start, span in rows]
+        rng.shuffle(parts)
+        (edge,), thin = outline(parts, contains, size=radius)
+        assert thin == ()
+        assert edge.inside_left
+        assert edge.curve.length == pytest.approx(2 * math.pi * radius)
+        assert enclosed_area([edge]) == pytest.approx(math.pi * radius**2)
+
+
+def test_a_gap_wider_than_the_tolerance_stays() -> None:
+    """A quarter of a circle in two parts, and the straight sides of the quarter."""
+    for gap, count in ((0.5e-9, 1), (1e-6, 2)):
+        parts: list[Curve] = [
+            Arc((0.0, 0.0), 1.0, 0.0, 0.7),
+            Arc((0.0, 0.0), 1.0, 0.7 + gap, math.pi / 2 - 0.7 - gap),
+            Segment((0.0, 0.0), 0.0, 1.0),
+            Segment((0.0, 0.0), math.pi / 2, 1.0),
+        ]
+        edges, _ = outline(
+            parts,
+            lambda p: (np.linalg.norm(p, axis=1) <= 1) & (p >= 0).all(axis=1),
+            size=1.0,
+        )
+        assert sum(isinstance(edge.curve, Arc) for edge in edges) == count
+        assert enclosed_area(edges) == pytest.approx(math.pi / 4, abs=1e-6)

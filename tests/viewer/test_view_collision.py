@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from browser import Tab, needs_browser, new_tab
 from own_arm import random_arm
+from pinocchio_collision import CollisionModel
 
 import alpha5_model as a5
-from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import static_page
 

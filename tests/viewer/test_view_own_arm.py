@@ -265,7 +265,7 @@ def far_end(scene: Scene, link: str) -> float:
 
 def test_a_tool_beside_the_wrist_axis_has_no_reach_shapes() -> None:
     beside = scene_of(own.RECORDS[0], target=(9.0, 0.0, 0.0))
-    assert beside.plane is None
+    assert not beside.geometry.tool_on_axis
     groups = {shape.group for shape in beside.shapes}
     assert not groups & {"workspace", "surface"}
     assert "Reach is not drawn for a tool beside the wrist axis." in beside.notes

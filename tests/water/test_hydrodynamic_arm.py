@@ -23,6 +23,7 @@ from loops import each
 import alpha5_model as a5
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement
+from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics, hydrodynamics
 from alpha5_model.water.arm import HydrodynamicArm, joint_water
@@ -165,8 +166,8 @@ def test_moving_with_the_water_takes_no_force(variant, rng):
         close(ours, wet.inverse_dynamics(q, v, a, current=np.zeros(3)), 1e-12)
 
 
-def check_derivatives(function, wet, state, derivatives, by_current):
-    """Derivatives by q, v, a and the current agree with differences of a function."""
+def check_derivatives(function, wet, state, derivatives):
+    """Derivatives by q, v and a agree with differences of a function."""
     q, v, a = state
     by_q, by_v, by_a = derivatives
     h = 1e-6
@@ -175,11 +176,6 @@ def check_derivatives(function, wet, state, derivatives, by_current):
         rate = (function(q, v + h * e, a) - function(q, v - h * e, a)) / (2 * h)
         close(by_v[:, i], rate, 1e-6)
         close(by_a[:, i], function(q, v, a + e) - function(q, v, a), 1e-9)
-    u = np.array(CURRENT)
-    for i, e in enumerate(np.eye(3)):
-        ahead = function(q, v, a, current=u + h * e)
-        behind = function(q, v, a, current=u - h * e)
-        close(by_current[:, i], (ahead - behind) / (2 * h), 1e-6)
 
 
 def random_state(wet, rng):
@@ -196,9 +192,13 @@ def test_inverse_dynamics_derivatives(variant) -> None:
     for _ in range(2):
         state = random_state(wet, rng)
         derivatives = wet.inverse_dynamics_derivatives(*state)
-        by_current = wet.inverse_dynamics_current_derivative(*state)
-        check_derivatives(wet.inverse_dynamics, wet, state, derivatives, by_current)
+        check_derivatives(wet.inverse_dynamics, wet, state, derivatives)
         close(derivatives[2], wet.mass_matrix(state[0]), 1e-12)
+        by_current = wet.inverse_dynamics_current_derivative(*state)
+        for i, e in enumerate(1e-6 * np.eye(3)):
+            ahead = wet.inverse_dynamics(*state, current=CURRENT + e)
+            behind = wet.inverse_dynamics(*state, current=CURRENT - e)
+            close(by_current[:, i], (ahead - behind) / 2e-6, 1e-6)
 
 
 @every_arm
@@ -212,8 +212,7 @@ def test_base_wrench_derivatives(variant) -> None:
     for _ in range(2):
         state = random_state(wet, rng)
         derivatives = wet.base_wrench_derivatives(*state)
-        by_current = wet.base_wrench_current_derivative(*state)
-        check_derivatives(wrench, wet, state, derivatives, by_current)
+        check_derivatives(wrench, wet, state, derivatives)
 
 
 @every_arm
@@ -225,10 +224,8 @@ def test_forward_dynamics_derivatives(variant) -> None:
     a = random_v(wet, rng, 0.5)
     tau = wet.inverse_dynamics(q, v, a)
     dq, dv, dtau = wet.forward_dynamics_derivatives(q, v, tau)
-    du = wet.forward_dynamics_current_derivative(q, v, tau)
     close(dq, central_difference(wet.forward_dynamics, wet, q, 1e-6, v, tau), 1e-6)
     h = 1e-5
-    u = np.array(CURRENT)
     for i, e in enumerate(np.eye(wet.model.nv)):
         rate = wet.forward_dynamics(q, v + h * e, tau) - wet.forward_dynamics(
             q, v - h * e, tau
@@ -236,11 +233,6 @@ def test_forward_dynamics_derivatives(variant) -> None:
         close(dv[:, i], rate / (2 * h), 1e-6)
         one = wet.forward_dynamics(q, v, tau + e) - wet.forward_dynamics(q, v, tau)
         close(dtau[:, i], one, 1e-8)
-    for i, e in enumerate(np.eye(3)):
-        ahead, behind = (
-            wet.forward_dynamics(q, v, tau, current=u + s * h * e) for s in (1, -1)
-        )
-        close(du[:, i], (ahead - behind) / (2 * h), 1e-6)
 
 
 @every_arm
@@ -264,58 +256,6 @@ def test_batches_are_the_single_calls(variant) -> None:
     assert wet.forward_dynamics_batch(q[:0], v[:0], a[:0]).shape == (0, wet.model.nv)
 
 
-SKEW = a5.DragStrip([0.0, 0.01, 0.0], [0.02, 0.05, -0.1], 0.05, 1.1, 0.2)
-ALIGNED = a5.DragStrip([0.1, 0.01, 0.0], [0.1, 0.05, 0.0], 0.05, 1.1, 0.2)
-
-
-@pytest.mark.parametrize(
-    ("choices", "payload", "on_kernels"),
-    [
-        ({}, {}, True),
-        ({"level": "high", "numbers": "supplementary"}, {}, True),
-        ({}, {"added_mass": definite(np.random.default_rng(3), scale=0.02)}, True),
-        (
-            {},
-            {"frame": "link_2", "strips": [ALIGNED]},
-            False,
-        ),  # one more than the kernels know
-        ({}, {"frame": "link_2", "strips": [SKEW]}, False),
-    ],
-)
-def test_kernels_compute_what_pinocchios_tree_does(
-    choices, payload, on_kernels, rng, monkeypatch
-):
-    fast = make("locked").with_hydrodynamics(CURRENT, **choices)
-    if payload:
-        fast = fast.with_payload(0.2, volume=1e-4, **payload)
-    slow = pickle.loads(pickle.dumps(fast))
-    monkeypatch.setattr(slow, "_water_kernel_parameters", None)
-    assert (fast._water_kernel_parameters is not None) == on_kernels
-    n = 40
-    q = np.array([random_q(fast, rng) for _ in range(n)])
-    v, a = (np.array([random_v(fast, rng) for _ in range(n)]) for _ in range(2))
-    flows = rng.normal(size=(n, 3))
-    for current in (None, flows[0].tolist(), flows):
-        tau = fast.inverse_dynamics_batch(q, v, a, current=current)
-        close(tau, slow.inverse_dynamics_batch(q, v, a, current=current), 1e-12)
-        back = fast.forward_dynamics_batch(q, v, tau, current=current)
-        close(back, slow.forward_dynamics_batch(q, v, tau, current=current), 1e-10)
-        for i in range(0, n, 7):
-            one = current[i] if current is flows else current
-            state = (q[i], v[i], a[i]), (list(q[i]), list(v[i]), list(a[i]))
-            for given in state:
-                close(fast.inverse_dynamics(*given, current=one), tau[i], 1e-12)
-            close(slow.inverse_dynamics(*state[0], current=one), tau[i], 1e-12)
-            close(
-                fast.forward_dynamics(q[i], v[i], tau[i], current=one), back[i], 1e-10
-            )
-    close(
-        fast.inverse_dynamics_batch(q[0], v, a[0])[3],
-        fast.inverse_dynamics(q[0], v[3], a[0]),
-        1e-12,
-    )
-
-
 @each("call", ["inverse_dynamics", "inverse_dynamics_batch", "forward_dynamics_batch"])
 @each(
     "wrong",
@@ -326,7 +266,7 @@ def test_kernels_compute_what_pinocchios_tree_does(
         {"current": "x"},
     ],
 )
-def test_what_kernels_refuse_is_told(call, wrong):
+def test_what_cannot_be_computed_is_told(call, wrong):
     given = {
         "q": np.zeros(4),
         "v": np.zeros(4),
@@ -368,9 +308,11 @@ def test_what_is_asked_of_the_arm_in_still_water():
         "buoyancy_wrenches",
         "center_of_buoyancy",
         "center_of_mass",
+        "closest_links",
         "collision_distance",
         "collision_distance_gradient",
         "data",
+        "displaced_volume",
         "forward_kinematics",
         "gravity_torque",
         "hydrostatic_torque",
@@ -380,17 +322,49 @@ def test_what_is_asked_of_the_arm_in_still_water():
         "joint_names",
         "limits",
         "potential_energy",
-        "regressor",
-        "with_hydrodynamics",
+        "total_mass",
     }
 
 
 def test_an_arm_in_moving_water_has_no_methods_of_still_water_only():
     wet = a5.load().with_hydrodynamics()
+    assert isinstance(wet, a5.Arm)
     assert wet.fluid_density == RHO
-    for name in ("with_hydrodynamics", "regressor", "_clean_q", "nothing_like_this"):
-        with pytest.raises(AttributeError):
-            getattr(wet, name)
+    with pytest.raises(InputError, match="arm"):
+        wet.regressor(*np.zeros((3, 4)))
+
+
+def test_what_knows_still_water_only_refuses_it():
+    """It would leave out its water, or count a current twice."""
+    wet = a5.load().with_hydrodynamics(CURRENT)
+    q = np.array([1.0, 1.6, 1.5, 0.2])
+    state = (q[None], np.ones((1, 4)), np.ones((1, 4)))
+    for ask in (
+        lambda: torque_terms(wet, *state),
+        lambda: a5.uncertainty.bounds(*state, arm=wet),
+        lambda: a5.plan(q, q + 0.1, arm=wet),
+    ):
+        with pytest.raises(InputError, match=r"arm: .* in still water"):
+            ask()
+
+
+@pytest.mark.tools
+def test_jax_and_casadi_refuse_it():
+    import alpha5_model.casadi as in_casadi
+    import alpha5_model.jax as in_jax
+
+    wet = a5.load().with_hydrodynamics(CURRENT)
+    for library in (in_casadi, in_jax):
+        with pytest.raises(InputError, match=r"arm: .* in still water"):
+            library.load(wet)
+
+
+def test_other_water_replaces_that_of_an_arm():
+    arm = a5.load()
+    wet = arm.with_hydrodynamics(CURRENT).with_hydrodynamics(level="high")
+    state = np.array([3.0, 1.0, 2.0, 0.5]), np.ones(4), np.ones(4)
+    expected = arm.with_hydrodynamics(level="high").inverse_dynamics(*state)
+    assert np.array_equal(wet.inverse_dynamics(*state), expected)
 
 
 def test_added_mass_scales_with_the_fluid():

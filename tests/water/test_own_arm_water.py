@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
-
 import numpy as np
 import own_arm_dynamics as own
 import pytest
@@ -94,18 +92,16 @@ def test_a_resting_arm_is_loaded_by_drag_at_its_own_places(
 
 @pytest.mark.slow
 @every_record
-def test_kernels_and_tree_agree_and_jaws_follow_the_spacer(
+def test_batches_are_single_calls_and_jaws_follow_the_spacer(
     record: Alpha5Parameters,
 ) -> None:
-    fast = a5.load(DENSITY, arm=record).with_hydrodynamics(CURRENT)
-    assert fast._water_kernel_parameters is not None
-    slow = pickle.loads(pickle.dumps(fast))
-    slow.__dict__["_water_kernel_parameters"] = None
+    wet = a5.load(DENSITY, arm=record).with_hydrodynamics(CURRENT)
     q, v, a = own.states(record, 20)
-    torque = fast.inverse_dynamics_batch(q, v, a)
-    assert slow.inverse_dynamics_batch(q, v, a) == pytest.approx(torque, abs=1e-12)
-    assert fast.forward_dynamics_batch(q, v, torque) == pytest.approx(a, abs=1e-9)
-    assert fast.mass_matrix(q[0]) == pytest.approx(fast.mass_matrix(q[0]).T)
+    torque = wet.inverse_dynamics_batch(q, v, a)
+    single = [wet.inverse_dynamics(*state) for state in zip(q, v, a, strict=True)]
+    assert np.array(single) == pytest.approx(torque, abs=1e-12)
+    assert wet.forward_dynamics_batch(q, v, torque) == pytest.approx(a, abs=1e-9)
+    assert wet.mass_matrix(q[0]) == pytest.approx(wet.mass_matrix(q[0]).T)
 
     # A finger's frame is lower by the spacer.
     jaws = a5.load(DENSITY, gripper="jaws", arm=record)

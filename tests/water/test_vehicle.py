@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import importlib.util
 import pickle
 import sys
@@ -291,6 +290,15 @@ def test_it_carries_payloads_and_is_copied(rng):
     assert loaded.vehicle is system.vehicle
     batch = loaded.inverse_dynamics_batch(q[None], v[None], a[None])
     close(batch[0], loaded.inverse_dynamics(q, v, a), 1e-12)
+    # Other water: what a payload and the vehicle carry along stays theirs.
+    built = a5.load().with_hydrodynamics([0.0, 0.1, 0.0], "high")
+    built = built.with_payload(**PAYLOAD, added_mass=0.1 * np.eye(6))
+    other = loaded.with_hydrodynamics([0.0, 0.1, 0.0], "high")
+    close(
+        other.inverse_dynamics(q, v, a),
+        built.on_vehicle(vehicle()).inverse_dynamics(q, v, a),
+        1e-12,
+    )
 
 
 @needs_recordings
@@ -362,34 +370,6 @@ def test_the_mount_is_that_of_the_command_line_and_of_xacro():
     still = np.zeros(10)
     close(system.mount_load(q, still, still).vector, alone.vector, 1e-12)
     np.testing.assert_allclose(q[:3], [0.15, -0.1, -0.14], atol=1e-15)
-
-
-def test_the_inverse_of_the_mount_is_a_deprecated_name():
-    with pytest.warns(DeprecationWarning, match="give mount, its inverse") as caught:
-        named = a5.Vehicle(**NOTHING, transform_vehicle_to_base=VEHICLE_IN_BASE)
-    assert caught[0].filename == __file__
-    np.testing.assert_allclose(named.mount, np.linalg.inv(VEHICLE_IN_BASE), atol=1e-15)
-    with pytest.warns(DeprecationWarning, match="give mount, its inverse") as caught:
-        inverse = named.transform_vehicle_to_base
-    assert caught[0].filename == __file__
-    np.testing.assert_allclose(inverse, VEHICLE_IN_BASE, atol=1e-15)
-    changed = dataclasses.replace(named, volume=0.01)
-    np.testing.assert_array_equal(changed.mount, named.mount)
-
-
-@pytest.mark.parametrize(
-    ("named", "words"),
-    [
-        ({"transform_vehicle_to_base": np.eye(4), "mount": np.eye(4)}, "mount alone"),
-        ({"transform_vehicle_to_base": np.diag([1.0, 1, -1, 1])}, "_vehicle_to_base"),
-    ],
-)
-def test_a_wrong_inverse_of_the_mount_is_refused(named, words):
-    with (
-        pytest.warns(DeprecationWarning, match="is deprecated"),
-        pytest.raises(a5.errors.InputError, match=words),
-    ):
-        a5.Vehicle(**NOTHING, **named)
 
 
 @pytest.mark.parametrize(

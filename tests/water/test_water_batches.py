@@ -1,4 +1,4 @@
-"""Long batches, and outside forces on arms whose kernels know the water."""
+"""Long batches of arms in moving water, and outside forces on them."""
 
 from __future__ import annotations
 
@@ -30,11 +30,10 @@ def test_rows_of_long_batches_are_single_calls(gripper: str) -> None:
         close(load[i], wet.base_wrench(*state, current=flows[i]).vector, 1e-11)
 
 
-def test_outside_forces_add_to_the_torques_of_the_kernels() -> None:
+def test_outside_forces_add_to_the_torques() -> None:
     """They act as in still water."""
     still = a5.load()
     wet = still.with_hydrodynamics(CURRENT)
-    assert wet._water_kernel_parameters is not None
     rng = np.random.default_rng(4)
     for _ in range(3):
         q = random_q(wet, rng)

@@ -31,14 +31,13 @@ def programs(arm: Arm, options: COptions) -> list[Program]:
 
     They contain the arm's base parameters, or take them as a struct.
     """
-    known: dict[str, Any] = {
-        "tolerances": SINGLE if options.real == "float" else DOUBLE
-    }
+    tolerances = SINGLE if options.real == "float" else DOUBLE
+    known: dict[str, Any] = {}
     if not options.struct:
         known["parameters"] = arm_parameters(arm)
 
     made = []
-    for name, function in products(arm.parameters).items():
+    for name, function in products(arm.parameters, tolerances).items():
         if name == "with_payload" and not options.struct:
             continue
         given = {key: known[key] for key in function.name_in() if key in known}

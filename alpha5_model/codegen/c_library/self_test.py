@@ -15,7 +15,8 @@ from alpha5_model.codegen.c_library.options import COptions
 from alpha5_model.codegen.c_library.text import numbers, template
 from alpha5_model.codegen.instructions import Program
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.kinematics.arm_kinematics import ArmKinematics
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 _DEFAULT = "&alpha5_default_parameters"
@@ -217,12 +218,11 @@ def _targets(arm: Arm) -> list[list[Any]]:
     """
     rng = np.random.default_rng(7)
     lower, upper = np.array(_limits(arm.parameters))
-    kinematics = ArmKinematics(arm.parameters)
     anywhere = rng.uniform(lower, upper, (8, 4))
     at_limits = anywhere.copy()
     at_limits[:, 1:] = [*product(*zip(lower[1:], upper[1:], strict=True))]
     stretched = anywhere.copy()
-    stretched[:, 2] = [_stretched(kinematics, wrist) for wrist in stretched[:, 3]]
+    stretched[:, 2] = [_stretched(arm.parameters, wrist) for wrist in stretched[:, 3]]
     *_, too_far = np.mean([lower, upper], axis=0) + math.pi
 
     rows = []
@@ -230,31 +230,31 @@ def _targets(arm: Arm) -> list[list[Any]]:
         position = arm.forward_kinematics(angles).translation
         *_, wrist = angles
         on_axis = position * [0.0, 0.0, 1.0]
-        rows.append(_target(kinematics, position, wrist, angles))
-        rows.append(_target(kinematics, on_axis, wrist))
-        rows.append(_target(kinematics, position, too_far))
-    rows.append(_target(kinematics, np.ones(3), wrist))
+        rows.append(_target(arm.parameters, position, wrist, angles))
+        rows.append(_target(arm.parameters, on_axis, wrist))
+        rows.append(_target(arm.parameters, position, too_far))
+    rows.append(_target(arm.parameters, np.ones(3), wrist))
     return rows
 
 
-def _stretched(kinematics: ArmKinematics, wrist: float) -> float:
+def _stretched(record: Alpha5Parameters, wrist: float) -> float:
     """theta_2 of the stretched arm [rad]; a tool beside the wrist axis changes it."""
-    shape = kinematics.shape
-    if shape.has_tool_on_axis:
-        return kinematics.singular_elbow_angles()["stretched"]
-    along, _ = shape.tool_in_forearm(np.asarray(wrist))
-    stretched = math.pi - shape.gamma_offset(float(along))
-    return float(wrap(stretched - shape.middle[2])) + shape.middle[2]
+    geometry = Geometry.of(record)
+    if geometry.tool_on_axis:
+        return math.pi - geometry.gamma_offset
+    along, _ = geometry.tool_in_forearm(np.asarray(wrist))
+    stretched = math.pi - geometry.gamma_offset_at(float(along))
+    return float(wrap(stretched - geometry.middle[2])) + geometry.middle[2]
 
 
 def _target(
-    kinematics: ArmKinematics,
+    record: Alpha5Parameters,
     position: FloatArray,
     wrist: float,
     angles: FloatArray | None = None,
 ) -> list[Any]:
     """A target, and what is known of its solutions."""
-    solutions = kinematics.inverse_kinematics(position, float(wrist))
+    solutions = inverse_kinematics(position, float(wrist), arm=record)
     singular = bool(solutions.singular)
     return [
         position,

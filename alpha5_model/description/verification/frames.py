@@ -10,11 +10,11 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import transform
+from alpha5_model.description.pinocchio_model import urdf_model
 from alpha5_model.description.verification.subject import FileCheck, Subject
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.theory.dh.link import dh_transform
-from alpha5_model.theory.dh.urdf import urdf_model
 
 #: Largest error of a frame, in metres and in radians; the project's promise for other
 #: tools is 1e-9.

@@ -21,7 +21,6 @@ from alpha5_model.numbers.hydrodynamics import (
 )
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.audit.row import AuditRow, audited
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.chain import DHChain
 
 #: Link -> added mass in its frame, (6, 6).
@@ -108,7 +107,7 @@ def added_inertia(parameters: Alpha5Parameters, matrices: AddedMass) -> FloatArr
 
     The mean over a grid of the joints' ranges.
     """
-    chain = DHChain(**alpha5_table(parameters))
+    chain = DHChain.alpha5(arm=parameters)
     q = _grid(parameters)
     inertia = np.zeros((len(q), 4))
     for i in range(1, 5):

@@ -18,7 +18,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model.proofs.audit.rounding import sampled_share
 from alpha5_model.proofs.audit.row import AuditRow, audited, texts
 from alpha5_model.theory.dh.chain import DHChain
-from alpha5_model.theory.dh.tasks import spatial_conditions
+from alpha5_model.theory.dh.types_and_tasks import spatial_conditions
 from alpha5_model.theory.planar import (
     PlanarArm,
     dexterity,

@@ -10,9 +10,12 @@ import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.spatial import wrap
-from alpha5_model.kinematics.ik import inverse_kinematics, published_inverse_kinematics
+from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import Published
+from alpha5_model.proofs.audit.printed_inverse_kinematics import (
+    published_inverse_kinematics,
+)
 from alpha5_model.proofs.audit.rounding import sampled_share
 from alpha5_model.proofs.audit.row import AuditRow, audited
 from alpha5_model.proofs.audit.table_1_lengths import lengths

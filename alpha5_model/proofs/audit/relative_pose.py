@@ -12,7 +12,6 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, transform
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.audit.row import AuditRow, audited
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.chain import DHChain
 from alpha5_model.theory.dh.link import dh_transform
 
@@ -65,7 +64,7 @@ def _form(name: str, form: FloatArray, product: FloatArray) -> AuditRow:
 
 def _numbering(parameters: Alpha5Parameters) -> list[AuditRow]:
     """Two indices of the notes."""
-    chain = DHChain(**alpha5_table(parameters))
+    chain = DHChain.alpha5(arm=parameters)
     middle = _middle(parameters)
     return [_axis_labels(chain, middle), _superscript(chain.frames(middle))]
 

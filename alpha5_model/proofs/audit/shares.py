@@ -12,10 +12,11 @@ import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.kinematics import workspace
-from alpha5_model.kinematics.arcs import area
+from alpha5_model.kinematics.half_plane import area
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.tables import Published
+from alpha5_model.proofs.audit import printed_workspace
 from alpha5_model.proofs.audit.rounding import figure
 from alpha5_model.proofs.audit.row import AuditRow, audited
 from alpha5_model.proofs.audit.table_1_lengths import lengths
@@ -33,12 +34,12 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     counting points of a grid; it moves the tori, not the arm.
     """
     # The inverse kinematics are generated for the catalogue's arm.
-    exact = workspace.published_errors()
+    exact = printed_workspace.published_errors()
     beyond_share = exact.unreachable_area / exact.published_area
     left_out_share = exact.missed_area / exact.reachable_area
     beyond_rounding, missed_rounding = _rounding_of_shares(printed, parameters)
     # The document draws the inner and the downward torus for the underarm pose.
-    left_out = area(workspace.reachable_but_unpublished("underarm"))
+    left_out = area(printed_workspace.reachable_but_unpublished("underarm"))
     reached = workspace.cross_section_area("underarm")
     return [
         audited(
@@ -124,7 +125,7 @@ def _inputs(printed: Published) -> list[Quantity]:
 def _self_collision() -> AuditRow:
     """The share of the reachable volume that is reached in self-collision only."""
     # Imported late: it loads Pinocchio.
-    from alpha5_model.dynamics.collision import without_self_collision
+    from alpha5_model.collision.self_collision import without_self_collision
 
     free = workspace.sampled_share(without_self_collision, SAMPLES)
     return audited(

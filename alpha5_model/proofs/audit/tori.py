@@ -9,14 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.kinematics.plane import ArmPlane
-from alpha5_model.kinematics.singular import singular_elbow_angles
+from alpha5_model.kinematics.workspace import singular_elbow_angles
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import Published
 from alpha5_model.proofs.audit.rounding import figure, si
 from alpha5_model.proofs.audit.row import AuditRow, audited
 from alpha5_model.proofs.audit.table_1_lengths import lengths
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.chain import DHChain
 
 
@@ -64,7 +62,7 @@ def _forearm(printed: Published) -> float:
 
 def _shoulder_distance(parameters: Alpha5Parameters, elbow: float) -> float:
     """From the shoulder, DH frame {1}, to the tcp, at a theta_2 [rad], in m."""
-    chain = DHChain(**alpha5_table(parameters))
+    chain = DHChain.alpha5(arm=parameters)
     frames = chain.frames([0.0, 0.0, elbow, 0.0])
     return float(np.linalg.norm(frames[-1, :3, 3] - frames[1, :3, 3]))
 
@@ -79,8 +77,7 @@ def _inner_offset(printed: Published) -> AuditRow:
 def _outer_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
     """The longest distance: the elbow stretched, or as near to that as it can get."""
     elbow = parameters.joints[2]
-    plane = ArmPlane.from_parameters(parameters)
-    stretched = singular_elbow_angles(plane)["stretched"]
+    stretched = singular_elbow_angles(arm=parameters)["stretched"]
     bend = float(np.clip(stretched, elbow.lower, elbow.upper))
 
     longest = _shoulder_distance(parameters, bend)
@@ -111,7 +108,7 @@ def _inner_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
 
 def _downward_centre(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
     """The horizontal distance of the elbow from the shoulder at theta_1 = 0."""
-    chain = DHChain(**alpha5_table(parameters))
+    chain = DHChain.alpha5(arm=parameters)
     elbow = chain.frames(np.zeros(4))[2, :3, 3]
     offset = float(np.hypot(*elbow[:2])) - parameters.dh[0].a
     rounding = lengths(printed).a_0.rounding + printed.elbow.opposite.rounding

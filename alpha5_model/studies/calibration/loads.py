@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.dimensions import Dimensions
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.dynamics.regression import NAMES as BASE_NAMES
+from alpha5_model.kernels import choice as kernels
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.loaded_links import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.calibration.sensors import LOADS
@@ -169,7 +169,7 @@ SECOND_BY_INERTIA = _second_by_inertia()
 
 
 def _dimensions(arm: Alpha5Parameters) -> FloatArray:
-    return Dimensions.from_parameters(arm).numbers
+    return Geometry.of(arm).dimensions
 
 
 def _turned(motion: Motion, angles: FloatArray) -> Motion:
@@ -179,15 +179,5 @@ def _turned(motion: Motion, angles: FloatArray) -> Motion:
 def _computed(bodies: FloatArray, motion: Motion, dimensions: FloatArray) -> FloatArray:
     """Loads of base parameters (38,), (N, 10)."""
     numbers = np.concatenate([bodies, motion.gravity, dimensions])
-    torque = np.empty((len(motion.q), 4))
-    wrench = np.empty((len(motion.q), 6))
-    kernels.compute(
-        "inverse_dynamics_with_base_wrench",
-        numbers,
-        motion.q,
-        motion.v,
-        motion.a,
-        torque,
-        wrench,
-    )
-    return np.hstack([torque, wrench])
+    state = (motion.q, motion.v, motion.a)
+    return np.hstack(kernels.rows("inverse_dynamics_with_base_wrench", numbers, *state))

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.text import plain
-from alpha5_model.codegen.kernels.choice import backend
 from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.kernels.choice import backend
 from alpha5_model.studies.sweep.checksums import digest_of_file
 from alpha5_model.studies.sweep.tables import Columns, parquet_file
 

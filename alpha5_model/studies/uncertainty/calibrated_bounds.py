@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.dimensions import Dimensions
 from alpha5_model.dynamics.arm import Arm
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
@@ -25,7 +25,7 @@ from alpha5_model.studies.uncertainty.linear_maps import split
 
 #: Of central differences by angles and lengths [rad, m].
 _STEP = 1e-5
-#: Quantities by base parameters, (N, ..., 38), of numbers of `Dimensions` (24,).
+#: Quantities by base parameters, (N, ..., 38), of a `Geometry`'s dimensions (24,).
 Linear = Callable[[FloatArray], FloatArray]
 
 
@@ -145,4 +145,4 @@ def _with(
 
 
 def _dimensions(arm: Alpha5Parameters) -> FloatArray:
-    return Dimensions.from_parameters(arm).numbers
+    return Geometry.of(arm).dimensions

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.dimensions import Dimensions
-from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.codegen.regrouping import regrouped
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.regression import NAMES, regressor_rows
+from alpha5_model.kernels import choice as kernels
+from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers
 from alpha5_model.studies.uncertainty.carried import moments_carried
@@ -161,7 +161,7 @@ class Unknowns:
         return _Geometry(
             base_parameters=regrouped(self._moments, gravity, record)[:-3],
             gravity=gravity,
-            dimensions=Dimensions.from_parameters(record).numbers,
+            dimensions=Geometry.of(record).dimensions,
         )
 
 
@@ -180,10 +180,7 @@ def _computed(
     geometry: _Geometry, q: FloatArray, v: FloatArray, a: FloatArray
 ) -> FloatArray:
     """Torques and loads, (N, 10)."""
-    torque = np.empty((len(q), 4))
-    wrench = np.empty((len(q), 6))
     numbers = np.concatenate(geometry)
-    kernels.compute(
-        "inverse_dynamics_with_base_wrench", numbers, q, v, a, torque, wrench
+    return np.hstack(
+        kernels.rows("inverse_dynamics_with_base_wrench", numbers, q, v, a)
     )
-    return np.hstack([torque, wrench])

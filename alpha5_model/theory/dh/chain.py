@@ -18,29 +18,26 @@ from alpha5_model._support.checks import (
     float_array,
     instance,
     listed,
-    real,
     rigid_transform,
     shaped,
 )
+from alpha5_model._support.spatial import transform
 from alpha5_model.errors import InputError, ShapeError, UnknownNameError
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.theory.dh.alpha5_table import alpha5_table
-from alpha5_model.theory.dh.frame_assignment import (
+from alpha5_model.theory.dh.frames import (
+    axes_of_model,
     frames_on_axes,
     table_row,
-    unit_vectors,
 )
-from alpha5_model.theory.dh.link import DHLink
-from alpha5_model.theory.dh.urdf import pinocchio_axes, urdf_model, urdf_text
+from alpha5_model.theory.dh.link import DHLink, dh_transform
 
 if TYPE_CHECKING:
     import pinocchio as pin
 
 #: A frame of a chain: the number j of {j}, or the tool.
 Frame = int | Literal["tool"]
-_PAIRS = "(lower, upper) of each joint"
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +49,8 @@ class DHChain:
         base: transform_0_to_world, (4, 4): the pose of frame {0}; read-only.
         tool: transform_tool_to_N, (4, 4): the tool in the last frame; read-only.
             Constant rows at the end of a printed table belong here.
-        name: For messages, tables and the URDF.
-        joint_names: One per joint.
+        name: For messages and tables.
+        joint_names: One per joint; ``joint_1`` and so on by default.
 
     Raises:
         InputError: No links, something that is not a `DHLink`, or a base or tool that
@@ -67,10 +64,22 @@ class DHChain:
     joint_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        links = _checked_links(self.links)
+        links = tuple(listed("links", self.links, "at least one DHLink"))
+        if not links:
+            raise InputError("links", self.links, "at least one DHLink")
+        for link in links:
+            if not isinstance(link, DHLink):
+                raise InputError("links", link, "DHLink rows (see DHLink.from_vector)")
         object.__setattr__(self, "links", links)
+
         instance("name", self.name, str)
-        names = _checked_names(self.joint_names, len(links))
+        expected = f"{len(links)} different names"
+        names = tuple(listed("joint_names", self.joint_names, expected))
+        if not names:
+            names = tuple(f"joint_{j}" for j in range(1, len(links) + 1))
+        different = {name for name in names if isinstance(name, str)}
+        if not len(different) == len(names) == len(links):
+            raise InputError("joint_names", names, expected)
         object.__setattr__(self, "joint_names", names)
         for part in ("base", "tool"):
             object.__setattr__(self, part, rigid_transform(part, getattr(self, part)))
@@ -92,8 +101,8 @@ class DHChain:
     ) -> DHChain:
         """The Reach Alpha 5 by [ReachAlpha, Table 1], with four joints.
 
-        The fixed last row is the tool. Frame {0} is ``base_link``, and the tool is
-        ``tcp``, DH frame {5}.
+        The tool is the record's, or else the fixed last row. Frame {0} is
+        ``base_link``, and the tool is ``tcp``, DH frame {5}.
 
         Args:
             corrections: Recorded corrections to the document.
@@ -104,7 +113,36 @@ class DHChain:
             InputError: An ``arm`` together with corrections that it does not have.
             UnknownNameError: A correction that is not recorded.
         """
-        return cls(**alpha5_table(chosen_arm(arm, corrections)))
+        record = chosen_arm(arm, corrections)
+        joints = {joint.dh_variable: joint for joint in record.joints}
+        links = []
+        names = []
+        tool = np.eye(4)
+        for row in record.dh:
+            if row.variable is None:
+                tool = tool @ dh_transform(row.theta_offset, row.d, row.a, row.alpha)
+                continue
+            joint = joints[row.variable]
+            link = DHLink(
+                theta=0.0,
+                d=row.d,
+                a=row.a,
+                alpha=row.alpha,
+                sigma=0,
+                offset=row.theta_offset,
+                lower=joint.lower,
+                upper=joint.upper,
+            )
+            links.append(link)
+            names.append(joint.name)
+
+        if record.tool is not None:
+            # The record has it in link_4, from which the wrist's row leads to {4}.
+            wrist = links[-1]
+            frame_4_in_link_4 = dh_transform(0.0, wrist.d, wrist.a, wrist.alpha)
+            tool_in_link_4 = transform(record.tool.rotation, record.tool.position)
+            tool = np.linalg.inv(frame_4_in_link_4) @ tool_in_link_4
+        return cls(tuple(links), tool=tool, name="alpha5", joint_names=tuple(names))
 
     @classmethod
     def from_pinocchio(cls, model: pin.Model, frame: str | None = None) -> DHChain:
@@ -122,7 +160,7 @@ class DHChain:
             InputError: A joint on the chain that is helical or has not exactly one
                 degree of freedom; or no joint at all.
         """
-        return cls.from_axes(**pinocchio_axes(model, frame))
+        return cls.from_axes(**axes_of_model(model, frame))
 
     @classmethod
     def from_urdf(
@@ -134,6 +172,8 @@ class DHChain:
             InputError, MissingFileError, FileFormatError: The file cannot be read, or
                 Pinocchio refuses it. The message names the line or quotes Pinocchio.
         """
+        from alpha5_model.description.pinocchio_model import urdf_model
+
         return cls.from_pinocchio(urdf_model(path), frame)
 
     @classmethod
@@ -141,16 +181,15 @@ class DHChain:
         cls,
         points: ArrayLike,
         directions: ArrayLike,
-        sigma: Sequence[int] | None = None,
+        sigma: ArrayLike | None = None,
         end_effector: ArrayLike | None = None,
         q: ArrayLike | None = None,
         limits: Sequence[tuple[float, float]] | None = None,
-        tolerance: float = 1.5e-8,
         **options: Any,
     ) -> DHChain:
         """A chain from its joint axes, drawn at one configuration, which is its home.
 
-        The frames are those of `alpha5_model.theory.dh.frame_assignment`.
+        The frames are those of `alpha5_model.theory.dh.frames`.
 
         Args:
             points: A point on each joint axis, (N, 3) in the world [m].
@@ -162,16 +201,10 @@ class DHChain:
                 then gets an offset, ``theta = q + offset``. By default the joint
                 variable is theta or d itself.
             limits: (lower, upper) of each joint variable, (N, 2).
-            tolerance: Axes within this angle [rad] count as parallel, within this
-                distance [m] as intersecting. This moves the axes of an arm of 1 m by
-                errors of the same size. Axes with a larger tilt have a common normal up
-                to 1 m / tilt away, where rounding errors are 2e-16 m / tilt. The
-                default balances both errors.
             options: ``name`` and ``joint_names`` of the chain.
 
         Raises:
-            InputError: No axes, a direction of zero length, shapes that do not fit, a
-                tolerance of 1 or more.
+            InputError: No axes, a direction of zero length, shapes that do not fit.
         """
         p = bounded("points", float_array("points", points, (3,)))
         z = float_array("directions", directions, (3,))
@@ -179,30 +212,54 @@ class DHChain:
             raise ShapeError(
                 "points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1"
             )
-        z = unit_vectors("directions", z.tolist(), 2)
-        types = _joint_types(sigma, len(p))
-        pairs = _pairs_of_limits(limits, len(p))
-        drawn = None if q is None else shaped("q", q, (len(p),))
-        if len(types) != len(p) or len(pairs) != len(p):
-            given = len(types), len(pairs)
-            raise ShapeError("sigma, limits", given, f"{len(p)} joints each")
+        number = len(p)
+        largest = np.abs(z).max(axis=-1, keepdims=True)
+        if not largest.all():
+            raise InputError("directions", directions, "directions that are not zero")
+        z = z / largest  # squares of large numbers overflow
+        z /= np.linalg.norm(z, axis=-1, keepdims=True)
+        types = np.zeros(number)
+        if sigma is not None:
+            types = shaped("sigma", sigma, (number,))
+        drawn = None if q is None else shaped("q", q, (number,))
+        pairs = [[-math.inf, math.inf]] * number
+        if limits is not None:
+            expected = f"(lower, upper) of each of {number} joints"
+            rows = listed("limits", limits, expected)
+            pairs = [listed("limits", row, expected) for row in rows]
+            if [len(pair) for pair in pairs] != [2] * number:
+                raise ShapeError("limits", (len(pairs),), expected)
         end = None
         if end_effector is not None:
             end = rigid_transform("end_effector", end_effector)
+            bounded("end_effector", end)
 
-        frames = frames_on_axes(p, z, end, tolerance)
+        frames = frames_on_axes(p, z, end)
         links = []
         for j, (frame, following) in enumerate(pairwise(frames)):
-            row = table_row(np.linalg.inv(frame) @ following)
-            position = None if drawn is None else float(drawn[j])
-            links.append(_link(row, types[j], position, pairs[j]))
-        tool = np.eye(4) if end is None else _tool(frames[len(p)], end)
-        return cls(links=tuple(links), base=frames[0], tool=tool, **options)
+            theta, d, a, alpha = table_row(np.linalg.inv(frame) @ following)
+            slides = bool(types[j])
+            variable = d if slides else theta
+            home = variable if drawn is None else float(drawn[j])
+            lower, upper = pairs[j]
+            link = DHLink(
+                theta=theta if slides else home,
+                d=home if slides else d,
+                a=a,
+                alpha=alpha,
+                sigma=types[j],
+                offset=variable - home,
+                lower=lower,
+                upper=upper,
+            )
+            links.append(link)
 
-    def to_urdf(self) -> str:
-        """The chain as URDF text; see `urdf.urdf_text`."""
-        rows = zip(self.joint_names, self.links, strict=True)
-        return urdf_text(self.name, (self.base, self.tool), rows)
+        tool = np.eye(4)
+        if end is not None:
+            tool = np.linalg.inv(frames[-1]) @ end
+            u, _, vt = np.linalg.svd(tool[:3, :3])
+            tool[:3, :3] = u @ vt  # exactly orthonormal
+        return cls(links=tuple(links), base=frames[0], tool=tool, **options)
 
     @property
     def n(self) -> int:
@@ -307,86 +364,3 @@ class DHChain:
             numbers = [str(j) for j in range(self.n + 1)]
             raise UnknownNameError("frame", frame, [*numbers, "tool"])
         return int(frame)
-
-
-def _checked_links(given: Any) -> tuple[DHLink, ...]:
-    links = tuple(listed("links", given, "at least one DHLink"))
-    if not links:
-        raise InputError("links", given, "at least one DHLink")
-    for link in links:
-        if not isinstance(link, DHLink):
-            raise InputError("links", link, "DHLink rows (see DHLink.from_vector)")
-    return links
-
-
-def _checked_names(given: Any, number: int) -> tuple[str, ...]:
-    """Names of the joints: all different; ``joint_1`` and so on if none are given."""
-    expected = f"{number} different names"
-    names = tuple(listed("joint_names", given, expected))
-    if not names:
-        names = tuple(f"joint_{j}" for j in range(1, number + 1))
-    different = {name for name in names if isinstance(name, str)}
-    if not len(different) == len(names) == number:
-        raise InputError("joint_names", names, expected)
-    return names
-
-
-def _joint_types(sigma: Any, number: int) -> list[Any]:
-    """The given joint types; 0 for each joint if there are none."""
-    if sigma is None:
-        return [0.0] * number
-    return [real("sigma", x) for x in listed("sigma", sigma, "0 or 1 for each joint")]
-
-
-def _pairs_of_limits(limits: Any, number: int) -> list[Any]:
-    """The given limits of each joint; infinite ones if there are none."""
-    if limits is None:
-        return [(-math.inf, math.inf)] * number
-    return list(listed("limits", limits, _PAIRS))
-
-
-def _link(
-    row: tuple[float, float, float, float],
-    joint_type: Any,
-    position: float | None,
-    limits: Any,
-) -> DHLink:
-    """The link of a table's row.
-
-    Args:
-        row: theta, d, a, alpha.
-        joint_type: 0 revolute, 1 prismatic.
-        position: The joint variable at which the row is drawn; it sets the offset. None
-            if the variable is theta or d itself.
-        limits: (lower, upper) of the joint variable.
-    """
-    theta, d, a, alpha = row
-    offset = 0.0
-    if position is not None and joint_type:
-        offset = d - position
-        d = position
-    elif position is not None:
-        offset = theta - position
-        theta = position
-    bound = listed("limits", limits, _PAIRS)
-    if len(bound) != 2:
-        raise ShapeError("limits", (len(bound),), _PAIRS)
-    lower, upper = bound
-    return DHLink(
-        theta=theta,
-        d=d,
-        a=a,
-        alpha=alpha,
-        sigma=joint_type,
-        offset=offset,
-        lower=lower,
-        upper=upper,
-    )
-
-
-def _tool(last: FloatArray, end: FloatArray) -> FloatArray:
-    """transform_tool_to_N, (4, 4), with an exactly orthonormal rotation."""
-    tool = np.linalg.inv(last) @ end
-    u, _, vt = np.linalg.svd(tool[:3, :3])
-    tool[:3, :3] = u @ vt
-    return np.asarray(tool)

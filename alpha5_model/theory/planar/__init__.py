@@ -37,25 +37,20 @@ References:
         arm).
 """
 
-from alpha5_model.theory.planar.annuli import annulus
-from alpha5_model.theory.planar.arm import PlanarArm, Workspace, workspace
-from alpha5_model.theory.planar.curves import Arc, Curve, Edge, Segment
-from alpha5_model.theory.planar.enumeration import (
+from alpha5_model.theory.arcs import Arc, Curve, Edge, Segment
+from alpha5_model.theory.planar.arm import PlanarArm, Workspace
+from alpha5_model.theory.planar.dexterous import (
+    Conditions,
     DexterityMap,
+    TheoremRow,
     dexterity,
     dexterity_map,
-)
-from alpha5_model.theory.planar.lecture import (
-    TheoremRow,
-    lecture_theorem,
-    theorem_radii,
-    theorem_row,
-)
-from alpha5_model.theory.planar.turning import (
-    Conditions,
     dexterous_area,
     dexterous_radii,
+    lecture_theorem,
     necessary_conditions,
+    theorem_radii,
+    theorem_row,
     turns_fully,
 )
 
@@ -69,7 +64,6 @@ __all__ = [
     "Segment",
     "TheoremRow",
     "Workspace",
-    "annulus",
     "dexterity",
     "dexterity_map",
     "dexterous_area",
@@ -79,5 +73,4 @@ __all__ = [
     "theorem_radii",
     "theorem_row",
     "turns_fully",
-    "workspace",
 ]

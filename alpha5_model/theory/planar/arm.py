@@ -15,10 +15,9 @@ of the result is made of
   points nearest to and farthest from the pivot, where the joint moves along it.
 
 These are the arm's critical curves: there, the joints that are not at a limit cannot
-move the tip in all directions. All are arcs and segments. They are cut where they meet,
-and a piece belongs to the boundary if the workspace lies on one side of it only. A
-point is in the workspace if its path, seen from the first link, meets the boundary of
-W' or runs inside it.
+move the tip in all directions. All are arcs and segments, whose `outline` is the
+boundary. A point is in the workspace if its path, seen from the first link, meets the
+boundary of W' or runs inside it.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Workspace".
@@ -45,26 +44,20 @@ from alpha5_model._support.checks import (
     FloatArray,
     bounded,
     float_array,
-    instance,
+    listed,
 )
-from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.theory.planar.annuli import annulus
-from alpha5_model.theory.planar.arm_arguments import (
-    Range,
-    check_lengths,
-    checked_angles,
-    checked_joints,
-    checked_limits,
+from alpha5_model.errors import InputError, MissingParameterError, ShapeError
+from alpha5_model.theory.arcs import (
+    RELATIVE_TOLERANCE,
+    Arc,
+    Curve,
+    Edge,
+    Segment,
+    enclosed_area,
+    outline,
+    turned,
 )
-from alpha5_model.theory.planar.boundary import bounds
-from alpha5_model.theory.planar.curves import Arc, Curve, Edge, Segment, turned
-from alpha5_model.theory.planar.first_joint import FirstJoint, extremes
-
-#: Distances below this share of the arm's reach count as zero.
-RELATIVE_TOLERANCE = 1e-9
-#: Step to either side of a critical curve to see which side is inside, as a share of
-#: the reach.
-RELATIVE_STEP = 1e-7
+from alpha5_model.theory.planar.joint import Joint, Range, extremes
 
 
 @dataclass(frozen=True)
@@ -86,7 +79,7 @@ class PlanarArm:
     """
 
     lengths: tuple[float, ...]
-    limits: tuple[tuple[float, float] | None, ...] = ()
+    limits: tuple[Range | None, ...] = ()
     joints: str = ""
     angles: tuple[float, ...] = ()
 
@@ -100,14 +93,34 @@ class PlanarArm:
         values = float_array("lengths", lengths, ())
         if values.ndim != 1 or values.size == 0:
             raise ShapeError("lengths", values.shape, "shape (N,), at least one link")
-        kinds = checked_joints(joints, values.size)
-        check_lengths(values.tolist(), kinds)
-        turns = checked_angles(angles, values.size)
-        ranges = checked_limits(limits, kinds)
+        number = values.size
+
+        kinds = "R" * number if joints is None else joints
+        letters = isinstance(kinds, str) and set(kinds) <= {"R", "P"}
+        if not letters or len(kinds) != number:
+            raise InputError("joints", joints, f"{number} letters R or P, one per link")
+        for length, kind in zip(values.tolist(), kinds, strict=True):
+            if kind == "R" and length <= 0:
+                raise InputError("lengths", length, "a length that is positive")
+            if length < 0:
+                raise InputError("lengths", length, "a length that is not negative")
+
+        expected = f"one (lower, upper) or None for {number} joints"
+        pairs = [None] * number
+        if limits is not None:
+            pairs = listed("limits", limits, expected)
+        if len(pairs) != number:
+            raise ShapeError("limits", (len(pairs),), expected)
+        given = [0.0] * number if angles is None else angles
+        turns = float_array("angles", given, ())
+        if turns.shape != (number,):
+            raise ShapeError("angles", turns.shape, f"shape ({number},)")
+
+        ranges = [_limits(pair, kind) for pair, kind in zip(pairs, kinds, strict=True)]
         object.__setattr__(self, "lengths", tuple(values.tolist()))
-        object.__setattr__(self, "limits", ranges)
+        object.__setattr__(self, "limits", tuple(ranges))
         object.__setattr__(self, "joints", kinds)
-        object.__setattr__(self, "angles", turns)
+        object.__setattr__(self, "angles", tuple(turns.tolist()))
         if not math.isfinite(4 * math.pi * self.reach * self.reach):
             raise InputError(
                 "lengths", self.lengths, "an arm whose area is a finite number"
@@ -125,9 +138,8 @@ class PlanarArm:
         No point that the tip reaches is farther from the base.
         """
         reach = 0.0
-        for length, kind, limit in zip(
-            self.lengths, self.joints, self.limits, strict=True
-        ):
+        rows = zip(self.lengths, self.joints, self.limits, strict=True)
+        for length, kind, limit in rows:
             travel = 0.0
             if kind == "P" and limit:
                 travel = max(abs(limit[0]), abs(limit[1]))
@@ -198,54 +210,60 @@ class PlanarArm:
         """Tip x, y [m] and orientation [rad], (..., 3), at q (..., N) [rad or m]."""
         return np.ascontiguousarray(self.poses(q)[..., -1, :])
 
-    def jacobian(self, q: ArrayLike) -> FloatArray:
-        """Derivative of `forward_kinematics`, (..., 3, N), at q (..., N) [rad or m]."""
-        poses = self.poses(q)
-        to_tip = poses[..., -1:, :2] - poses[..., :-1, :2]
-        heading = poses[..., 1:, 2]
-        revolute = np.array([kind == "R" for kind in self.joints])
-        out = np.empty((*poses.shape[:-2], 3, self.n))
-        out[..., 0, :] = np.where(revolute, -to_tip[..., 1], np.cos(heading))
-        out[..., 1, :] = np.where(revolute, to_tip[..., 0], np.sin(heading))
-        out[..., 2, :] = revolute
-        return out
-
     def workspace(self) -> Workspace:
-        """The set of points that the tip reaches; see `planar.workspace`."""
-        return workspace(self)
+        """The set of points that the tip reaches, exact up to rounding.
+
+        Features closer together than 1e-7 of the reach are not distinguished.
+        """
+        return _build(self, self.reach)
 
 
-def first_joint_of(arm: PlanarArm) -> FirstJoint:
-    """The first joint of an arm, with its link and limits."""
-    return FirstJoint(
-        revolute=arm.joints[0] == "R",
-        angle=arm.angles[0],
-        length=arm.lengths[0],
-        limit=arm.limits[0],
+def _limits(limit: Any, kind: str) -> Range | None:
+    """Limits of one joint; None if there are none, or a revolute joint turns fully."""
+    if limit is None:
+        if kind == "P":
+            raise MissingParameterError(
+                "limits (lower, upper) of each", "a prismatic joint"
+            )
+        return None
+    values = float_array("limits", limit, (2,))
+    if values.ndim != 1:
+        raise ShapeError("limits", values.shape, "a pair (lower, upper) per joint")
+    lower, upper = values.tolist()
+    if lower > upper:
+        raise InputError("limits", (lower, upper), "lower <= upper")
+    turns_fully = kind == "R" and upper - lower >= 2 * math.pi
+    return None if turns_fully else (lower, upper)
+
+
+def joint_of(arm: PlanarArm, j: int) -> Joint:
+    """Joint j of an arm, counted from 0, with its link and limits."""
+    return Joint(
+        revolute=arm.joints[j] == "R",
+        angle=arm.angles[j],
+        length=arm.lengths[j],
+        limit=arm.limits[j],
     )
 
 
-def within_limits(arm: PlanarArm, joint: int, q: FloatArray, slack: Any) -> BoolArray:
-    """Whether positions of a joint are within its limits.
+def annulus(ranges: Sequence[Range]) -> Range:
+    """Radii between which a chain of freely turning links reaches.
+
+    The outer radius is the sum of the lengths. The inner radius is the longest length
+    minus all others, or 0 if that is negative. If lengths vary, the longest link counts
+    with its least length and the others with their greatest: only one link can be
+    longer than all others together, so these lengths reach the least radius.
 
     Args:
-        arm: The arm.
-        joint: Index of the joint.
-        q: Positions (...) [rad or m]; NaN is not within.
-        slack: Beyond a limit by at most this counts as within; broadcasts against q.
+        ranges: (least, greatest) length of each link [m].
 
     Returns:
-        (...) bool.
+        Inner and outer radius [m].
     """
-    limit = arm.limits[joint]
-    if limit is None:
-        return ~np.isnan(q)
-    low, high = limit
-    over = q - low + slack
-    with np.errstate(invalid="ignore"):
-        if arm.joints[joint] == "R":
-            over = np.mod(over, math.tau)
-        return np.asarray((over >= 0.0) & (over <= high - low + 2 * slack))
+    greatest = [high for _, high in ranges]
+    outer = math.fsum(greatest)
+    inner = max(math.fsum([low, high, *(-x for x in greatest)]) for low, high in ranges)
+    return max(0.0, inner), outer
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,12 +291,8 @@ class Workspace:
 
     @property
     def area(self) -> float:
-        """Area [m^2], by Green's theorem over the boundary."""
-        parts = [
-            edge.curve.area_integral() * (1 if edge.inside_left else -1)
-            for edge in self.edges
-        ]
-        return sum(parts)
+        """Area [m^2]."""
+        return enclosed_area(self.edges)
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -322,47 +336,44 @@ class Workspace:
         reach = self.arm.reach if self.arm else 0.0
         # No point beyond the arm's length is reached, and its square may overflow.
         inside = np.asarray(np.abs(flat).max(axis=1) <= reach + tolerance)
-        inside[inside] = self._contains(flat[inside], tolerance)
+        inside[inside] = _contains(self, flat[inside], tolerance)
         return inside.reshape(p.shape[:-1])
 
-    def _contains(self, p: FloatArray, tolerance: float) -> BoolArray:
-        radius = np.linalg.norm(p, axis=1)
-        rings = _rings(self.arm)
-        if rings is not None:
-            low, high = rings
-            return np.asarray(
-                (radius >= low - tolerance) & (radius <= high + tolerance)
-            )
 
-        arm, inner = self.arm, self.inner
-        assert arm is not None
-        assert inner is not None
-        slack = np.full_like(radius, tolerance)
-        if arm.joints[0] == "R":
-            # As an angle on the circle of the point.
-            slack /= np.maximum(radius, tolerance)
-        found = np.zeros(len(p), np.bool_)
-        for q, _ in first_joint_of(arm).positions_onto(p, inner.curves, tolerance):
-            found |= within_limits(arm, 0, q, slack[:, None]).any(axis=1)
+def _build(arm: PlanarArm | None, size: float) -> Workspace:
+    """The workspace of an arm; of the tip alone if there is no arm."""
+    tolerance = RELATIVE_TOLERANCE * size
+    inner = None
+    if arm is not None:
+        inner = _build(arm.part(1) if arm.n > 1 else None, size)
+    bare = Workspace(arm=arm, edges=(), thin=(), inner=inner)
+    rings = _rings(arm)
+    if rings is not None:
+        return _annular(bare, rings, tolerance)
 
-        # A path that never meets the boundary is wholly inside or outside: one position
-        # decides.
-        rest = np.flatnonzero(~found)
-        if rest.size:
-            middle = sum(arm.limits[0] or (0.0, 0.0)) / 2
-            angle, length = first_joint_of(arm).link(middle)
-            seen = turned(p[rest], -angle) - (length, 0.0)
-            found[rest] = inner._contains(seen, tolerance)
-        return found
+    assert arm is not None
+    assert inner is not None
+    joint = joint_of(arm, 0)
+    critical: list[Curve] = []
+    for curve in inner.curves:
+        critical += [joint.carried(curve, end) for end in joint.limit or ()]
+        critical += joint.swept(curve, tolerance)
+    critical = [curve for curve in critical if curve.length > tolerance]
 
+    low, high = joint.limit or (-math.pi, math.pi)
+    if low == high or not critical:  # the joint moves nothing
+        middle = (low + high) / 2
+        edges = [
+            Edge(joint.carried(edge.curve, middle), edge.inside_left)
+            for edge in inner.edges
+        ]
+        thin = [joint.carried(curve, middle) for curve in inner.thin]
+        return replace(bare, edges=tuple(edges), thin=tuple(thin))
 
-def workspace(arm: PlanarArm) -> Workspace:
-    """The workspace of a planar arm, exact up to rounding.
-
-    Features closer together than 1e-7 of the reach are not distinguished.
-    """
-    scale = instance("arm", arm, PlanarArm).reach
-    return _build(arm, RELATIVE_TOLERANCE * scale, RELATIVE_STEP * scale)
+    bounding, hairs = outline(
+        critical, lambda points: _contains(bare, points, tolerance), size
+    )
+    return replace(bare, edges=bounding, thin=hairs)
 
 
 def _rings(arm: PlanarArm | None) -> Range | None:
@@ -376,61 +387,45 @@ def _rings(arm: PlanarArm | None) -> Range | None:
     return None if ranges is None else annulus(ranges)
 
 
-def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
-    """The workspace of an arm; of the tip alone if there is no arm."""
-    inner = None
-    if arm is not None:
-        shorter = arm.part(1) if arm.n > 1 else None
-        inner = _build(shorter, tolerance, step)
-    rings = _rings(arm)
-    if rings is not None:
-        return _annular(arm, inner, rings, tolerance)
-
-    assert arm is not None
-    assert inner is not None
-    limit = arm.limits[0]
-    if limit is not None and limit[0] == limit[1]:
-        return _with_locked_joint(arm, inner, limit[0])
-    critical = [c for c in _critical(arm, inner, tolerance) if c.length > tolerance]
-    bare = Workspace(arm=arm, edges=(), thin=(), inner=inner)
-    edges, thin = bounds(
-        critical, lambda points: bare._contains(points, tolerance), tolerance, step
-    )
-    return replace(bare, edges=edges, thin=thin)
-
-
-def _annular(
-    arm: PlanarArm | None, inner: Workspace | None, rings: Range, tolerance: float
-) -> Workspace:
+def _annular(bare: Workspace, rings: Range, tolerance: float) -> Workspace:
     """A disc, a disc with a hole, or a circle, which may be a point."""
-    small = Arc(center=(0.0, 0.0), radius=rings[0])
-    large = Arc(center=(0.0, 0.0), radius=rings[1])
+    small, large = (Arc(center=(0.0, 0.0), radius=radius) for radius in rings)
     if large.radius - small.radius <= tolerance:
-        return Workspace(arm=arm, edges=(), thin=(large,), inner=inner)
+        return replace(bare, thin=(large,))
     edges = [Edge(curve=large, inside_left=True)]
     if small.radius > tolerance:
         edges.append(Edge(curve=small, inside_left=False))
-    return Workspace(arm=arm, edges=tuple(edges), thin=(), inner=inner)
+    return replace(bare, edges=tuple(edges))
 
 
-def _with_locked_joint(arm: PlanarArm, inner: Workspace, q: float) -> Workspace:
-    """The inner workspace, carried by a first joint that stays at q."""
-    joint = first_joint_of(arm)
-    edges = [
-        Edge(curve=joint.carried(edge.curve, q), inside_left=edge.inside_left)
-        for edge in inner.edges
-    ]
-    thin = [joint.carried(curve, q) for curve in inner.thin]
-    return Workspace(arm=arm, edges=tuple(edges), thin=tuple(thin), inner=inner)
+def _contains(space: Workspace, p: FloatArray, tolerance: float) -> BoolArray:
+    """Whether points (N, 2) are reached, from the boundary of the inner workspace."""
+    radius = np.linalg.norm(p, axis=1)
+    rings = _rings(space.arm)
+    if rings is not None:
+        low, high = rings
+        return np.asarray((radius >= low - tolerance) & (radius <= high + tolerance))
 
-
-def _critical(arm: PlanarArm, inner: Workspace, tolerance: float) -> list[Curve]:
-    """The critical curves of an arm, from those of the arm without its first joint."""
-    joint = first_joint_of(arm)
-    found: list[Curve] = []
+    arm, inner = space.arm, space.inner
+    assert arm is not None
+    assert inner is not None
+    joint = joint_of(arm, 0)
+    slack = np.full_like(radius, tolerance)
+    if joint.revolute:
+        # As an angle on the circle of the point.
+        slack /= np.maximum(radius, tolerance)
+    found = np.zeros(len(p), np.bool_)
     for curve in inner.curves:
-        found += [joint.carried(curve, end) for end in joint.limit or ()]
-        found += joint.swept(curve, tolerance)
+        q, _ = joint.positions_onto(p, curve, tolerance)
+        found |= joint.within_limits(q, slack[:, None]).any(axis=1)
+
+    # A path that never meets the boundary is wholly inside or outside: one position
+    # decides.
+    rest = np.flatnonzero(~found)
+    if rest.size:
+        angle, length = joint.link(sum(joint.limit or (0.0, 0.0)) / 2)
+        seen = turned(p[rest], -angle) - (length, 0.0)
+        found[rest] = _contains(inner, seen, tolerance)
     return found
 
 

@@ -2,7 +2,7 @@
 //
 // This is nearest.js for any lengths, limits and tool point. At the present theta_3 the tool point is at the distance w
 // beside the plane of the arm, r outwards and z up: tcp = (r cos - w sin, r sin + w cos, z) of the azimuth that the plane
-// faces. The second link in the plane ends at the foot of the tool point. See alpha5_model/kinematics/arm_shape.py.
+// faces. The second link in the plane ends at the foot of the tool point. See alpha5_model/kinematics/geometry.py.
 function reach(point, branch) {
   const found = solutions(point);
   const forearm = forearmAt(angles()[3]);

@@ -1,0 +1,211 @@
+"""The region that the document claims to be reachable, and how much of it is wrong.
+
+References:
+    [ReachAlpha] Manufacturer's document, Section 1.2, Figure 2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support import checks
+from alpha5_model._support.checks import BoolArray, FloatArray, float_array
+from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.kinematics.half_plane import (
+    POSES,
+    SIDES,
+    Arc,
+    area,
+    contains,
+    critical_arcs,
+    first_moment,
+    trace,
+)
+from alpha5_model.kinematics.workspace import cross_section_area, revolved, volume
+from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.printed import published
+
+__all__ = [
+    "PublishedErrors",
+    "Torus",
+    "in_tori",
+    "published_but_unreachable",
+    "published_errors",
+    "published_reachable",
+    "published_tori",
+    "reachable_but_unpublished",
+]
+
+
+class Torus(NamedTuple):
+    """One of the document's limits, ``(R - R_c)^2 + (z - z_c)^2 <= or >= radius^2``.
+
+    Attributes:
+        name: ``"outer"``, ``"inner"`` or ``"downward"``.
+        center: (R_c, z_c) in the half-plane [m].
+        radius: [m].
+        inside: The inequality is <=.
+    """
+
+    name: str
+    center: tuple[float, float]
+    radius: float
+    inside: bool
+
+
+@dataclass(frozen=True)
+class PublishedErrors:
+    """The published region against the reachable set with the joint limits.
+
+    Areas are of a half-plane to which theta_0 can turn both poses. Volumes also count
+    the azimuths that it leaves to one pose.
+
+    Attributes:
+        published_area, reachable_area: [m^2].
+        unreachable_area: Published, and not reachable [m^2].
+        missed_area: Reachable, and not published [m^2].
+        published_volume, reachable_volume, unreachable_volume, missed_volume: The same
+            [m^3].
+    """
+
+    published_area: float
+    reachable_area: float
+    unreachable_area: float
+    missed_area: float
+    published_volume: float
+    reachable_volume: float
+    unreachable_volume: float
+    missed_volume: float
+
+
+@cache
+def published_tori() -> tuple[Torus, Torus, Torus]:
+    """The three limits of Section 1.2, as printed.
+
+    They contain 39.94 mm, where Table 1 has 40. d_3 is negative.
+    """
+    row_0, row_1, row_2, row_3, _ = parameters().dh
+    printed = published().workspace
+    shoulder = (row_0.a, row_0.d)
+    inner_radius = math.hypot(
+        printed.inner_offset.si + row_2.a, printed.inner_length.si + row_3.d
+    )
+    outer = Torus(
+        name="outer",
+        center=shoulder,
+        radius=row_1.a + math.sqrt(row_3.d**2 + row_2.a**2),
+        inside=True,
+    )
+    inner = Torus(name="inner", center=shoulder, radius=inner_radius, inside=False)
+    downward = Torus(
+        name="downward",
+        center=(row_0.a, row_0.d - printed.downward_drop.si),
+        radius=-row_3.d,
+        inside=False,
+    )
+    return outer, inner, downward
+
+
+def published_reachable(positions: ArrayLike) -> BoolArray:
+    """Whether a point satisfies all three inequalities of Section 1.2.
+
+    Args:
+        positions: In ``base_link``, (..., 3) [m].
+
+    Returns:
+        (...) bool.
+    """
+    target = float_array("positions", positions, (3,))
+    radius = np.hypot(target[..., 0], target[..., 1])
+    return in_tori(radius, target[..., 2])
+
+
+def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
+    """Which points (R, z) [m] satisfy the three inequalities of Section 1.2, (...)."""
+    radius, z = checks.together(radius=radius, z=z)
+    inside = np.ones(radius.shape, np.bool_)
+    for torus in published_tori():
+        center_radius, center_z = torus.center
+        with np.errstate(over="ignore"):  # infinitely far is outside as well
+            squared = (radius - center_radius) ** 2 + (z - center_z) ** 2
+        if torus.inside:
+            inside &= squared <= torus.radius**2
+        else:
+            inside &= squared >= torus.radius**2
+    return inside
+
+
+def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
+    """Boundary of what the document claims and the arm does not reach.
+
+    Args:
+        side: As for `alpha5_model.workspace.boundary`.
+    """
+    return _difference(checks.choice("side", side, SIDES), published=True)
+
+
+def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
+    """Boundary of what the arm reaches and the document leaves out.
+
+    Args:
+        side: As for `alpha5_model.workspace.boundary`.
+    """
+    return _difference(checks.choice("side", side, SIDES), published=False)
+
+
+@cache
+def _difference(side: str, published: bool) -> tuple[Arc, ...]:
+    """Boundary of what is published but not reached, or reached but not published."""
+    geometry = Geometry.of(parameters())
+    arcs = _printed_arcs()
+    for pose in POSES:
+        arcs += critical_arcs(geometry, pose)
+
+    def differs(radius: FloatArray, z: FloatArray) -> BoolArray:
+        claimed = in_tori(radius, z)
+        reached = contains(geometry, radius, z, side, limits=True)
+        return np.asarray((claimed == published) & (reached != published))
+
+    return trace(geometry, arcs, differs)
+
+
+def _printed_arcs() -> list[Arc]:
+    """The circles of the three limits."""
+    arcs = []
+    for torus in published_tori():
+        arc = Arc(
+            center=torus.center,
+            radius=torus.radius,
+            start=0.0,
+            end=math.tau,
+            filled=0,
+            cause=torus.name,
+            side="published",
+        )
+        arcs.append(arc)
+    return arcs
+
+
+@cache
+def published_errors() -> PublishedErrors:
+    """How much of the published region cannot be reached, and what it misses."""
+    geometry = Geometry.of(parameters())
+    claimed = trace(geometry, _printed_arcs(), in_tori)
+    wrong = {side: published_but_unreachable(side) for side in SIDES}
+    missed = {side: reachable_but_unpublished(side) for side in SIDES}
+    return PublishedErrors(
+        published_area=area(claimed),
+        reachable_area=cross_section_area(),
+        unreachable_area=area(wrong["both"]),
+        missed_area=area(missed["both"]),
+        published_volume=2 * math.pi * first_moment(claimed),
+        reachable_volume=volume(),
+        unreachable_volume=revolved(geometry, wrong),
+        missed_volume=revolved(geometry, missed),
+    )
