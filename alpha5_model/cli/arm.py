@@ -20,7 +20,7 @@ from alpha5_model.numbers.arm_file import arm_file
 from alpha5_model.numbers.arm_writing import new_arm_file
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.numbers.tool import printed_tool
+from alpha5_model.numbers.tool import tool_of
 
 _ACTIONS = ("new", "check", "show")
 #: The file that ``new`` writes if none is named.
@@ -139,7 +139,7 @@ def _frames(own: Alpha5Parameters) -> printing.Lines:
     yield "\nlengths (mm)"
     yield from table(rows, "<>", 2)
 
-    tool = own.tool or printed_tool(own.dh[3], own.dh[4])
+    tool = tool_of(own)
     spacer = f"{own.spacer / MILLIMETRE:g} mm"
     moved = f", moved by a spacer of {spacer}" if own.spacer else ""
     yield f"tcp at {_written(tool.position)} m in link_4{moved}"

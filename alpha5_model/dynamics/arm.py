@@ -36,7 +36,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.kinematics import pose
 from alpha5_model.kinematics.pose import ApproachDirections
 from alpha5_model.numbers.jaws import tip_height
-from alpha5_model.numbers.tool import printed_tool
+from alpha5_model.numbers.tool import tool_of
 
 if TYPE_CHECKING:
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
@@ -144,8 +144,8 @@ class Arm(ArmModel):
         jaw = record.joints[4]
         moves = jaw.name in self.joint_names
         height, rate = tip_height(record, float(q[-1]) if moves else jaw.lower)
-        tcp = record.tool or printed_tool(record.dh[3], record.dh[4])
-        placement = pin.SE3(tcp.rotation, np.array([0.0, 0.0, -height]))
+        rotation = tool_of(record).rotation
+        placement = pin.SE3(rotation, np.array([0.0, 0.0, -height]))
         return placement, np.array([0.0, 0.0, -rate if moves else 0.0])
 
     def _tip_jacobian(self, q: FloatArray, reference_frame: Any) -> FloatArray:

@@ -33,7 +33,7 @@ _REACH = 0.5
 
 
 def made_for() -> Alpha5Parameters:
-    """The arm that the kernels, the drawn bodies and the estimated water were made for.
+    """The arm that the drawn bodies and the estimated water were made for.
 
     Those are files of the package, so this is the catalogue's arm.
     """

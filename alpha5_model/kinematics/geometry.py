@@ -34,7 +34,7 @@ from alpha5_model._support.checks import BoolArray, FloatArray, frozen
 from alpha5_model.errors import InputError, PublishedDataError
 from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE, DOUBLE, Tolerances
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tool import printed_tool
+from alpha5_model.numbers.tool import tool_of
 
 _TWISTS = [math.pi / 2, math.pi, -math.pi / 2]
 
@@ -204,7 +204,7 @@ def _geometry(record: Alpha5Parameters) -> Geometry:
     if twists != _TWISTS or any(must_be_zero):
         raise PublishedDataError("Table 1", "not a vertical plane with two links in it")
 
-    tool = record.tool or printed_tool(row_3, row_4)
+    tool = tool_of(record)
     pose = np.column_stack([tool.rotation, tool.position])
     joints = record.joints[:4]
     return Geometry(

@@ -97,12 +97,22 @@ def in_half_plane(
         z: Height, (...) [m].
         side, limits, arm: As for `boundary`.
     """
-    geometry = Geometry.of(chosen_arm(arm))
-    geometry.require_tool_on_axis("exact reach and workspace")
+    geometry = bounded_geometry(arm)
     choice("side", side, SIDES)
     limits = flag("limits", limits)
     radius, z = together(radius=radius, z=z)
     return contains(geometry, radius, z, side, limits)
+
+
+def bounded_geometry(arm: Alpha5Parameters | None) -> Geometry:
+    """The geometry of an arm whose reach arcs bound.
+
+    Raises:
+        InputError: Not a record, or a tool point beside the wrist axis.
+    """
+    geometry = Geometry.of(chosen_arm(arm))
+    geometry.require_tool_on_axis("exact reach and workspace")
+    return geometry
 
 
 def contains(
@@ -163,8 +173,7 @@ def boundary(
         InputError: Limits that are neither True nor False, or a tool point beside the
             wrist axis.
     """
-    geometry = Geometry.of(chosen_arm(arm))
-    geometry.require_tool_on_axis("exact reach and workspace")
+    geometry = bounded_geometry(arm)
     return boundary_of(geometry, choice("side", side, SIDES), flag("limits", limits))
 
 

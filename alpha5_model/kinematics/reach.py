@@ -30,11 +30,11 @@ from alpha5_model.kinematics.half_plane import (
     Arc,
     azimuth_beyond,
     boundary_of,
+    bounded_geometry,
     branches_reaching,
     contains,
 )
 from alpha5_model.kinematics.solver import BLOCK, solve
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Joint positions (M, 4) -> whether each is accepted, (M,).
@@ -74,7 +74,7 @@ def reachable(
             limits that are neither True nor False, or a tool point beside the wrist
             axis.
     """
-    geometry = _geometry(arm)
+    geometry = bounded_geometry(arm)
     target = float_array("positions", positions, (3,))
     limits = flag("limits", limits)
     if accept is None:
@@ -154,7 +154,7 @@ def nearest_reachable(
     Returns:
         (..., 3) [m].
     """
-    geometry = _geometry(arm)
+    geometry = bounded_geometry(arm)
     target = float_array("positions", positions, (3,))
     limits = flag("limits", limits)
 
@@ -169,17 +169,6 @@ def nearest_reachable(
         far = np.maximum(largest / _FAR, 1.0)
         nearest[rows] = _projected(geometry, points / far, limits)
     return nearest.reshape(target.shape)
-
-
-def _geometry(arm: Alpha5Parameters | None) -> Geometry:
-    """The geometry of an arm whose reach arcs bound.
-
-    Raises:
-        InputError: Not a record, or a tool point beside the wrist axis.
-    """
-    geometry = Geometry.of(chosen_arm(arm))
-    geometry.require_tool_on_axis("exact reach and workspace")
-    return geometry
 
 
 def _projected(geometry: Geometry, points: FloatArray, limits: bool) -> FloatArray:

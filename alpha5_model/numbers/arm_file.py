@@ -43,7 +43,7 @@ from alpha5_model.numbers.parameters import (
     parameters,
 )
 from alpha5_model.numbers.tables import BODY_NAMES, JOINT_NAMES
-from alpha5_model.numbers.tool import ToolPose, printed_tool
+from alpha5_model.numbers.tool import ToolPose, printed_tool, tool_of
 
 #: Of the file: its largest size, its most attached bodies.
 MOST_BYTES = 64 * 1024
@@ -226,7 +226,7 @@ class _Reader:
             own: The arm with all but the tool.
         """
         found = self._values("tool", schema.TOOL)
-        printed = own.tool or printed_tool(own.dh[3], own.dh[4])
+        printed = tool_of(own)
         position = printed.position
         rotation = printed.rotation
         if "xyz" in found:

@@ -31,7 +31,7 @@ from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.inertia import combine, rotate_tensor
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 from alpha5_model.numbers.rigid_body import RigidBody, joined
-from alpha5_model.numbers.tool import ToolPose, printed_tool
+from alpha5_model.numbers.tool import ToolPose, tool_of
 
 GRIPPERS = ("locked", "jaws")
 
@@ -185,13 +185,13 @@ def tool_at_tip(
         expected = "an arm without a spacer; its frame tip is in forward_kinematics"
         raise InputError("arm", f"a spacer of {record.spacer:g} m", expected)
     joint = record.joints[4]
-    position = joint.lower if jaw is None else real("jaw", jaw)
-    if not joint.lower <= position <= joint.upper:
+    opening = joint.lower if jaw is None else real("jaw", jaw)
+    if not joint.lower <= opening <= joint.upper:
         expected = f"a position of {joint.name}, {joint.lower:g} to {joint.upper:g} m"
-        raise InputError("jaw", position, expected)
-    height, _ = tip_height(record, position)
-    tcp = record.tool or printed_tool(record.dh[3], record.dh[4])
-    return ToolPose(position=np.array([0.0, 0.0, -height]), rotation=tcp.rotation)
+        raise InputError("jaw", opening, expected)
+    height, _ = tip_height(record, opening)
+    position = np.array([0.0, 0.0, -height])
+    return ToolPose(position=position, rotation=tool_of(record).rotation)
 
 
 def _rod(parameters: Alpha5Parameters) -> JawBody:

@@ -46,6 +46,16 @@ class ToolPose:
         object.__setattr__(self, "rotation", rotation)
 
 
+def tool_of(record: Any) -> ToolPose:
+    """The tool of an arm: its own, or Table 1's.
+
+    Args:
+        record: An `Alpha5Parameters`.
+    """
+    tool: ToolPose = record.tool or printed_tool(record.dh[3], record.dh[4])
+    return tool
+
+
 def printed_tool(wrist: Any, last: Any) -> ToolPose:
     """Table 1's tool point in link_4: ``Tz(d) Tx(a) Rx(alpha) Rz(theta)``.
 

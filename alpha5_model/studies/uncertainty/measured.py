@@ -17,7 +17,7 @@ from alpha5_model._support.spatial import rotation_from_rpy, rpy_from_rotation
 from alpha5_model.numbers.arm_schema import DRIVE_FIELDS, LIMIT_FIELDS
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.numbers.tool import ToolPose, printed_tool
+from alpha5_model.numbers.tool import tool_of
 
 
 class MeasuredNumber(NamedTuple):
@@ -77,7 +77,7 @@ def _value(arm: Alpha5Parameters, key: list[str]) -> Any:
         case ["joint_limits", joint, limit]:
             return getattr(arm.joints[JOINT_NAMES.index(joint)], LIMIT_FIELDS[limit])
         case ["tool", field]:
-            return _of_pose(_tool(arm), field)
+            return _of_pose(tool_of(arm), field)
         case ["mount", field] if arm.mount is not None:
             return _of_pose(arm.mount, field)
         case ["motors", "supply_voltage"]:
@@ -86,11 +86,6 @@ def _value(arm: Alpha5Parameters, key: list[str]) -> Any:
             values = getattr(arm.motors, DRIVE_FIELDS[drive])
             return values[JOINT_NAMES.index(joint[0]) if joint else 0]
     return None
-
-
-def _tool(arm: Alpha5Parameters) -> ToolPose:
-    """The tool of an arm, perhaps Table 1's."""
-    return arm.tool or printed_tool(arm.dh[3], arm.dh[4])
 
 
 def _body(arm: Alpha5Parameters, name: str) -> Any:
@@ -150,7 +145,7 @@ def _changed(
         case ["joint_limits", joint, limit]:
             return _with_limit(arm, joint, LIMIT_FIELDS[limit], float(change))
         case ["tool", field]:
-            return replace(arm, tool=_moved_pose(_tool(arm), field, change))
+            return replace(arm, tool=_moved_pose(tool_of(arm), field, change))
         case ["mount", field]:
             return replace(arm, mount=_moved_pose(arm.mount, field, change))
         case _:
