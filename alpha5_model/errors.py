@@ -199,19 +199,23 @@ class DiscontinuousPathError(Alpha5Error, ValueError):
     """A path of points that no continuous joint motion within the limits follows.
 
     Attributes:
-        index: The first point without a continuation.
+        index: The first point without a continuation; None on a line that the caller
+            gave by its ends.
         position: That point, (3,) [m].
         step: Least joint step that would lead there [rad].
         max_step: The step allowed [rad].
     """
 
-    def __init__(self, index: int, position: Any, step: float, max_step: float) -> None:
+    def __init__(
+        self, index: int | None, position: Any, step: float, max_step: float
+    ) -> None:
         self.index = index
         self.position = position
         self.step = step
         self.max_step = max_step
+        point = "the line at" if index is None else f"positions[{index}] ="
         super().__init__(
-            f"positions[{index}] = {_metres(position)} has no allowed continuation: "
+            f"{point} {_metres(position)} has no allowed continuation: "
             f"a joint would have to jump by {step:.3g} rad, "
             f"allowed are {max_step:.3g} rad"
         )

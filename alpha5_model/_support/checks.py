@@ -84,11 +84,10 @@ def _holds_only_numbers(value: Any) -> bool:
         if set(map(type, value)) <= _NUMBERS:
             return True
         return all(map(_holds_only_numbers, value))
-    if isinstance(value, np.ndarray):
-        return isinstance(value, np.memmap)
-
     has_unit = hasattr(value, "unit") or hasattr(value, "units")
-    is_other = isinstance(value, bool | np.bool_ | bytes | bytearray)
+    is_other = isinstance(
+        value, np.ma.MaskedArray | bool | np.bool_ | bytes | bytearray
+    )
     return not has_unit and not is_other
 
 

@@ -14,19 +14,18 @@ Each table is one obstacle, and its name is the table's::
     sphere = 0.08                 # radius [m]
 
     [frame]
-    mesh = "frame.stl"            # binary STL, beside this file
+    mesh = "frame.stl"            # STL, OBJ or PLY, beside this file
     scale = 0.001                 # from the mesh's unit to m
 """
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from alpha5_model._support.checks import FloatArray, array, float_array, real
+from alpha5_model._support.checks import array, real
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
@@ -39,9 +38,8 @@ KINDS = {
     "sphere": ("xyz",),
     "mesh": ("xyz", "rpy", "scale"),
 }
-#: Bytes of a binary STL: its head, the number of triangles, and each of these.
-_STL_HEAD = 80
-_TRIANGLE = np.dtype([("numbers", "<f4", (4, 3)), ("attribute", "<u2")])
+#: Formats of meshes, by the end of the file's name.
+_MESHES = (".stl", ".obj", ".ply")
 #: Largest file of obstacles, and of a mesh [bytes].
 _LARGEST = 1 << 20
 _LARGEST_MESH = 1 << 28
@@ -55,7 +53,7 @@ def read_obstacles(path: PathLike) -> tuple[Obstacle, ...]:
 
     Raises:
         MissingFileError: The file, or that of a mesh, is not there.
-        FileFormatError: Not TOML, or a mesh that is no binary STL.
+        FileFormatError: Not TOML, or a mesh that cannot be read.
         InputError: A value that no obstacle can have; UnknownNameError: another key.
     """
     content = read_named(path, "a TOML file of obstacles", _LARGEST)
@@ -97,23 +95,31 @@ def _made(kind: str, name: str, table: Mapping[str, Any], folder: Path) -> Obsta
     if kind == "sphere":
         return Obstacle.sphere(name, value, **placed)
     if not isinstance(value, str):
-        raise InputError("mesh", value, "the name of a binary STL file")
+        raise InputError("mesh", value, "the name of a file of triangles")
     scale = real("scale", table.get("scale", 1.0), minimum=0.0, strict=True)
-    vertices = scale * _stl_vertices(folder / value)
-    triangles = np.arange(len(vertices)).reshape(-1, 3)
-    return Obstacle.mesh(name, vertices, triangles, **placed)
+    mesh = _mesh(folder / value)
+    return Obstacle.mesh(name, scale * mesh.vertices, mesh.faces, **placed)
 
 
-def _stl_vertices(path: Path) -> FloatArray:
-    """The corners of a binary STL's triangles, three by three, (3 T, 3).
+def _mesh(path: Path) -> Any:
+    """The triangles of a file, by trimesh; its materials are not looked for.
 
     Raises:
-        FileFormatError: Another kind of file.
+        FileFormatError: No mesh of a format that is read here.
     """
-    content = read_named(path, "a binary STL file", _LARGEST_MESH)
-    body = content[_STL_HEAD + 4 :]
-    count = int.from_bytes(content[_STL_HEAD : _STL_HEAD + 4], "little")
-    if not count or len(body) != count * _TRIANGLE.itemsize:
-        raise FileFormatError(path, "is no binary STL file with triangles")
-    triangles = np.frombuffer(body, _TRIANGLE)["numbers"][:, 1:]
-    return float_array("vertices", triangles.reshape(-1, 3), (3,))
+    if path.suffix.lower() not in _MESHES:
+        raise FileFormatError(path, f"is no mesh; write it as {', '.join(_MESHES)}")
+    content = read_named(path, "a file of triangles", _LARGEST_MESH)
+    # trimesh takes half a second to import, and most obstacles are no meshes.
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(
+            io.BytesIO(content), file_type=path.suffix[1:].lower(), process=False
+        )
+    except Exception as error:  # trimesh promises no type
+        what = f"{type(error).__name__}: {error}"
+        raise FileFormatError(path, f"cannot be read as a mesh ({what})") from None
+    if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
+        raise FileFormatError(path, "has no triangles")
+    return mesh

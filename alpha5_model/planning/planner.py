@@ -209,9 +209,8 @@ def _line(
     Raises:
         BlockedMotionError: It is not free.
     """
-    tcp = arm.forward_kinematics(start).translation
     angle = float(start[3]) if wrist is None else real("wrist", wrist)
-    line = tcp_line(start, tcp, target, angle, arm.parameters)
+    line = tcp_line(start, target, angle, arm)
     check_free(line, surroundings)
     end = line.way[-1]
     reached = goals(Target(kind="position", value=target), start, angle, arm.parameters)

@@ -1,9 +1,10 @@
 """A straight line of the tcp: continuous, proved free, in the least time.
 
-The line is followed in steps of `STEP` by inverse kinematics. A cubic spline of the
-joint positions leads from one to the next. Between two of them it is at most
-``max |q''| h^2 / 8`` from their straight joint line, and q'' is largest at one of them.
-So the spline is free if the joint lines are free with that much more room.
+The line is followed by inverse kinematics, in steps of `STEP` that are halved until the
+tcp stays within `STRAIGHT` of it. A cubic spline of the joint positions leads from one
+to the next. Between two of them it is at most ``max |q''| h^2 / 8`` from their straight
+joint line, and q'' is largest at one of them. So the spline is free if the joint lines
+are free with that much more room.
 
 References:
     [Pham2018] Pham, Pham: A new approach to time-optimal path parameterization based
@@ -22,7 +23,14 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.errors import BlockedMotionError, needing
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.errors import (
+    BlockedMotionError,
+    DiscontinuousPathError,
+    SelfCollisionError,
+    UnreachableError,
+    needing,
+)
 from alpha5_model.kinematics.path import inverse_kinematics_path
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.planning.s_curve import (
@@ -34,8 +42,14 @@ from alpha5_model.planning.s_curve import (
 from alpha5_model.planning.s_curve import STEP as TIME_STEP
 from alpha5_model.planning.surroundings import Surroundings
 
-#: Between two joint positions of the spline [m].
+#: How far the tcp may be from the line, promised by `alpha5_model.plan` [m].
+STRAIGHT = 1e-5
+#: Between two joint positions of the spline [m], and how often it may be halved.
 STEP = 1e-3
+_HALVINGS = 6
+#: The tcp is farthest from the line near the middle between two joint positions: there
+#: it may be this share of `STRAIGHT` away.
+_AT_MIDDLES = 0.9
 #: Fewest steps of a line.
 _FEWEST = 20
 #: TOPP-RA keeps bounds at places along the path, and is given this share of them:
@@ -66,6 +80,11 @@ class TcpLine:
         step = self._share[1]
         bend = np.abs(self._path(self._share, 2)).max(axis=0)
         return np.asarray(bend * step**2 / 8)
+
+    def at_middles(self) -> FloatArray:
+        """The spline in the middle between two joint positions, (K - 1, 4) [rad]."""
+        middles = (self._share[1:] + self._share[:-1]) / 2
+        return np.asarray(self._path(middles))
 
     def sampled(self, limits: JointLimits) -> Samples:
         """The fastest motion along the line, from rest to rest.
@@ -110,34 +129,80 @@ class TcpLine:
 
 
 def tcp_line(
-    start: FloatArray,
-    tcp: FloatArray,
-    target: FloatArray,
-    wrist: float,
-    arm: Alpha5Parameters,
+    start: FloatArray, target: FloatArray, wrist: float, arm: Arm
 ) -> TcpLine:
     """The straight line from where the tcp is to a target.
 
     Args:
         start: Joint position, (4,) [rad].
-        tcp: Where the tcp is at it, (3,) [m].
         target: (3,) [m].
         wrist: theta_3 at the target; it changes evenly along the line [rad].
-        arm: Record of the arm.
+        arm: With closed jaws, on a fixed base.
 
     Raises:
-        UnreachableError: A point of the line is out of reach, or only in collision.
+        UnreachableError: A point of the line is out of reach.
         DiscontinuousPathError: A joint would have to jump: to another branch, or across
             the gap of axis_e.
         MissingDependencyError: toppra is not installed.
     """
+    tcp = arm.forward_kinematics(start).translation
     length = float(np.linalg.norm(target - tcp))
-    count = max(_FEWEST, math.ceil(length / STEP)) + 1
-    points = np.linspace(tcp, target, count)
-    wrists = np.linspace(start[3], wrist, count)
-    way = inverse_kinematics_path(points, start, wrists, arm=arm)
-    way[0] = start
-    return TcpLine(way)
+    count = max(_FEWEST, math.ceil(length / STEP))
+    for _ in range(_HALVINGS + 1):
+        points = np.linspace(tcp, target, count + 1)
+        wrists = np.linspace(start[3], wrist, count + 1)
+        way = _joint_positions(points, start, wrists, arm.parameters)
+        way[0] = start
+        line = TcpLine(way)
+        away = _distance_from_line(line, points, arm)
+        if away.max() <= _AT_MIDDLES * STRAIGHT:
+            return line
+        count *= 2
+    # Shorter steps do not help: the arm jumps to another branch.
+    worst = int(away.argmax())
+    step = float(np.abs(way[worst + 1] - way[worst]).max())
+    straight = step * STRAIGHT / float(away[worst])
+    raise DiscontinuousPathError(None, points[worst], step, straight)
+
+
+def _joint_positions(
+    points: FloatArray,
+    start: FloatArray,
+    wrists: FloatArray,
+    arm: Alpha5Parameters,
+    allow_collision: bool = False,
+) -> FloatArray:
+    """Joint positions along points (N, 3) of a line, (N, 4) [rad].
+
+    Errors are those of `inverse_kinematics_path`, without the numbers of points that
+    the caller did not give. What the arm touches is left to `check_free`.
+    """
+    try:
+        return inverse_kinematics_path(
+            points, start, wrists, allow_collision=allow_collision, arm=arm
+        )
+    except SelfCollisionError:
+        return _joint_positions(points, start, wrists, arm, allow_collision=True)
+    except UnreachableError as error:
+        why = ", though it is on the straight line of the tcp"
+        raise UnreachableError(
+            error.position, error.distance, error.nearest, why
+        ) from None
+    except DiscontinuousPathError as error:
+        raise DiscontinuousPathError(
+            None, error.position, error.step, error.max_step
+        ) from None
+
+
+def _distance_from_line(line: TcpLine, points: FloatArray, arm: Arm) -> FloatArray:
+    """How far the tcp is from a line in the middle between its points, (N,) [m]."""
+    direction = points[-1] - points[0]
+    direction = direction / max(np.linalg.norm(direction), 1e-300)
+    tips = np.array(
+        [arm.forward_kinematics(q).translation for q in line.at_middles()]
+    )
+    away = tips - points[0]
+    return np.asarray(np.linalg.norm(away - np.outer(away @ direction, direction), axis=1))
 
 
 def check_free(line: TcpLine, surroundings: Surroundings) -> None:

@@ -85,9 +85,8 @@ def test_a_line_of_the_tcp_strays_as_little_as_is_said() -> None:
     from alpha5_model.planning.tcp_line import tcp_line
 
     start = a5.inverse_kinematics([0.12, 0.2, 0.1]).best(HOME)
-    begin = np.array([0.12, 0.2, 0.1])
     end = np.array([0.14, 0.19, 0.1])
-    line = tcp_line(start, begin, end, start[3], ARM)
+    line = tcp_line(start, end, start[3], a5.load())
     share = np.linspace(0.0, 1.0, len(line.way))
     dense = np.linspace(0.0, 1.0, 40 * (len(share) - 1) + 1)
     straight = np.transpose([np.interp(dense, share, row) for row in line.way.T])

@@ -112,8 +112,59 @@ def test_lines_of_an_arm_of_ones_own() -> None:
 
 
 def test_a_line_that_leaves_the_workspace() -> None:
-    with pytest.raises(UnreachableError, match=r"\(row \d+\)"):
-        a5.plan(at([0.15, 0.2, 0.1]), [0.15, -0.2, 0.9], line=True)
+    start, end = np.array([0.15, 0.2, 0.1]), np.array([0.15, -0.2, 0.9])
+    with pytest.raises(UnreachableError) as caught:
+        a5.plan(at(start), end, line=True)
+    assert off_line(caught.value.position[None], start, end) < 1e-9
+    assert "row" not in str(caught.value)
+
+
+def test_random_lines_are_straight_between_their_samples() -> None:
+    """To 0.01 mm, as the guide promises; some pass close to the yaw axis."""
+    rng = np.random.default_rng(3)
+    arm = a5.load()
+    found = 0
+    for number in range(24):
+        q = rng.uniform([0.5, 0.8, 0.4, 0.5], [5.5, 2.6, 2.6, 5.5])
+        start = arm.forward_kinematics(q).translation
+        end = start + rng.normal(0.0, 0.05, 3)
+        if number % 3 == 0:
+            end[:2] = -0.8 * start[:2] + rng.normal(0.0, 0.002, 2)
+        try:
+            motion = a5.plan(q, end, line=True)
+        except (UnreachableError, DiscontinuousPathError, BlockedMotionError):
+            continue
+        found += 1
+        # Between two samples: by position and velocity, as the docstring says.
+        middle = cubic_middles(motion)
+        tips_at = np.array([dh_frames(row)[-1][:3, 3] for row in middle])
+        assert off_line(tips_at, start, end) < 1.05e-5, (q, end)
+    assert found > 6
+
+
+def cubic_middles(motion: Any) -> np.ndarray:
+    """Positions in the middle between two samples, by Hermite's cubic, (N - 1, 4)."""
+    step = motion.time[1]
+    position, velocity = motion.position, motion.velocity
+    chord = (position[:-1] + position[1:]) / 2
+    return np.asarray(chord + step * (velocity[:-1] - velocity[1:]) / 8)
+
+
+def test_a_line_through_the_arm_itself_is_blocked() -> None:
+    """The hand passes base and shoulder: no row of a path that nobody gave."""
+    rng = np.random.default_rng(11)
+    arm = a5.load()
+    blocked = 0
+    for _ in range(60):
+        q = rng.uniform([0.5, 0.8, 0.4, 0.5], [5.5, 2.6, 2.6, 5.5])
+        end = arm.forward_kinematics(q).translation * [0.2, 0.2, 0.6]
+        try:
+            a5.plan(q, end, line=True)
+        except BlockedMotionError as error:
+            blocked += "link_1" in error.names or "link_0" in error.names
+        except (UnreachableError, DiscontinuousPathError) as error:
+            assert "row" not in str(error)
+    assert blocked > 0
 
 
 def test_a_line_across_the_gap_of_axis_e() -> None:
