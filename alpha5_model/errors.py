@@ -228,16 +228,23 @@ class BlockedMotionError(Alpha5Error, ValueError):
         names: What collides: two links, or an obstacle and a link.
         q: Joint position at which it does, (4,) [rad].
         distance: Between the two there [m]; at most 0 if they touch.
+        needed: The distance that would be enough [m].
     """
 
     def __init__(
-        self, problem: str, names: tuple[str, str], q: Any, distance: float
+        self,
+        problem: str,
+        names: tuple[str, str],
+        q: Any,
+        distance: float,
+        needed: float = 0.0,
     ) -> None:
         self.names = names
         self.q = q
         self.distance = distance
+        self.needed = needed
         angles = ", ".join(f"{angle:.4g}" for angle in q)
-        gap = f"{distance * 1e3:.3g} mm apart"
+        gap = f"{distance * 1e3:.3g} mm apart, less than {needed * 1e3:.3g} mm,"
         if distance <= 0.0:
             gap = f"{-distance * 1e3:.3g} mm deep in each other"
         super().__init__(

@@ -50,6 +50,12 @@ _Acceleration = Annotated[
 _Margin = Annotated[
     float, Option(help="Distance to obstacles (m).", parser=values.metres)
 ]
+_SelfMargin = Annotated[
+    float, Option(help="Distance between the links (m).", parser=values.metres)
+]
+_Rate = Annotated[
+    float | None, Option(help="Samples per second of the file. Default: 50.")
+]
 _Wrist = Annotated[
     float | None,
     Option(
@@ -76,8 +82,10 @@ def move(
     speed: _Speed = None,
     acceleration: _Acceleration = 1.0,
     margin: _Margin = 0.005,
+    self_margin: _SelfMargin = 0.0,
     wrist: _Wrist = None,
     line: _Line = False,
+    rate: _Rate = None,
     fluid: options.Fluid = "sea",
     gravity: options.Gravity = options.DOWN,
     mount: options.Mount = None,
@@ -93,7 +101,7 @@ def move(
     a point x y z of the tcp in base_link (m). The motion (--output) is a file
     for alpha5 trajectory and alpha5 view --motion. --obstacles names a TOML file
     with a table for each obstacle: its name, then box = edges, cylinder =
-    radius and length, sphere = radius, or mesh = a binary STL file, and xyz and
+    radius and length, sphere = radius, or mesh = an STL, OBJ or PLY file, and xyz and
     rpy in base_link (m, rad).
 
     Exit status: 0 found; 2 no path found, or beyond a limit at any speed.
@@ -115,8 +123,10 @@ def move(
         speed=speed,
         acceleration=acceleration,
         margin=margin,
+        self_margin=self_margin,
         wrist=wrist,
         line=line,
+        rate=rate,
         supply_voltage=supply_voltage,
         current_limit=current_limit,
     )
@@ -165,6 +175,21 @@ def _record(motion: PlannedMotion) -> dict[str, Any]:
             for peak in motion.peaks
         ],
         "tcp": motion.analysis.tcp[[0, -1]],
+        "obstacles": motion.surroundings.obstacles,
+        "clearance": _clearance(motion),
+    }
+
+
+def _clearance(motion: PlannedMotion) -> dict[str, Any] | None:
+    """The least distance to an obstacle; None without obstacles."""
+    least = motion.clearance
+    if least is None:
+        return None
+    return {
+        "distance_m": least.distance,
+        "obstacle": least.obstacle,
+        "link": least.link,
+        "time_s": motion.time[least.sample],
     }
 
 
@@ -173,6 +198,14 @@ def _text(motion: PlannedMotion) -> printing.Lines:
     yield f"{motion.kind}{branch}: {motion.duration:.2f} s"
     if motion.slowed > 1.0:
         yield f"{motion.slowed:.2f} times as long for the limits of the motors"
+
+    least = motion.clearance
+    if least is not None:
+        yield f"obstacles: {', '.join(motion.surroundings.obstacles)}"
+        yield (
+            f"nearest: {least.link} and {least.obstacle}, "
+            f"{least.distance * 1e3:.1f} mm at {motion.time[least.sample]:.2f} s"
+        )
 
     names = motion.motion.joints
     yield "\nway (rad)"

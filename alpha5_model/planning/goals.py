@@ -17,8 +17,8 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Joint positions this far beyond a limit are taken for the limit [rad].
 ON_LIMIT = 1e-6
-#: Other wrist angles that are tried for a point, evenly over the range of axis_b.
-WRISTS = 9
+#: Other wrist angles at which a point is looked for, evenly over the range of axis_b.
+WRISTS = 91
 
 
 class Goal(NamedTuple):
@@ -108,16 +108,14 @@ def goals(
 def other_wrists(
     target: Target, q0: FloatArray, arm: Alpha5Parameters
 ) -> list[list[Goal]]:
-    """The goals of a point for each of `WRISTS` other angles, from near to far."""
+    """The goals of a point at other wrist angles that reach it, from near to far."""
     joint = arm.joints[3]
     angles = np.linspace(joint.lower, joint.upper, WRISTS)
-    nearest_first = angles[np.argsort(np.abs(angles - q0[3]), kind="stable")]
-    found = []
-    for angle in nearest_first:
-        solutions = inverse_kinematics(target.value, float(angle), arm=arm)
-        if solutions.within_limits.any():
-            found.append(_of_point(target.value, float(angle), q0, arm))
-    return found
+    targets = np.broadcast_to(target.value, (WRISTS, 3))
+    reaches = inverse_kinematics(targets, angles, arm=arm).within_limits.any(axis=1)
+    found = angles[reaches]
+    nearest_first = found[np.argsort(np.abs(found - q0[3]), kind="stable")]
+    return [_of_point(target.value, float(angle), q0, arm) for angle in nearest_first]
 
 
 def _of_point(

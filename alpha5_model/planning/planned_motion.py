@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike
 from alpha5_model.planning.motion_table import write_motion_table
 from alpha5_model.planning.replay import Peak
+from alpha5_model.planning.surroundings import Clearance, Surroundings
 from alpha5_model.trajectory.analysis import Analysis
 from alpha5_model.trajectory.motions import Motion
 
@@ -34,6 +36,7 @@ class PlannedMotion:
         slowed: Factor by which the motors' limits made it longer; 1.0 if they did not.
         peaks: Speed, torque, current and voltage of each joint, with their limits.
         analysis: The replay: torques, currents, powers and load on the mount.
+        surroundings: The obstacles that it keeps clear of, and the arm itself.
     """
 
     time: FloatArray
@@ -46,6 +49,12 @@ class PlannedMotion:
     slowed: float
     peaks: tuple[Peak, ...]
     analysis: Analysis
+    surroundings: Surroundings
+
+    @cached_property
+    def clearance(self) -> Clearance | None:
+        """The least distance to an obstacle at the samples; None without obstacles."""
+        return self.surroundings.clearance(self.position)
 
     @property
     def duration(self) -> float:

@@ -12,7 +12,12 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray, flag, float_array, frozen, real
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.load import load
-from alpha5_model.errors import BlockedMotionError, InputError, MotionLimitError
+from alpha5_model.errors import (
+    BlockedMotionError,
+    InputError,
+    MotionLimitError,
+    UnreachableError,
+)
 from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.planning.goals import (
@@ -29,7 +34,7 @@ from alpha5_model.planning.replay import peaks, replayed, worst
 from alpha5_model.planning.retracted import retracted_poses
 from alpha5_model.planning.routes import TCP_LINE, Route, Search
 from alpha5_model.planning.s_curve import JointLimits, Samples, sampled
-from alpha5_model.planning.surroundings import Surroundings
+from alpha5_model.planning.surroundings import Obstruction, Surroundings
 from alpha5_model.planning.tcp_line import check_free, tcp_line
 
 #: Acceleration of the joints [rad/s^2]. None is published.
@@ -38,8 +43,12 @@ ACCELERATION = 1.0
 MARGIN = 0.005
 #: A motion beyond a limit is tried again in so many times its time: up to tenfold.
 _TIMES = 1.1 ** np.arange(25)
+#: Wrist angles that are tried for a point at most, or twice as many.
+WRISTS = 9
 #: Slower joints take days for a degree [rad/s, rad/s^2].
 _LEAST = 1e-8
+#: Fewest samples per second [Hz].
+_LEAST_RATE = 0.1
 #: A day: longer motions are not meant [s].
 _LONGEST = 86_400.0
 #: The motion along a route, within limits of the joints.
@@ -62,10 +71,12 @@ def plan(
     speed: ArrayLike | None = None,
     acceleration: ArrayLike = ACCELERATION,
     margin: float = MARGIN,
+    self_margin: float = 0.0,
     wrist: float | None = None,
     line: bool = False,
     supply_voltage: float | None = None,
     current_limit: float | None = None,
+    rate: float | None = None,
 ) -> PlannedMotion:
     """A motion from a joint position to a target, free of collision, within limits.
 
@@ -92,8 +103,10 @@ def plan(
             its rated speed, and None is that.
         acceleration: Of the joints at most, one number or (4,) [rad/s^2]. None is
             published.
-        margin: Distance that is kept to obstacles [m]. The arm may come as near to
-            itself as it can without touching.
+        margin: Distance that is kept to obstacles [m]. A line past a mesh is proved
+            free if it keeps 0.1 mm more.
+        self_margin: Distance that the links keep to each other [m]; those next to each
+            other are not compared.
         wrist: theta_3 at the point [rad]; None for that of ``q0``, or another one if
             that is not free. Only for a point.
         line: Move the tcp along a straight line, in the least time that speeds and
@@ -101,6 +114,8 @@ def plan(
             point; it needs toppra. theta_3 stays, or changes evenly to ``wrist``.
         supply_voltage: Of the motors [V]; None for that of the arm's record.
         current_limit: Of the motors' drives [A]; None for those of the arm's record.
+        rate: Samples per second [Hz]. The motion is made longer by less than one step,
+            so that it ends with a sample. None for 50, or fewer if it takes long.
 
     Returns:
         The motion, at rest at both ends, with its replay.
@@ -124,17 +139,23 @@ def plan(
         expected = "a point (3,) [m]: a straight line leads to one"
         raise InputError("target", wanted.value.tolist(), expected)
 
+    if rate is not None:
+        rate = real("rate", rate, minimum=_LEAST_RATE)
     surroundings = Surroundings(
-        record, checked_obstacles(obstacles), real("margin", margin, minimum=0.0)
+        record,
+        checked_obstacles(obstacles),
+        real("margin", margin, minimum=0.0),
+        real("self_margin", self_margin, minimum=0.0),
     )
     _check_start(surroundings, start)
     drive = _Drive(supply_voltage, current_limit)
     if line:
-        route, samples_within = _line(surroundings, start, wanted.value, wrist, loaded)
+        route, line_within = _line(surroundings, start, wanted.value, wrist, loaded)
+        samples_within = partial(line_within, rate=rate)
     else:
         route = _route(surroundings, start, wanted, wrist, record, limits)
-        samples_within = partial(sampled, route.way)
-    return _timed(route, samples_within, loaded, limits, drive)
+        samples_within = partial(sampled, route.way, rate=rate)
+    return _timed(route, samples_within, loaded, limits, drive, surroundings)
 
 
 def _loaded(arm: Alpha5Parameters | Arm | None) -> Arm:
@@ -194,7 +215,7 @@ def _check_start(surroundings: Surroundings, start: FloatArray) -> None:
     contact = surroundings.contact(start)
     if contact is not None:
         problem = "q0 is not free"
-        raise BlockedMotionError(problem, contact.names, start, contact.distance)
+        raise _blocked_by(contact, problem)
 
 
 def _line(
@@ -232,32 +253,48 @@ def _route(
     Raises:
         BlockedMotionError: None was found.
     """
-    first = goals(target, start, wrist, arm)
+    wrist_is_open = target.kind == "position" and wrist is None
+    choices: list[list[Goal]] = []
+    try:
+        choices.append(goals(target, start, wrist, arm))
+    except UnreachableError:
+        # A tool beside the wrist axis may reach it at another wrist angle.
+        if not wrist_is_open or not other_wrists(target, start, arm):
+            raise
+
     search = Search(surroundings, start, limits)
-    choices = [first]
-    if target.kind == "position" and wrist is None:
+    route = _way_to_one(surroundings, search, choices, arm)
+    if route is None and wrist_is_open:
         choices += other_wrists(target, start, arm)
-    for choice in choices:
-        route = _route_to(surroundings, search, choice, arm)
-        if route is not None:
-            return route
-    raise _blocked(surroundings, search, start, first)
+        route = _way_to_one(surroundings, search, choices, arm)
+    if route is None:
+        raise _blocked(surroundings, search, start, choices[0])
+    return route
 
 
-def _route_to(
+def _way_to_one(
     surroundings: Surroundings,
     search: Search,
-    choice: list[Goal],
+    choices: list[list[Goal]],
     arm: Alpha5Parameters,
 ) -> Route | None:
+    """A way to a goal of the first choice that has one, None if there is none."""
+    free = [_free(surroundings, choice) for choice in choices]
+    free = [choice for choice in free if choice]
+    # Most tools reach a point at all wrist angles: a few will do.
+    for choice in free[:: max(1, len(free) // WRISTS)]:
+        route = search.straight(choice)
+        if route is None:
+            route = search.by_retracted(choice, retracted_poses(arm))
+        if route is not None:
+            return route
+    return None
+
+
+def _free(surroundings: Surroundings, choice: list[Goal]) -> list[Goal]:
+    """The goals that touch nothing."""
     touching = surroundings.touches(np.array([goal.q for goal in choice]))
-    free = [goal for goal, hit in zip(choice, touching, strict=True) if not hit]
-    if not free:
-        return None
-    route = search.straight(free)
-    if route is None:
-        route = search.by_retracted(free, retracted_poses(arm))
-    return route
+    return [goal for goal, hit in zip(choice, touching, strict=True) if not hit]
 
 
 def _blocked(
@@ -271,7 +308,13 @@ def _blocked(
         found = surroundings.contact(nearest.q)
         problem = "the target is not free"
     assert found is not None
-    return BlockedMotionError(problem, found.names, found.q, found.distance)
+    return _blocked_by(found, problem)
+
+
+def _blocked_by(found: Obstruction, problem: str) -> BlockedMotionError:
+    return BlockedMotionError(
+        problem, found.names, found.q, found.distance, found.needed
+    )
 
 
 def _timed(
@@ -280,6 +323,7 @@ def _timed(
     arm: Arm,
     limits: JointLimits,
     drive: _Drive,
+    surroundings: Surroundings,
 ) -> PlannedMotion:
     """The route in time, slowed down until no limit is exceeded.
 
@@ -289,6 +333,7 @@ def _timed(
         arm: Whose motors are asked.
         limits: Of its joints.
         drive: Of its motors.
+        surroundings: In which the way is free.
 
     Raises:
         InputError: A joint of the arm must move, and its rated speed is 0; or the
@@ -317,9 +362,9 @@ def _timed(
             beyond.joint, beyond.quantity, beyond.value, beyond.limit, beyond.unit
         )
     return PlannedMotion(
-        time=analysis.motion.time,
-        position=analysis.motion.position,
-        velocity=samples.velocity,
+        time=frozen(samples.time),
+        position=frozen(samples.position),
+        velocity=frozen(samples.velocity),
         acceleration=frozen(samples.acceleration),
         way=frozen(route.way),
         kind=route.kind,
@@ -327,4 +372,5 @@ def _timed(
         slowed=slowed,
         peaks=tuple(found),
         analysis=analysis,
+        surroundings=surroundings,
     )

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.errors import InputError
 
 #: Time in which an acceleration builds up [s]: the jerk is the acceleration by it.
 RAMP = 0.1
@@ -153,12 +154,57 @@ MOST_SAMPLES = 100_000
 _AT_REST = 5
 
 
-def sampled(way: FloatArray, limits: JointLimits) -> Samples:
+class Times(NamedTuple):
+    """When a motion is sampled.
+
+    Attributes:
+        at: Times within the motion, (N,) [s].
+        stretch: So many times as long the motion takes, to end with a sample.
+    """
+
+    at: FloatArray
+    stretch: float
+
+    @classmethod
+    def of(cls, duration: float, rate: float | None) -> Times:
+        """The times of a motion of a duration [s].
+
+        Args:
+            duration: Above 0.
+            rate: Samples per second; None for 50, or fewer if it takes long.
+
+        Raises:
+            InputError: That would be more than `MOST_SAMPLES`.
+        """
+        if rate is None:
+            count = min(math.ceil(duration / STEP), MOST_SAMPLES)
+            return cls(at=np.linspace(0.0, duration, count + 1), stretch=1.0)
+        if not duration * rate <= MOST_SAMPLES:
+            expected = f"at most {MOST_SAMPLES} samples of {duration:.3g} s"
+            raise InputError("rate", rate, expected)
+        count = math.ceil(duration * rate)
+        at = np.linspace(0.0, duration, count + 1)
+        return cls(at=at, stretch=count / (rate * duration))
+
+    def samples(
+        self, position: FloatArray, velocity: FloatArray, acceleration: FloatArray
+    ) -> Samples:
+        """A motion whose values at these times are given, stretched."""
+        return Samples(
+            time=self.at * self.stretch,
+            position=position,
+            velocity=velocity / self.stretch,
+            acceleration=acceleration / self.stretch**2,
+        )
+
+
+def sampled(way: FloatArray, limits: JointLimits, rate: float | None = None) -> Samples:
     """Straight joint lines one after the other, at rest between them.
 
     Args:
         way: Their ends, (K, 4) [rad].
         limits: Of the joints.
+        rate: Samples per second; None for 50, or fewer if the motion takes long.
     """
     lines = [
         (start, end, line_curve(start, end, limits))
@@ -166,15 +212,14 @@ def sampled(way: FloatArray, limits: JointLimits) -> Samples:
         if (start != end).any()
     ]
     duration = sum(curve.duration for _, _, curve in lines)
-    count = min(math.ceil(duration / STEP), MOST_SAMPLES) + 1
     if not lines:
-        count = _AT_REST
-        duration = STEP * (count - 1)
-    time = np.linspace(0.0, duration, count)
+        duration = (_AT_REST - 1) * (STEP if rate is None else 1.0 / rate)
+    times = Times.of(duration, rate)
+    time = times.at
 
-    position = np.tile(way[-1], (count, 1))
-    velocity = np.zeros((count, 4))
-    acceleration = np.zeros((count, 4))
+    position = np.tile(way[-1], (len(time), 1))
+    velocity = np.zeros(position.shape)
+    acceleration = np.zeros(position.shape)
     begin = 0.0
     for start, end, curve in lines:
         during = (time >= begin) & (time < begin + curve.duration)
@@ -187,9 +232,7 @@ def sampled(way: FloatArray, limits: JointLimits) -> Samples:
     position[-1] = way[-1]
     velocity[-1] = 0.0
     acceleration[-1] = 0.0
-    return Samples(
-        time=time, position=position, velocity=velocity, acceleration=acceleration
-    )
+    return times.samples(position, velocity, acceleration)
 
 
 def travel_time(way: FloatArray, limits: JointLimits) -> float:

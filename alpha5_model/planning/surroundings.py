@@ -13,18 +13,20 @@ from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model.collision.bodies import CollisionBodies, collision_bodies
+from alpha5_model.collision.self_collision import SHORTEST as SHORTEST_EXACT
 from alpha5_model.collision.self_collision import SelfCollision, self_collision
 from alpha5_model.collision.turning_radii import carried_radius
 from alpha5_model.description.frames import base_placement
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.planning.broad_phase import SHORTEST as SHORTEST_TO_MESH
 from alpha5_model.planning.broad_phase import BroadPhase
 from alpha5_model.planning.obstacles import Mesh, Obstacle, seen_from
 
@@ -43,16 +45,39 @@ class Obstruction:
         q: The joint position there, (4,) [rad].
         names: Of the two links, or of a link and an obstacle.
         distance: Between them [m]; at most 0 if they touch.
+        needed: The distance that would be enough [m].
     """
 
     share: float
     q: FloatArray
     names: tuple[str, str]
     distance: float
+    needed: float
+
+
+class Clearance(NamedTuple):
+    """The least distance of a motion to obstacles.
+
+    Attributes:
+        distance: [m].
+        obstacle, link: Whose it is.
+        sample: Where in the motion, a row number from 0.
+    """
+
+    distance: float
+    obstacle: str
+    link: str
+    sample: int
 
 
 class _Compared(Protocol):
-    """What is compared with the arm: itself, or one obstacle."""
+    """What is compared with the arm: itself, or one obstacle.
+
+    Attributes:
+        shortest: A line is proved free if it keeps more than this beyond a margin [m].
+    """
+
+    shortest: float
 
     def touches(self, angles: FloatArray, margin: float) -> BoolArray:
         """Whether they come within a margin at angles (N, 4), (N,)."""
@@ -69,9 +94,10 @@ class _Compared(Protocol):
 class Surroundings:
     """An arm with closed jaws, and the obstacles around it. Threads may share it.
 
-    The arm keeps a margin to obstacles and does not touch itself.
+    The arm keeps a margin to obstacles, and another one to itself.
 
     Attributes:
+        obstacles: Their names.
         margin: Kept to obstacles [m].
     """
 
@@ -80,11 +106,14 @@ class Surroundings:
         arm: Alpha5Parameters,
         obstacles: Iterable[Obstacle] = (),
         margin: float = 0.0,
+        self_margin: float = 0.0,
     ) -> None:
+        given = tuple(obstacles)
+        self.obstacles = tuple(obstacle.name for obstacle in given)
         self.margin = margin
         self._arm = arm
-        self._compared: list[tuple[_Compared, float]] = [(_itself(arm), 0.0)]
-        for obstacle in obstacles:
+        self._compared: list[tuple[_Compared, float]] = [(_itself(arm), self_margin)]
+        for obstacle in given:
             self._compared.append((_beside(arm, obstacle), margin))
 
     def touches(self, q: FloatArray) -> BoolArray:
@@ -106,7 +135,13 @@ class Surroundings:
             if share < 1.0:
                 q = start + share * (end - start)
                 distance, names = compared.nearest_pair(q)
-                return Obstruction(share=share, q=q, names=names, distance=distance)
+                return Obstruction(
+                    share=share,
+                    q=q,
+                    names=names,
+                    distance=distance,
+                    needed=margin + compared.shortest,
+                )
         return None
 
     def with_room(self, strayed: FloatArray) -> Surroundings:
@@ -137,16 +172,32 @@ class Surroundings:
         for compared, margin in self._compared:
             if compared.touches(q[None], margin).any():
                 distance, names = compared.nearest_pair(q)
-                return Obstruction(share=0.0, q=q, names=names, distance=distance)
+                return Obstruction(
+                    share=0.0, q=q, names=names, distance=distance, needed=margin
+                )
         return None
 
     def nearest(self, q: FloatArray) -> tuple[float, tuple[str, str]]:
         """The least distance at q (4,) [m], and the names of what is so near."""
         return min(compared.nearest_pair(q) for compared, _ in self._compared)
 
+    def clearance(self, q: FloatArray) -> Clearance | None:
+        """The least distance to an obstacle at q (N, 4); None without obstacles."""
+        least = None
+        for compared, _ in self._compared[1:]:
+            for sample, row in enumerate(q):
+                distance, (obstacle, link) = compared.nearest_pair(row)
+                if least is None or distance < least.distance:
+                    least = Clearance(
+                        distance=distance, obstacle=obstacle, link=link, sample=sample
+                    )
+        return least
+
 
 class _ExactBodies:
     """Bodies that the exact test compares, with a radius around the first one [m]."""
+
+    shortest = SHORTEST_EXACT
 
     def __init__(self, bodies: SelfCollision, radius: float = 0.0) -> None:
         self._bodies = bodies
@@ -167,6 +218,8 @@ class _ExactBodies:
 
 class _MeshBody:
     """A mesh that coal compares, if the arm is not free of a box around it."""
+
+    shortest = SHORTEST_TO_MESH
 
     def __init__(self, name: str, bodies: BroadPhase, box: SelfCollision) -> None:
         self._name = name

@@ -33,13 +33,7 @@ from alpha5_model.errors import (
 )
 from alpha5_model.kinematics.path import inverse_kinematics_path
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.planning.s_curve import (
-    MOST_SAMPLES,
-    JointLimits,
-    Samples,
-    sampled,
-)
-from alpha5_model.planning.s_curve import STEP as TIME_STEP
+from alpha5_model.planning.s_curve import JointLimits, Samples, Times, sampled
 from alpha5_model.planning.surroundings import Surroundings
 
 #: How far the tcp may be from the line, promised by `alpha5_model.plan` [m].
@@ -86,13 +80,15 @@ class TcpLine:
         middles = (self._share[1:] + self._share[:-1]) / 2
         return np.asarray(self._path(middles))
 
-    def sampled(self, limits: JointLimits) -> Samples:
+    def sampled(self, limits: JointLimits, rate: float | None = None) -> Samples:
         """The fastest motion along the line, from rest to rest.
 
-        A joint whose speed is 0 must not move.
+        Args:
+            limits: Of the joints. One whose speed is 0 must not move.
+            rate: Samples per second; None for 50, or fewer if the motion takes long.
         """
         if np.abs(self.way - self.way[0]).max() < _AT_REST:
-            return sampled(self.way[[0, 0]], limits)
+            return sampled(self.way[[0, 0]], limits, rate)
 
         from toppra import algorithm, constraint
 
@@ -113,24 +109,15 @@ class TcpLine:
             )
             motion = fastest.compute_trajectory(0.0, 0.0)
         assert motion is not None
-        duration = float(motion.duration)
-        count = min(math.ceil(duration / TIME_STEP), MOST_SAMPLES) + 1
-        time = np.linspace(0.0, duration, count)
-        position = np.asarray(motion(time))
-        velocity = np.asarray(motion(time, 1))
+        times = Times.of(float(motion.duration), rate)
+        position = np.asarray(motion(times.at))
+        velocity = np.asarray(motion(times.at, 1))
         position[[0, -1]] = self.way[[0, -1]]
         velocity[[0, -1]] = 0.0
-        return Samples(
-            time=time,
-            position=position,
-            velocity=velocity,
-            acceleration=np.asarray(motion(time, 2)),
-        )
+        return times.samples(position, velocity, np.asarray(motion(times.at, 2)))
 
 
-def tcp_line(
-    start: FloatArray, target: FloatArray, wrist: float, arm: Arm
-) -> TcpLine:
+def tcp_line(start: FloatArray, target: FloatArray, wrist: float, arm: Arm) -> TcpLine:
     """The straight line from where the tcp is to a target.
 
     Args:
@@ -198,11 +185,11 @@ def _distance_from_line(line: TcpLine, points: FloatArray, arm: Arm) -> FloatArr
     """How far the tcp is from a line in the middle between its points, (N,) [m]."""
     direction = points[-1] - points[0]
     direction = direction / max(np.linalg.norm(direction), 1e-300)
-    tips = np.array(
-        [arm.forward_kinematics(q).translation for q in line.at_middles()]
-    )
+    tips = np.array([arm.forward_kinematics(q).translation for q in line.at_middles()])
     away = tips - points[0]
-    return np.asarray(np.linalg.norm(away - np.outer(away @ direction, direction), axis=1))
+    return np.asarray(
+        np.linalg.norm(away - np.outer(away @ direction, direction), axis=1)
+    )
 
 
 def check_free(line: TcpLine, surroundings: Surroundings) -> None:
@@ -216,7 +203,9 @@ def check_free(line: TcpLine, surroundings: Surroundings) -> None:
         found = with_room.obstruction(start, end)
         if found is not None:
             problem = "the straight line of the tcp is not free"
-            raise BlockedMotionError(problem, found.names, found.q, found.distance)
+            raise BlockedMotionError(
+                problem, found.names, found.q, found.distance, found.needed
+            )
 
 
 def _both_ways(bound: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 from itertools import pairwise
@@ -13,6 +14,7 @@ import pinocchio as pin
 import pytest
 from coal_world import CoalWorld, samples
 from fk import fk, tip
+from own_arm import tips, with_tool
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -435,3 +437,61 @@ def test_a_target_on_the_yaw_axis_keeps_theta_0() -> None:
     for found in goals(target_of(reached[0]), q0, None, a5.parameters()):
         assert found.q[0] == q0[0]
         assert tip(found.q) == pytest.approx(reached[0], abs=1e-9)
+
+
+def test_a_tool_beside_the_wrist_axis_reaches_at_another_wrist_angle() -> None:
+    """Points that positions of the whole range reach, by the DH product."""
+    arm = with_tool(0.06, 0.0, -0.18)
+    rng = np.random.default_rng(4)
+    lower = [joint.lower for joint in arm.joints[:4]]
+    upper = [joint.upper for joint in arm.joints[:4]]
+    found = 0
+    for point in tips(arm, rng.uniform(lower, upper, (20, 4))):
+        with contextlib.suppress(BlockedMotionError):
+            motion = plan(HOME, point, arm=arm)
+            assert tips(arm, motion.position[-1:])[0] == pytest.approx(point, abs=1e-9)
+            found += 1
+    assert found > 15
+
+
+@pytest.mark.parametrize("line", [False, True])
+def test_samples_at_a_wanted_rate_keep_the_limits(line: bool) -> None:
+    start = a5.inverse_kinematics([0.10, 0.25, 0.05]).best(HOME)
+    target = [0.30, -0.10, 0.15]
+    motion = plan(start, target, rate=100.0, line=line, speed=0.3, acceleration=0.5)
+    assert np.diff(motion.time) == pytest.approx(0.01, abs=1e-12)
+    assert np.abs(np.diff(motion.position, axis=0)).max() <= 0.3 * 0.01 * (1 + 1e-9)
+    assert np.abs(motion.velocity).max() <= 0.3
+    assert np.abs(motion.acceleration).max() <= 0.5
+    # Velocity is the slope of position, also after the motion was made longer.
+    slope = np.gradient(motion.position, motion.time, axis=0)
+    assert np.abs(slope - motion.velocity)[2:-2].max() < 3e-3
+    usual = plan(start, target, line=line, speed=0.3, acceleration=0.5)
+    assert 0.0 <= motion.duration - usual.duration < 0.01 + 1e-9
+
+
+def test_a_rate_with_too_many_samples() -> None:
+    for rate in (0.0, -5.0, 1e9, math.nan):
+        with pytest.raises(InputError) as caught:
+            plan(HOME, [0.2, 0.2, 0.1], rate=rate)
+        assert caught.value.name == "rate"
+
+
+def test_arrays_of_a_motion_cannot_be_written() -> None:
+    motion = plan(HOME, [0.2, 0.2, 0.1])
+    for array in (motion.time, motion.position, motion.velocity, motion.acceleration):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
+
+
+def test_the_least_clearance_is_named() -> None:
+    motion = plan(HOME, [0.05, 0.25, 0.20], obstacles=SCENE)
+    world = CoalWorld(obstacles=SCENE)
+    distances = [world.obstacle_distance(q) for q in motion.position]
+    clearance = motion.clearance
+    assert clearance is not None
+    assert clearance.distance == pytest.approx(min(distances), abs=2e-6)
+    assert clearance.sample == int(np.argmin(distances))
+    assert clearance.obstacle in {"hull", "post"}
+    assert clearance.distance >= 0.005
+    assert plan(HOME, [0.2, 0.2, 0.1]).clearance is None
