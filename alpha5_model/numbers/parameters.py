@@ -412,6 +412,7 @@ class Alpha5Parameters:
         if self.covariance is not None:
             instance("covariance", self.covariance, Covariance)
         plain_name("name", self.name)
+        fill(self, corrections=check_corrections(self.corrections))
         for name in ("theta_c", "base_yaw"):
             fill(self, **{name: real(name, getattr(self, name))})
             plausibility.check(name, getattr(self, name), plausibility.ANGLE)

@@ -68,9 +68,9 @@ class RigidBody:
         inertia = frozen(array(f"{self.place}.inertia", self.inertia, 3, 3))
         volume = real(f"{self.place}.volume", self.volume, minimum=0.0)
         cob = frozen(array(f"{self.place}.cob", self.cob, 3))
-        plausibility.check_body(mass, com, inertia, volume, cob, f"{self.place}.")
         if not self._may_be_a_point or np.any(inertia):
             check_possible(f"{self.place}.inertia", mass, com, inertia)
+        plausibility.check_body(mass, com, inertia, volume, cob, f"{self.place}.")
         fill(self, mass=mass, com=com, inertia=inertia, volume=volume, cob=cob)
 
     def at(self, pose: Pose) -> Self:

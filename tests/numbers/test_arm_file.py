@@ -262,7 +262,9 @@ ODD = {
     "[joint_limits.axis_c]\nmax_velocity = 0.6": "joint_limits.axis_c.max_velocity",
     "[links.link_2]\nmass = 0.2": "links.link_2.mass",
     "[links.link_2]\ncob = [0.3, 0, 0]": "links.link_2.cob",
-    "[links.link_2]\ninertia = [[2, 0, 0], [0, 2, 0], [0, 0, 2]]": "link_2.inertia",
+    "[links.link_2]\ninertia = [[2, 0, 0], [0, 2, 0], [0, 0, 2]]": (
+        "links.link_2.inertia"
+    ),
     SENSOR: "attached.s.volume",
 }
 
