@@ -11,9 +11,9 @@ import math
 from collections.abc import Iterable
 
 from alpha5_model._support.spatial import Placement, Triple, rpy_from_rotation
-from alpha5_model.errors import InputError, PublishedDataError
-from alpha5_model.numbers.mount import Mount
+from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, DHParameters
+from alpha5_model.numbers.pose import Pose
 
 
 def base_placement(parameters: Alpha5Parameters) -> Placement:
@@ -40,7 +40,7 @@ def own_mount(parameters: Alpha5Parameters, taken: Iterable[str]) -> Placement |
     return mount_placement(mount)
 
 
-def mount_placement(mount: Mount) -> Placement:
+def mount_placement(mount: Pose) -> Placement:
     """Pose of base_link in the parent of a mount."""
     x, y, z = mount.position.tolist()
     return Placement(
@@ -70,9 +70,7 @@ def tcp_placement(parameters: Alpha5Parameters) -> Placement:
     wrist = parameters.dh[3]
     last = parameters.dh[4]
     if last.variable is not None or any((last.d, last.a, last.alpha)):
-        raise PublishedDataError(
-            "Table 1, link 4", "expected a fixed rotation about z only"
-        )
+        raise InputError("dh[4]", last, "a fixed rotation about z only")
     return _after_joint(3, wrist, last.theta_offset)
 
 
@@ -109,9 +107,7 @@ def _roll_yaw(alpha: float, beta: float) -> Triple:
     sine = round(math.sin(alpha))
     cosine = round(math.cos(alpha))
     if not math.isclose(math.sin(alpha), sine, abs_tol=1e-12):
-        raise PublishedDataError(
-            "Table 1", f"alpha = {alpha} rad is not a multiple of pi/2"
-        )
+        raise InputError("alpha", alpha, "a multiple of pi/2")
     # Adding zero turns a negative zero into zero.
     pitch = -sine * beta + 0.0
     yaw = cosine * beta + 0.0

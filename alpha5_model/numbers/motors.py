@@ -1,16 +1,25 @@
-"""What drives the arm and Table 4 does not print: supply, current limits, rotors."""
+"""What drives the arm and Table 4 does not print, and what it adds to the joints."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
-from alpha5_model._support.checks import choice, listed, real
+from alpha5_model._support.checks import choice, fill, listed, real
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Which of the contradicting motor constants are believed.
 CONSTANTS = ("printed", "torque", "voltage")
+#: Field of `Motors` with a value for each joint -> its plausible values.
+_LIMITS = {
+    "current_limits": plausibility.CURRENT_LIMIT,
+    "rotor_inertias": plausibility.ROTOR_INERTIA,
+    "backward_frictions": plausibility.MOTOR_FRICTION,
+    "viscous_frictions": plausibility.VISCOUS_FRICTION,
+}
 #: No value for any joint.
 _UNKNOWN: tuple[None, ...] = (None,) * len(JOINT_NAMES)
 
@@ -48,29 +57,18 @@ class Motors:
     viscous_frictions: tuple[float | None, ...] = _UNKNOWN
 
     def __post_init__(self) -> None:
-        choice("motor constants", self.constants, CONSTANTS)
+        choice("motors.constants", self.constants, CONSTANTS)
         if self.supply_voltage is not None:
             supply = real("supply_voltage", self.supply_voltage, 0.0, strict=True)
             plausibility.check("supply_voltage", supply, plausibility.SUPPLY_VOLTAGE)
-            object.__setattr__(self, "supply_voltage", supply)
-        limits = _per_joint("current_limits", self.current_limits, strict=True)
-        inertias = _per_joint("rotor_inertias", self.rotor_inertias, strict=False)
-        backward = _per_joint(
-            "backward_frictions", self.backward_frictions, strict=False
-        )
-        viscous = _per_joint("viscous_frictions", self.viscous_frictions, strict=False)
-        for friction in filter(None, backward):
-            plausibility.check(
-                "backward_frictions", friction, plausibility.MOTOR_FRICTION
-            )
-        for limit in filter(None, limits):
-            plausibility.check("current_limits", limit, plausibility.CURRENT_LIMIT)
-        for inertia in filter(None, inertias):
-            plausibility.check("rotor_inertias", inertia, plausibility.ROTOR_INERTIA)
-        object.__setattr__(self, "current_limits", limits)
-        object.__setattr__(self, "rotor_inertias", inertias)
-        object.__setattr__(self, "backward_frictions", backward)
-        object.__setattr__(self, "viscous_frictions", viscous)
+            fill(self, supply_voltage=supply)
+        for name, limits in _LIMITS.items():
+            strict = name == "current_limits"  # a driver without current drives nothing
+            values = _per_joint(name, getattr(self, name), strict)
+            for i, value in enumerate(values):
+                if value is not None:
+                    plausibility.check(f"{name}[{i}]", value, limits)
+            fill(self, **{name: values})
 
 
 def _per_joint(
@@ -85,3 +83,46 @@ def _per_joint(
         None if value is None else real(f"{name}[{i}]", value, 0.0, strict=strict)
         for i, value in enumerate(values)
     )
+
+
+class JointLosses(NamedTuple):
+    """What a motor adds to a joint.
+
+    Attributes:
+        armature: Rotor inertia at the joint [kg m^2].
+        friction: Coulomb friction at the joint, the mean of both directions [N m].
+        damping: Viscous friction at the joint [N m s/rad].
+    """
+
+    armature: float
+    friction: float
+    damping: float
+
+
+def joint_losses(arm: Any) -> dict[str, JointLosses]:
+    """Joint -> what its motor adds, for the joints of which something was measured.
+
+    Table 4's friction is left out: it is not measured, and a public driver contradicts
+    it. The jaw rod is left out, whose screw lead is not known.
+
+    Args:
+        arm: An `Alpha5Parameters`.
+    """
+    found = {}
+    printed = published().table_4.rows
+    for k, joint in enumerate(arm.joints[:4]):
+        actuator = arm.actuators[k]
+        backward = arm.motors.backward_frictions[k]
+        is_own = backward is not None or actuator.friction != printed[k].friction.si
+        other = actuator.friction if backward is None else backward
+        friction = (actuator.friction + other) / 2 if is_own else 0.0
+
+        gear = actuator.gear_ratio
+        losses = JointLosses(
+            armature=(arm.motors.rotor_inertias[k] or 0.0) * gear**2,
+            friction=friction * gear,
+            damping=(arm.motors.viscous_frictions[k] or 0.0) * gear**2,
+        )
+        if any(losses):
+            found[joint.name] = losses
+    return found

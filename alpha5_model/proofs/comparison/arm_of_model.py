@@ -20,21 +20,20 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, transform, wrap
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
-from alpha5_model.numbers import arm_schema as schema
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.arm_checks import FARTHEST_TOOL
-from alpha5_model.numbers.attached import AttachedBody
-from alpha5_model.numbers.chosen_arm import chosen_arm
+from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     DHParameters,
     JointParameters,
     LinkParameters,
+    chosen_arm,
 )
-from alpha5_model.numbers.record_writing import arm_file_text
+from alpha5_model.numbers.pose import Pose, printed_tool
+from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.tables import BODY_NAMES
-from alpha5_model.numbers.tool import ToolPose, printed_tool
 from alpha5_model.proofs.comparison.alignment import SAME_ZERO, Alignment
 from alpha5_model.proofs.comparison.axis_lines import AxisLines, foot, twists
 from alpha5_model.proofs.comparison.bodies_of_model import bodies_of_model
@@ -50,8 +49,6 @@ _ROUNDING = 1e-12
 _LEFT_OUT = 1e-7
 #: A base_link whose d_0 differs by more is another frame [m].
 _OTHER_BASE = 0.1
-#: What a file takes as limits of a turning joint.
-_LIMITS = schema.JOINT_LIMITS["axis_e"]
 #: Names that a parent of base_link cannot have.
 _TAKEN = ("base_link", "tcp", *BODY_NAMES)
 
@@ -343,7 +340,7 @@ def _rows(
         if length * printed <= 0:
             text = f"{field}_{i} is {length:.3g} m, which has not the sign of Table 1"
             left_out.append(text)
-        elif not schema.LENGTHS[f"{field}_{i}"].takes(length):
+        elif not plausibility.POSITION.holds(abs(length)):
             left_out.append(f"{field}_{i} is {length:.3g} m: the printed one is kept")
         elif abs(length - printed) > _ROUNDING:
             own: dict[str, Any] = {field: length}
@@ -439,7 +436,7 @@ def _problem_of_range(ends: list[float]) -> str:
     width = ends[1] - ends[0]
     if not 0 < width < math.tau:
         return f"of {math.degrees(width):.4g} deg"
-    if not all(_LIMITS["min_position"].takes(end) for end in ends):
+    if not all(plausibility.ANGLE.holds(abs(end)) for end in ends):
         return f"from {ends[0]:.4g} to {ends[1]:.4g} rad"
     return ""
 
@@ -453,7 +450,7 @@ def _largest(
         text = f"{ours.name} has no largest {field}: the catalogue's is kept"
         left_out.append(text)
         return printed
-    if not _LIMITS[f"max_{field}"].takes(value):
+    if not plausibility.JOINT[field].holds(value):
         text = f"{ours.name} has a largest {field} of {value:.4g}"
         left_out.append(f"{text}: the catalogue's is kept")
         return printed
@@ -465,7 +462,7 @@ def _tool(
     theirs: FourJointArm,
     axes: _Axes,
     left_out: list[str],
-) -> ToolPose | None:
+) -> Pose | None:
     """The model's tool; None for Table 1's."""
     if not theirs.tool:
         left_out.append("it has no tool frame: Table 1's is kept")
@@ -481,10 +478,10 @@ def _tool(
         text = f"its tool frame {theirs.tool} is more than {FARTHEST_TOOL} m off"
         left_out.append(text)
         return None
-    return ToolPose(position=origin_of(pose), rotation=rotation_of(pose))
+    return Pose(position=origin_of(pose), rotation=rotation_of(pose))
 
 
-def _mount(other: UrdfRobot, axes: _Axes, left_out: list[str]) -> Mount | None:
+def _mount(other: UrdfRobot, axes: _Axes, left_out: list[str]) -> Pose | None:
     """Where base_link is in the model's root; None if it is the root."""
     if np.abs(axes.base - np.eye(4)).max() < _ROUNDING:
         return None
@@ -493,7 +490,7 @@ def _mount(other: UrdfRobot, axes: _Axes, left_out: list[str]) -> Mount | None:
         parent = f"{parent}_of_model"
     if parent != other.root:
         left_out.append(f"its root is named {other.root}: the mount's is {parent}")
-    return Mount(
+    return Pose(
         parent=parent,
         position=origin_of(axes.base),
         rotation=rotation_of(axes.base),
