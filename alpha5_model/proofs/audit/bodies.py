@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from decimal import Decimal
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -42,9 +41,8 @@ def rows(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
         *(_product_sign(row) for row in bodies),
         # The link with the longest lever shows most of equations (1) and (2).
         *_equations(bodies[4]),
-        *_rotation(parameters),
+        _rotation(parameters),
         *map(_implied_mass, bodies),
-        _total_mass(bodies),
         *_missing_decimals(bodies),
         *(row for body in bodies for row in _possible(body)),
         *map(_com_inside, bodies, boxes),
@@ -52,7 +50,7 @@ def rows(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
         *_jaw_plane(printed),
         *_cobs_inside(printed, boxes),
         *map(_density, bodies, waters),
-        *_totals(printed, boxes),
+        _total_volume(printed, boxes),
     ]
 
 
@@ -179,89 +177,53 @@ def _product_sign(row: InertialRow) -> AuditRow:
         says="products of inertia are positive (SolidWorks)",
         measures="the same difference, if the products of inertia had the opposite "
         "sign; beyond what rounding allows it settles the sign",
-        finding="The numbers of this link do not settle the sign.",
-        used="SolidWorks' sign",
-        cost="nothing, because the other links settle the sign",
     )
 
 
 def _equations(row: InertialRow) -> list[AuditRow]:
-    """Forms of equations (1) and (2), which carry I_COM to I_Link."""
-
-    def carried(body: Body, term: FloatArray) -> FloatArray:
-        return body.at_link - body.at_com - body.mass * term
+    """Equations (1) and (2), which carry I_COM to I_Link, as printed."""
 
     def equal_terms(body: Body) -> FloatArray:
         p_p = (body.com @ body.com) * np.eye(3)
-        return carried(body, p_p - p_p.T)
+        return body.at_link - body.at_com - body.mass * (p_p - p_p.T)
 
-    def outer_product(body: Body) -> FloatArray:
-        p = body.com
-        return carried(body, (p @ p) * np.eye(3) - np.outer(p, p))
+    def plus_skew(body: Body) -> FloatArray:
+        skew = cross_matrix(body.com)
+        return body.at_link - body.at_com - body.mass * skew @ skew
 
     def from_link_frame(body: Body) -> FloatArray:
         moved = inertia.tensor_at_origin(body.mass, body.com, body.at_link)
         return moved - body.at_com
 
-    def plus_skew(body: Body) -> FloatArray:
-        return carried(body, cross_matrix(body.com) @ cross_matrix(body.com))
-
-    def minus_skew(body: Body) -> FloatArray:
-        return carried(body, -cross_matrix(body.com) @ cross_matrix(body.com))
-
-    def judge(
-        claim: str, residual: Callable[[Body], FloatArray], **words: Any
-    ) -> AuditRow:
-        return judged(
-            f"equation_{claim}",
-            _worst(row, residual).figure,
-            unit="kg mm^2",
-            law=True,
-            place=f"Section 2.1, equation ({claim[0]}), on link {row.link}",
-            cost="this much of the link's inertia, if you use the equation so",
-            **words,
-        )
-
-    printed = "largest difference between the printed I_Link and that of the equation"
-    corrected = printed.replace("the equation", "the corrected equation")
+    judge = partial(judged, unit="kg mm^2", law=True)
+    measures = "largest difference between the printed I_Link and that of the equation"
     return [
         judge(
-            "1.printed",
-            equal_terms,
+            "equation_1.printed",
+            _worst(row, equal_terms).figure,
+            place=f"Section 2.1, equation (1), on link {row.link}",
             says="I_Link = I_COM + m[(P.P)E - (P.P)^T]",
-            measures=printed,
+            measures=measures,
             finding="(P.P)^T is a number, but the equation needs a matrix there. Read "
             "as (P.P) E, it cancels the term before it.",
             used="the outer product P P^T",
             category="transcription",
         ),
         judge(
-            "1.corrected",
-            outer_product,
-            says="the same with the outer product P P^T",
-            measures=corrected,
-            used="I_COM",
-        ),
-        judge(
-            "2.printed",
-            plus_skew,
+            "equation_2.printed",
+            _worst(row, plus_skew).figure,
+            place=f"Section 2.1, equation (2), on link {row.link}",
             says="I_Link = I_COM + m SKEW(P)^2",
-            measures=printed,
+            measures=measures,
             finding="SKEW(P)^2 is negative semidefinite. So the printed sign subtracts "
             "the parallel axis term, but it must be added.",
             used="- m SKEW(P)^2",
             category="transcription",
         ),
         judge(
-            "2.corrected",
-            minus_skew,
-            says="the same with - m SKEW(P)^2",
-            measures=corrected,
-            used="I_COM",
-        ),
-        judge(
-            "1.any_frame",
-            from_link_frame,
+            "equation_1.any_frame",
+            _worst(row, from_link_frame).figure,
+            place=f"Section 2.1, equation (1), on link {row.link}",
             says="I_A is the inertia with respect to {A}, any frame",
             measures="largest difference between the printed I_COM and that of the "
             "corrected equation, if {A} is the link frame",
@@ -274,45 +236,30 @@ def _equations(row: InertialRow) -> list[AuditRow]:
     ]
 
 
-def _rotation(parameters: Alpha5Parameters) -> list[AuditRow]:
+def _rotation(parameters: Alpha5Parameters) -> AuditRow:
     """Rotation of I_COM of links 1 to 4 from inertial frame {i} to DH frame {i}.
 
-    A tensor that is computed in the axes of the DH frame and carried back must be the
-    printed one.
+    The tensor that the equation gives, with R as the rotation that turns {i} into DH
+    frame {i}, is carried back to {i}, where it must be the printed one.
     """
     tensors = np.array([link.inertia for link in parameters.links[1:]])
-    # Turns {i} into DH frame {i}; its transpose maps coordinates from {i} to DH {i}.
     turn = rotation_about((1, 0, 0), [row.alpha for row in parameters.dh[:4]])
     back = np.swapaxes(turn, 1, 2)
-
-    turned = turn @ (turn @ tensors @ back) @ back
-    mapped = turn @ (back @ tensors @ turn) @ back
-    judge = partial(
-        judged,
+    in_dh_frame = turn @ tensors @ back
+    difference = turn @ in_dh_frame @ back - tensors
+    return judged(
+        "equation_1.rotation",
+        Figure(np.abs(difference).max()),
         unit="kg mm^2",
         place="Section 2.1, equation (1), rotation, links 1 to 4",
+        says="R_A/B is the rotation from {A} to {B}",
+        measures="largest error of an entry of I_COM after the equation's rotation to "
+        "DH frame {i}, if R turns {A} into {B}",
+        finding="The equation is right in the usual reading: R maps coordinates in {A} "
+        "to coordinates in {B}.",
         used="the usual reading",
-        cost="this much of a moment or product of inertia",
         category="reading",
     )
-    return [
-        judge(
-            "equation_1.rotation",
-            Figure(np.abs(turned - tensors).max()),
-            says="R_A/B is the rotation from {A} to {B}",
-            measures="largest error of an entry of I_COM after the equation's rotation "
-            "to DH frame {i}, if R turns {A} into {B}",
-            finding="The equation is right in the usual reading: R maps coordinates in "
-            "{A} to coordinates in {B}.",
-        ),
-        judge(
-            "equation_1.rotation_of_coordinates",
-            Figure(np.abs(mapped - tensors).max()),
-            says="R_A/B maps coordinates in {A} to coordinates in {B}",
-            measures="the same error, if R maps coordinates in {A} to coordinates in "
-            "{B}",
-        ),
-    ]
 
 
 def _implied_mass(row: InertialRow) -> AuditRow:
@@ -339,25 +286,6 @@ def _implied_mass(row: InertialRow) -> AuditRow:
 def _lever(row: InertialRow) -> float:
     """Distance of the COM from the link frame [m]."""
     return float(np.linalg.norm(si(row.com)))
-
-
-def _total_mass(rows: tuple[InertialRow, ...]) -> AuditRow:
-    implied = [implied_mass(row) for row in rows]
-    excess = [of_row(row, lambda body: _mass(body) - body.mass) for row in rows]
-    total = sum((row.mass.value for row in rows), start=Decimal(0))
-    return judged(
-        "total.mass",
-        Figure(
-            sum(mass.value for mass in implied), sum(one.bound for one in excess)
-        ),
-        expected=float(total),
-        unit="kg",
-        place="Section 2.1, Table 2, mass",
-        says=f"the masses add up to {total} kg",
-        measures="sum of the masses that the two tensors of each link imply",
-        used="the printed masses",
-        cost="this difference in mass",
-    )
 
 
 def _missing_decimals(rows: tuple[InertialRow, ...]) -> list[AuditRow]:
@@ -395,38 +323,32 @@ def _missing_decimals(rows: tuple[InertialRow, ...]) -> list[AuditRow]:
 def _possible(row: InertialRow) -> list[AuditRow]:
     """The smallest principal second moment of both tensors; no body has one below 0."""
 
-    def smallest(tensor: FloatArray) -> Any:
-        return inertia.principal_moments(inertia.second_moments(tensor))[0]
+    def at_com(body: Body) -> FloatArray:
+        return body.at_com
 
-    def from_link(body: Body) -> Any:
-        return smallest(inertia.tensor_at_com(body.mass, body.com, body.at_link))
+    def from_link(body: Body) -> FloatArray:
+        return inertia.tensor_at_com(body.mass, body.com, body.at_link)
 
-    judge = partial(
-        judged,
-        relation=">=",
-        unit="kg mm^2",
-        law=True,
-        measures="smallest principal second moment of mass about the COM; above 0 the "
-        "tensor and the pseudo-inertia are positive definite, and the triangle "
-        "inequality holds",
-        used="the printed tensor",
-        cost="a body that simulators refuse",
-    )
-    place = f"Section 2.1, Table 2, link {row.link}"
-    return [
-        judge(
-            f"possible_com.link_{row.link}",
-            of_row(row, lambda body: smallest(body.at_com)),
-            place=f"{place}, I_COM",
-            says="I_COM is the tensor of a body",
-        ),
-        judge(
-            f"possible_link.link_{row.link}",
-            of_row(row, from_link),
-            place=f"{place}, I_Link",
-            says="I_Link is the tensor of a body",
-        ),
-    ]
+    found = []
+    tensors = (("com", "I_COM", at_com), ("link", "I_Link", from_link))
+    for name, title, tensor in tensors:
+
+        def smallest(body: Body, tensor: Any = tensor) -> Any:
+            return inertia.principal_moments(inertia.second_moments(tensor(body)))[0]
+
+        found.append(
+            judged(
+                f"possible_{name}.link_{row.link}",
+                of_row(row, smallest),
+                relation=">=",
+                unit="kg mm^2",
+                law=True,
+                place=f"Section 2.1, Table 2, link {row.link}, {title}",
+                says=f"{title} is the tensor of a body",
+                measures="smallest principal second moment of mass about the COM",
+            )
+        )
+    return found
 
 
 # --- Tables 2 and 3: the bodies against their sizes -----------------------------------
@@ -441,8 +363,6 @@ def _com_inside(row: InertialRow, bounds: FloatArray) -> AuditRow:
         place=f"Section 2.1, Table 2, link {row.link}, COM",
         says="COM in the inertial frame of Section 2",
         measures="how far the COM lies outside the body's bounding box (0 if inside)",
-        used="the printed COM",
-        cost="weight that acts outside the body",
     )
 
 
@@ -479,7 +399,6 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
         "most that the body's bounding box allows",
         finding="Part of this mass turns inside the neighbour's housing.",
         used="the printed tensor",
-        cost="nothing that can be computed, because the inner parts are not published",
     )
 
 
@@ -516,7 +435,6 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
             "axis_b",
             finding="No source settles where axis_b is zero.",
             used="the principal axes",
-            cost="the jaws may be turned about the wrist axis by this difference",
         ),
         judge(
             "jaw_plane.spread",
@@ -529,20 +447,15 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
             finding=f"Two of {1e3 * spread.value / (2 * offset**2):.3g} g each would "
             "give the printed difference.",
             used="the estimated masses",
-            cost="nothing with closed jaws, which have the printed tensor in any case",
         ),
     ]
 
 
 def _cobs_inside(printed: Published, boxes: list[FloatArray]) -> list[AuditRow]:
     """How far each centre of buoyancy is from its body's bounds."""
-    corrected = link_numbers(printed, ("link3_cob",))
-    return [
-        _cob_inside(row, bounds, numbers["cob"])
-        for row, bounds, numbers in zip(
-            printed.table_3.rows, boxes, corrected, strict=True
-        )
-    ]
+    rows = printed.table_3.rows
+    corrected = [numbers["cob"] for numbers in link_numbers(printed, ("link3_cob",))]
+    return list(map(_cob_inside, rows, boxes, corrected))
 
 
 def _cob_inside(row: BuoyancyRow, bounds: FloatArray, corrected: Any) -> AuditRow:
@@ -554,8 +467,6 @@ def _cob_inside(row: BuoyancyRow, bounds: FloatArray, corrected: Any) -> AuditRo
     """
     finding = "A centroid cannot be outside."
     used = "the printed COB"
-    effect = None
-    cost = "buoyancy that acts outside the body"
     moved = float(np.linalg.norm(corrected - si(row.cob)))
     if moved:
         there = ", ".join(f"{1e3 * x:.1f}" for x in corrected)
@@ -565,10 +476,6 @@ def _cob_inside(row: BuoyancyRow, bounds: FloatArray, corrected: Any) -> AuditRo
             f"carried to link 3's, the COB is ({there}) mm, {side}."
         )
         used += "; the correction link3_cob on request"
-        effect = moved * SEA_WATER * row.volume.si * G
-        cost = (
-            "buoyancy, times the distance between the printed COB and the corrected one"
-        )
     x, y, z = (number.text for number in row.cob)
     return judged(
         f"cob_inside.link_{row.link}",
@@ -581,8 +488,9 @@ def _cob_inside(row: BuoyancyRow, bounds: FloatArray, corrected: Any) -> AuditRo
         measures="how far the COB lies outside the body's bounding box (0 if inside)",
         finding=finding,
         used=used,
-        effect=effect,
-        cost=cost,
+        effect=moved * SEA_WATER * row.volume.si * G if moved else None,
+        cost="buoyancy, times the distance between the printed COB and the corrected "
+        "one",
     )
 
 
@@ -599,44 +507,18 @@ def _density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:
         measures="mean density, compared with that of solid aluminium",
         finding="Some of the mass sits in volume that Table 3 counts for another link.",
         used="the printed mass and volume",
-        cost="nothing that can be computed, because the inner parts are not published",
     )
 
 
-def _totals(printed: Published, boxes: list[FloatArray]) -> list[AuditRow]:
-    """Volume of all links against that of their bounds, and their weight in water."""
-    masses = [row.mass for row in printed.table_2.rows]
-    volumes = [row.volume for row in printed.table_3.rows]
-
-    def wet_weight(x: FloatArray) -> float:
-        return float((x[:5].sum() - SEA_WATER * x[5:].sum()) * G)
-
-    return [
-        judged(
-            "total.volume",
-            figure(np.sum, volumes),
-            expected=sum(float(np.prod(np.diff(box))) for box in boxes),
-            relation="<=",
-            unit="L",
-            law=True,
-            place="Section 2.2, Table 3, volume",
-            says="the volumes are those of the five bodies",
-            measures="sum of the volumes, compared with that of the bodies' bounding "
-            "boxes",
-            used="the printed volumes",
-            cost="buoyancy of this difference",
-        ),
-        judged(
-            "total.wet_weight",
-            figure(wet_weight, [*masses, *volumes]),
-            relation=">=",
-            unit="N",
-            kind="observation",
-            place="Tables 2 and 3",
-            says="the arm is heavier than the sea water it displaces",
-            measures="weight minus buoyancy of all five links in sea water",
-            finding="The arm floats.",
-            used="the printed masses and volumes",
-            cost="this force",
-        ),
-    ]
+def _total_volume(printed: Published, boxes: list[FloatArray]) -> AuditRow:
+    return judged(
+        "total.volume",
+        figure(np.sum, [row.volume for row in printed.table_3.rows]),
+        expected=sum(float(np.prod(np.diff(box))) for box in boxes),
+        relation="<=",
+        unit="L",
+        law=True,
+        place="Section 2.2, Table 3, volume",
+        says="the volumes are those of the five bodies",
+        measures="sum of the volumes, compared with that of the bodies' bounding boxes",
+    )

@@ -76,7 +76,6 @@ def _frames(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
             "frame {0}, so row 0 leads from frame {0} to frame {1}. The text is right "
             "if i is the number of the frame in which a row ends.",
             used="the row of link i, from frame {i} to frame {i+1}",
-            cost="nothing, because no number of the model depends on it",
             category="reading",
         ),
         judged(
@@ -90,7 +89,6 @@ def _frames(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
             finding="In Section 2, inertial frame {i} is turned by theta but not yet "
             "by alpha. The text is right if aligned means placed as Section 2 says.",
             used="the frames of Section 2",
-            cost="an inertial frame's orientation, if you read aligned as parallel",
             category="reading",
         ),
         judged(
@@ -160,9 +158,6 @@ def _inverse_kinematics(
             says="arcsin(2 a_2 / l_1)",
             measures="2 a_2 in the formula, compared with the elbow's offset in "
             "theta_c",
-            finding="The formula is exact only if the two lengths are the same.",
-            used="the elbow's offset of Table 1",
-            cost="the formulas miss their target",
         ),
         *(
             judged(
@@ -173,8 +168,6 @@ def _inverse_kinematics(
                 says=f"analytical solution, {pose} pose",
                 measures="largest distance between a target and the tcp at its "
                 "solution, for random targets",
-                used="all four solutions",
-                cost="this distance",
             )
             for pose, section, miss in zip(
                 ("underarm", "overarm"), ("1.3", "1.4"), exact, strict=True
@@ -194,7 +187,6 @@ def _inverse_kinematics(
             finding="Each of the two poses has a second solution, with the elbow bent "
             f"the other way. The four solutions recover {100 * by_all_four:.4g} %.",
             used="all four solutions",
-            cost="the other joint positions, which the two formulas do not find",
         ),
         judged(
             "inverse_kinematics.wrapping",
@@ -209,7 +201,6 @@ def _inverse_kinematics(
             "within the limits",
             finding="The other angles are a full turn away.",
             used="angles wrapped into the limits",
-            cost="the other joint positions, whose angles look out of range",
         ),
     ]
 
@@ -274,9 +265,6 @@ def _tori(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
             place="Section 1.2, inner torus, against Table 1",
             says=f"{numbers.inner_offset.text} where Table 1 has {elbow.opposite.text}",
             measures=f"{numbers.inner_offset.text} in the torus, compared with Table 1",
-            used="Table 1",
-            cost="difference between the two lengths",
-            effect=abs(numbers.inner_offset.si - elbow.opposite.si),
         ),
         length(
             "workspace.outer_torus",
@@ -286,9 +274,6 @@ def _tori(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
             says="radius a_1 + sqrt(d_3^2 + a_2^2)",
             measures="longest distance from the shoulder to the tcp within the limits "
             "of theta_2, compared with the torus",
-            used="the exact workspace, by forward kinematics",
-            cost="difference between the two lengths",
-            effect=abs(longest - parameters.dh[1].a - forearm),
         ),
         length(
             "workspace.inner_torus",
@@ -299,9 +284,6 @@ def _tori(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
             f"({numbers.inner_length.text} + d_3)^2)",
             measures="radius of the torus, compared with the distance from the "
             "shoulder to the tcp at theta_2 = 0 (underarm pose)",
-            used="the exact workspace, by forward kinematics",
-            cost="difference between the two lengths",
-            effect=abs(radius(si(inner)) - from_shoulder(0.0)),
         ),
         length(
             "workspace.downward_centre",
@@ -367,7 +349,6 @@ def _shares(printed: Published) -> list[AuditRow]:
             "region. It is right if the tori are outer bounds only; it calls them "
             "limits.",
             used="the exact workspace",
-            cost="this share of the region, where no target can be reached",
             category="reading",
         ),
         judged(
@@ -381,7 +362,6 @@ def _shares(printed: Published) -> list[AuditRow]:
             finding=f"The share is {100 * underarm:.2g} % if the tori are meant for "
             "the underarm pose only.",
             used="the exact workspace",
-            cost="this share of the reachable area, whose targets the tori exclude",
             category="reading",
         ),
     ]
@@ -404,6 +384,5 @@ def _self_collision() -> AuditRow:
         finding="The collision bodies are those of this package. The caption is right "
         "if it means that self-collision was not considered.",
         used="the whole volume; accept=a5.without_self_collision leaves out this share",
-        cost="this share of the reachable volume, where the arm touches itself",
         category="reading",
     )

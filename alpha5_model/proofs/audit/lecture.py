@@ -12,7 +12,6 @@ import itertools
 import math
 from collections.abc import Iterable
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -64,8 +63,6 @@ POINTS = 4000
 #: Orientations that are tried at each of the points.
 ORIENTATIONS = 120
 
-_NO_COST = "nothing, because no number of the model depends on it"
-
 
 def rows(parameters: Alpha5Parameters) -> list[AuditRow]:
     """The rows of the lecture, in its order; those of A_j on the arm of Table 1."""
@@ -76,7 +73,7 @@ def rows(parameters: Alpha5Parameters) -> list[AuditRow]:
         *_theorem(),
         _four_joints(),
         *_experiment(),
-        *_relative_pose(parameters),
+        _relative_pose(parameters),
         *_numbering(parameters),
     ]
 
@@ -91,78 +88,56 @@ def _workspaces() -> list[AuditRow]:
     limit = (-LIMIT, LIMIT)
     limited = PlanarArm(two, [limit, limit]).workspace()
     ring = math.pi * (sum(two) ** 2 - (two[0] - two[1]) ** 2)
+    disc = math.pi * sum(EXPERIMENT) ** 2
 
     def length(arm: PlanarArm) -> float:
         return math.fsum(curve.length for curve in arm.workspace().curves)
 
-    def judge(
-        subject: str,
-        measured: float,
-        expected: float,
-        says: str,
-        measures: str,
-        **words: Any,
-    ) -> AuditRow:
-        return judged(
-            f"planar_workspace.{subject}",
+    def area(arm: PlanarArm) -> float:
+        return arm.workspace().area
+
+    circle = length(PlanarArm(one))
+    arc = length(PlanarArm(one, [limit]))
+    travel = length(PlanarArm([0], [(1, 3)], "P"))
+    hole = (
+        f"radius of the hole for links of 5 and 4 and limits of ±{LIMIT} rad, if disc "
+        "means one without a hole"
+    )
+    shapes = [
+        ("1r", "1R: S1", "length of a whole circle", circle, 2 * math.pi * one[0]),
+        ("1r_limits", "1R with joint limits: I", "length of an arc", arc, 10 * LIMIT),
+        ("1p", "1P: I", "length of the joint's travel", travel, 2.0),
+        (
+            "2r",
+            "2R without limits: disc with a hole",
+            "area for links of 5 and 4",
+            area(PlanarArm(two)),
+            ring,
+        ),
+        ("2r_limits", "2R with joint limits: disc", hole, limited.radii[0], 0.0),
+        (
+            "3r",
+            "3R is similar",
+            "area for links of 5, 4 and 1, whose hole has closed",
+            area(PlanarArm(EXPERIMENT)),
+            disc,
+        ),
+    ]
+    return [
+        judged(
+            f"planar_workspace.{name}",
             Figure(measured),
             expected=expected,
             place="Lecture 7.1, Workspace",
             says=says,
             measures=measures,
-            used="the exact region",
-            cost=_NO_COST,
-            **words,
-        )
-
-    return [
-        judge(
-            "1r",
-            length(PlanarArm(one)),
-            2 * math.pi * one[0],
-            "1R: S1",
-            "length of a whole circle",
-        ),
-        judge(
-            "1r_limits",
-            length(PlanarArm(one, [limit])),
-            2 * LIMIT * one[0],
-            "1R with joint limits: I",
-            "length of an arc",
-        ),
-        judge(
-            "1p",
-            length(PlanarArm([0], [(1, 3)], "P")),
-            2.0,
-            "1P: I",
-            "length of the joint's travel",
-        ),
-        judge(
-            "2r",
-            PlanarArm(two).workspace().area,
-            ring,
-            "2R without limits: disc with a hole",
-            "area for links of 5 and 4",
-        ),
-        judge(
-            "2r_limits",
-            limited.radii[0],
-            0.0,
-            "2R with joint limits: disc",
-            f"radius of the hole for links of 5 and 4 and limits of ±{LIMIT} rad, if "
-            "disc means one without a hole",
             finding="Limits do not fill the hole. They only remove points of the ring, "
             f"here an area of {ring - limited.area:.1f}. The text is right if disc is "
             "meant topologically and the limits cut the ring open.",
+            used="the exact region",
             category="reading",
-        ),
-        judge(
-            "3r",
-            PlanarArm(EXPERIMENT).workspace().area,
-            math.pi * sum(EXPERIMENT) ** 2,
-            "3R is similar",
-            "area for links of 5, 4 and 1, whose hole has closed",
-        ),
+        )
+        for name, says, measures, measured, expected in shapes
     ]
 
 
@@ -193,7 +168,6 @@ def _dexterity() -> list[AuditRow]:
             says="necessary: a revolute joint without limits",
             measures=measures,
             finding="By the condition there is no such area.",
-            cost="100 % of this area, which the condition rules out",
         ),
         judge(
             "dexterous_workspace.limits",
@@ -202,7 +176,6 @@ def _dexterity() -> list[AuditRow]:
             relation="<=",
             says="joint limits reduce the dexterous workspace",
             measures=f"{measures}, compared with that without limits",
-            cost="this area",
         ),
     ]
 
@@ -236,8 +209,6 @@ def _spatial_condition() -> AuditRow:
         measures=f"share that the condition rules out, of the {able} sequences of up "
         f"to {SPATIAL_JOINTS} joints whose tool moves in all six dimensions, at random "
         "geometry",
-        used="the rank of the Jacobian",
-        cost="these arms, which the condition rules out",
     )
 
 
@@ -265,8 +236,6 @@ def _theorem() -> list[AuditRow]:
             says="if l_i + l_j >= L/2, link 3 turns fully",
             measures="share with which link 3 does not turn fully, of the "
             f"{promised.sum()} {whole} for which the theorem promises it",
-            used="the exact condition",
-            cost="these sets",
         ),
         judge(
             "lecture.necessary",
@@ -278,7 +247,6 @@ def _theorem() -> list[AuditRow]:
             "the base to the pinned tip. In these sets l_4 is the shortest length, as "
             f"in l = ({example}).",
             used="the exact condition; the theorem's answer is shown beside it",
-            cost="this share of the sets, which the theorem rules out",
         ),
         judge(
             "lecture.shortest",
@@ -289,7 +257,6 @@ def _theorem() -> list[AuditRow]:
             finding="As a demand on the arm it is wrong. It is right if it only states "
             "what the theorem demands.",
             used="link lengths in any order",
-            cost="this share of the sets, which you lose if you demand it",
             category="reading",
         ),
         judge(
@@ -302,7 +269,6 @@ def _theorem() -> list[AuditRow]:
             finding="lambda_2 and lambda_3 are the second and the third longest link. "
             "The theorem itself has >=.",
             used=">=",
-            cost="this share of the sets, which > rules out",
             category="transcription",
         ),
     ]
@@ -345,7 +311,6 @@ def _four_joints() -> AuditRow:
         f"fully at every distance up to {until:g}, nothing is promised. With sums of "
         f"three of these lengths in place of pairs, {broken} promises are broken.",
         used="the exact condition, for any number of joints",
-        cost="this share of the sets, which the condition rules out",
     )
 
 
@@ -361,69 +326,57 @@ def _experiment() -> list[AuditRow]:
     middle_pair = np.sort(links)[:, 1:3].sum(axis=1)
     least, most = PlanarArm(EXPERIMENT).workspace().radii
 
-    def judge(
-        subject: str,
-        measured: float,
-        expected: float,
-        says: str,
-        measures: str,
-        finding: str = "",
-        used: str = "the exact numbers",
-    ) -> AuditRow:
-        return judged(
-            f"experiment.{subject}",
-            Figure(measured),
-            expected=expected,
-            place="Lecture 7.1, experiment",
-            says=says,
-            measures=measures,
-            finding=finding,
-            used=used,
-            cost=_NO_COST,
-            category="transcription",
-        )
-
     def apart(column: FloatArray, values: FloatArray | float) -> float:
         return float(np.abs(column - values).max())
 
-    from_column = "largest difference between the column and"
-    return [
-        judge("least", least, 0.0, "0 <= l_4", "least distance of the tip to the base"),
-        judge(
-            "most", most, 10.0, "l_4 <= 10", "greatest distance of the tip to the base"
-        ),
-        judge(
-            "middle_links",
-            apart(pair, middle_pair),
-            0.0,
-            "column l_2 + l_3",
-            f"{from_column} lambda_2 + lambda_3, the second and the third longest link",
-        ),
-        judge(
+    middle = "lambda_2 + lambda_3, the second and the third longest link"
+    half_of_all = "L/2, half the sum of all four lengths"
+    ends = [
+        ("least", "0 <= l_4", "least distance of the tip from the base", least, 0),
+        ("most", "l_4 <= 10", "greatest distance of the tip from the base", most, 10),
+    ]
+    columns = [
+        ("middle_links", "column l_2 + l_3", middle, apart(pair, middle_pair)),
+        (
             "middle_links_head",
-            apart(pair, sum(EXPERIMENT[1:])),
-            0.0,
             "head of the column: l_2 + l_3",
-            f"{from_column} l_2 + l_3 = 5",
-            "The column holds lambda_2 + lambda_3, the second and the third longest "
-            "link.",
-            "lambda_2 + lambda_3",
+            "l_2 + l_3 = 5",
+            apart(pair, sum(EXPERIMENT[1:])),
         ),
-        judge(
-            "half",
-            apart(half, l_4 / 2),
-            0.0,
-            "head of the column: l_4/2",
-            f"{from_column} l_4/2",
-            "The column holds L/2, half the sum of all four lengths.",
-            "L/2",
-        ),
-        judge(
+        ("half", "head of the column: l_4/2", "l_4/2", apart(half, l_4 / 2)),
+        (
             "half_of_all",
-            apart(half, links.sum(axis=1) / 2),
-            0.0,
             "the same column as L/2",
-            f"{from_column} L/2, half the sum of all four lengths",
+            half_of_all,
+            apart(half, links.sum(axis=1) / 2),
+        ),
+    ]
+    holds = {"middle_links_head": middle, "half": half_of_all}
+    place = "Lecture 7.1, experiment"
+    return [
+        *(
+            judged(
+                f"experiment.{name}",
+                Figure(measured),
+                expected=expected,
+                place=place,
+                says=says,
+                measures=measures,
+            )
+            for name, says, measures, measured, expected in ends
+        ),
+        *(
+            judged(
+                f"experiment.{name}",
+                Figure(measured),
+                place=place,
+                says=says,
+                measures=f"largest difference between the column and {values}",
+                finding=f"The column holds {holds.get(name, 'other numbers')}.",
+                used="what the column holds",
+                category="transcription",
+            )
+            for name, says, values, measured in columns
         ),
     ]
 
@@ -437,8 +390,8 @@ def _middle(parameters: Alpha5Parameters) -> FloatArray:
     return np.array([(joint.lower + joint.upper) / 2 for joint in joints])
 
 
-def _relative_pose(parameters: Alpha5Parameters) -> list[AuditRow]:
-    """A_j as printed and with its sign corrected, against the product of factors."""
+def _relative_pose(parameters: Alpha5Parameters) -> AuditRow:
+    """A_j as printed, against the product of its factors."""
     table = parameters.dh
     d = np.array([row.d for row in table])
     a = np.array([row.a for row in table])
@@ -446,44 +399,31 @@ def _relative_pose(parameters: Alpha5Parameters) -> list[AuditRow]:
     offset = np.array([row.theta_offset for row in table])
     theta = offset + np.append(_middle(parameters), 0.0)
 
-    corrected = dh_transform(theta, d, a, alpha)
-    printed = corrected.copy()
+    printed = dh_transform(theta, d, a, alpha)
     printed[:, 1, 2] *= -1  # the third entry of row 2
-
     turn = transform(rotation_about((0, 0, 1), theta))
     lengths = np.column_stack([a, 0 * a, d])
-    twist = transform(rotation_about((1, 0, 0), alpha), lengths)
-    product = turn @ twist
+    product = turn @ transform(rotation_about((1, 0, 0), alpha), lengths)
 
-    def tip(poses: FloatArray) -> FloatArray:
-        return np.asarray(np.linalg.multi_dot(list(poses))[:3, 3])
-
-    def judge(name: str, form: FloatArray, **words: Any) -> AuditRow:
-        return judged(
-            f"relative_pose.{name}",
-            Figure(np.abs(form - product).max()),
-            law=True,
-            place="Lecture 7.1, standard DH, A_j",
-            measures="largest difference between an entry of A_j and of the product of "
-            "its four factors, for Table 1 with all joints at mid-range",
-            used="- c_theta s_alpha in row 2",
-            effect=float(np.linalg.norm(tip(form) - tip(product))),
-            effect_unit="mm",
-            cost="shift of the tcp, if you use the printed matrix",
-            **words,
-        )
-
-    return [
-        judge(
-            "printed",
-            printed,
-            says="row 2 of A_j: [s_theta, c_theta c_alpha, c_theta s_alpha, a s_theta]",
-            finding="The upper left part of the printed matrix, 3 x 3, is not a "
-            "rotation matrix.",
-            category="transcription",
-        ),
-        judge("corrected", corrected, says="the same with - c_theta s_alpha"),
-    ]
+    tip, right_tip = (
+        np.linalg.multi_dot(list(poses))[:3, 3] for poses in (printed, product)
+    )
+    return judged(
+        "relative_pose.printed",
+        Figure(np.abs(printed - product).max()),
+        law=True,
+        place="Lecture 7.1, standard DH, A_j",
+        says="row 2 of A_j: [s_theta, c_theta c_alpha, c_theta s_alpha, a s_theta]",
+        measures="largest difference between an entry of A_j and of the product of its "
+        "four factors, for Table 1 with all joints at mid-range",
+        finding="The upper left part of the printed matrix, 3 x 3, is not a rotation "
+        "matrix.",
+        used="- c_theta s_alpha in row 2",
+        effect=float(np.linalg.norm(tip - right_tip)),
+        effect_unit="mm",
+        cost="shift of the tcp, if you use the printed matrix",
+        category="transcription",
+    )
 
 
 def _numbering(parameters: Alpha5Parameters) -> list[AuditRow]:
@@ -510,7 +450,6 @@ def _numbering(parameters: Alpha5Parameters) -> list[AuditRow]:
             finding="The lecture defines theta_j as the angle about z_{j-1}, so joint "
             "j turns about z_{j-1}.",
             used="z_{j-1} for joint j",
-            cost=_NO_COST,
             category="transcription",
         ),
         judged(

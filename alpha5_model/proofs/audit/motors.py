@@ -65,8 +65,6 @@ def _turning_joints(printed: Published) -> AuditRow:
         says="actuators 0-3 turn the frames, actuator 4 slides",
         measures="how many of rows 0 to 3 of Table 1 hold a joint angle, minus 1 if "
         "row 4 does",
-        used="Table 1",
-        cost="torques of joints that do not turn",
     )
 
 
@@ -75,11 +73,8 @@ def _motor_constants(row: ActuatorRow) -> AuditRow:
     k_t = row.torque_constant
     k_v = row.voltage_constant
     effect = None
-    cost = "nothing that can be computed, because the lead of the jaws' screw is not "
-    cost += "published"
-    if row.actuator != "4":
+    if row.actuator != "4":  # the lead of the jaws' screw is not published
         effect = abs(k_t.si - k_v.si) * row.gear_ratio.si * row.efficiency.si
-        cost = "difference in joint torque per ampere between the two"
     return judged(
         f"motor_constants.actuator_{row.actuator}",
         figure(lambda x: x[0] / x[1], [k_t, k_v]),
@@ -92,7 +87,7 @@ def _motor_constants(row: ActuatorRow) -> AuditRow:
         used="K_t for torque and K_v for voltage; constants= chooses one for both",
         effect=effect,
         effect_unit="N m/A",
-        cost=cost,
+        cost="difference in joint torque per ampere between the two",
         category="reading",
     )
 
@@ -268,9 +263,7 @@ def _drivers(
     ]
 
 
-def _static_current(
-    row: ActuatorRow, driver: DriverCurrents, source: str
-) -> AuditRow:
+def _static_current(row: ActuatorRow, driver: DriverCurrents, source: str) -> AuditRow:
     """The friction's current, against the nearest of the driver's static currents.
 
     Between the currents of the two directions both agree.

@@ -94,11 +94,10 @@ class AuditRow:
         finding: What follows if it does not agree, in sentences. This and the next
             four are empty or None if it agrees.
         used: What this package takes instead.
-        effect: What the difference costs, in ``effect_unit``; None if it costs nothing
-            that the audit can compute.
+        effect: What the difference costs, in ``effect_unit``; None if the audit cannot
+            compute it.
         effect_unit: ``N m``, ``N m/A`` or ``mm``.
-        cost: What ``effect`` is the size of. If it is None, what the difference costs
-            in other words.
+        cost: What ``effect`` is the size of.
         kind: ``claim``: the documents say so. ``observation``: they do not; their
             numbers are compared with something else, and a difference is not their
             error. ``outside``: somebody else says otherwise, and who is right is open.
@@ -187,7 +186,7 @@ def judged(
         used="" if agrees else used,
         effect=_shown(effect, effect_unit) if costs else None,
         effect_unit=effect_unit if costs else "",
-        cost="" if agrees else cost,
+        cost=cost if costs else "",
         kind=kind,
         category=None if agrees or kind != "claim" else category,
     )
