@@ -50,8 +50,9 @@ def sampled_share(hits: BoolArray) -> Figure:
 
     A standard error is sqrt(p (1 - p) / N) [Cochran1977].
     """
-    share = hits.mean()
-    return Figure(value=share, bound=3 * np.sqrt(share * (1 - share) / hits.size))
+    number = max(hits.size, 1)
+    share = hits.sum() / number
+    return Figure(value=share, bound=3 * np.sqrt(share * (1 - share) / number))
 
 
 def _frames(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:

@@ -19,6 +19,7 @@ Category = Literal["error", "reading", "transcription"]
 
 #: What double precision may leave of a figure that holds exactly, in the row's unit.
 ARITHMETIC = 1e-9
+_DECIMALS = 9
 #: Unit in which a figure is shown -> how many of them an SI unit has; 1 if it is not
 #: listed.
 PER_SI = {
@@ -195,8 +196,7 @@ def judged(
 def _shown(value: Any, unit: str) -> float:
     """A value in SI units, in the unit in which it is shown.
 
-    Nine digits remain: a decimal number comes back as it was printed, and no
+    It is rounded to `ARITHMETIC`: a decimal number comes back as it was printed, and no
     processor's last bits are shown or judged.
     """
-    shown = float(value) * PER_SI.get(unit, 1.0)
-    return 0.0 if abs(shown) < ARITHMETIC else float(f"{shown:.9g}")
+    return round(float(value) * PER_SI.get(unit, 1.0), _DECIMALS) + 0.0
