@@ -149,7 +149,7 @@ def _parallel_axis(row: InertialRow, fastest: float) -> AuditRow:
         f"The largest is {worst.name}.",
         used="I_COM",
         effect=worst.figure.value * fastest**2,
-        cost="torque of this difference, if the fastest joint turns at its rated speed",
+        cost="torque of this difference at the speed of the fastest joint",
     )
 
 
@@ -175,8 +175,8 @@ def _product_sign(row: InertialRow) -> AuditRow:
         unit="kg mm^2",
         place=f"Section 2.1, Table 2, link {row.link}",
         says="products of inertia are positive (SolidWorks)",
-        measures="the same difference, if the products of inertia had the opposite "
-        "sign; beyond what rounding allows it settles the sign",
+        measures="the same difference if the products had the opposite sign, which "
+        "rounding must not explain",
     )
 
 
@@ -204,8 +204,8 @@ def _equations(row: InertialRow) -> list[AuditRow]:
             place=f"Section 2.1, equation (1), on link {row.link}",
             says="I_Link = I_COM + m[(P.P)E - (P.P)^T]",
             measures=measures,
-            finding="(P.P)^T is a number, but the equation needs a matrix there. Read "
-            "as (P.P) E, it cancels the term before it.",
+            finding="(P.P)^T is a number, where a matrix is needed. Read as (P.P) E, "
+            "it cancels the term before it.",
             used="the outer product P P^T",
             category="transcription",
         ),
@@ -215,8 +215,8 @@ def _equations(row: InertialRow) -> list[AuditRow]:
             place=f"Section 2.1, equation (2), on link {row.link}",
             says="I_Link = I_COM + m SKEW(P)^2",
             measures=measures,
-            finding="SKEW(P)^2 is negative semidefinite. So the printed sign subtracts "
-            "the parallel axis term, but it must be added.",
+            finding="SKEW(P)^2 is negative semidefinite, so the printed sign subtracts "
+            "the parallel axis term.",
             used="- m SKEW(P)^2",
             category="transcription",
         ),
@@ -227,9 +227,8 @@ def _equations(row: InertialRow) -> list[AuditRow]:
             says="I_A is the inertia with respect to {A}, any frame",
             measures="largest difference between the printed I_COM and that of the "
             "corrected equation, if {A} is the link frame",
-            finding="On the way from the link frame to the COM, the equation adds the "
-            "parallel axis term again, but must subtract it. The text is right if {A} "
-            "is at the COM, where the parallel axis theorem starts.",
+            finding="From the link frame to the COM the term must be subtracted. The "
+            "text is right if {A} is at the COM.",
             used="the equation with {A} at the COM",
             category="reading",
         ),
@@ -253,11 +252,10 @@ def _rotation(parameters: Alpha5Parameters) -> AuditRow:
         unit="kg mm^2",
         place="Section 2.1, equation (1), rotation, links 1 to 4",
         says="R_A/B is the rotation from {A} to {B}",
-        measures="largest error of an entry of I_COM after the equation's rotation to "
-        "DH frame {i}, if R turns {A} into {B}",
-        finding="The equation is right in the usual reading: R maps coordinates in {A} "
-        "to coordinates in {B}.",
-        used="the usual reading",
+        measures="largest error of an entry of I_COM after the rotation to DH frame "
+        "{i}, if R turns {A} into {B}",
+        finding="The equation is right if R maps coordinates in {A} to {B}.",
+        used="R as the map of coordinates",
         category="reading",
     )
 
@@ -271,14 +269,12 @@ def _implied_mass(row: InertialRow) -> AuditRow:
         unit="kg",
         place=f"Section 2.1, Table 2, link {row.link}, mass",
         says=f"mass {row.mass}",
-        measures="mass for which I_COM, carried to the link frame, fits I_Link best "
-        "(least squares), if COM and tensors are right",
-        finding="The printed mass is right if the COM or a tensor is off. The numbers "
-        "do not tell which of the three it is.",
+        measures="mass that carries I_COM to I_Link best (least squares), if COM and "
+        "tensors are right",
+        finding="The printed mass is right if the COM or a tensor is off.",
         used="the printed mass",
         effect=abs(excess.value) * G * _lever(row),
-        cost="weight of the difference in mass, times the COM's distance from the link "
-        "frame",
+        cost="weight of the difference, times the lever of the COM",
         category="reading",
     )
 
@@ -313,8 +309,8 @@ def _missing_decimals(rows: tuple[InertialRow, ...]) -> list[AuditRow]:
                 used=f"{row.mass}; the alternative link2_mass of a5.uncertainty takes "
                 f"it as {finer}",
                 effect=(row.mass.rounding - finer.rounding) * G * _lever(row),
-                cost="weight of what the missing digit leaves open, times the COM's "
-                "distance from the link frame",
+                cost="weight of what the missing digit leaves open, times the lever "
+                "of the COM",
             )
         )
     return found
@@ -396,7 +392,7 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
         place=f"Section 2.1, Table 2, link {row.link}, I_COM",
         says="I_COM about the COM",
         measures=f"standard deviation of the mass along {'xyz'[k]}, compared with the "
-        "most that the body's bounding box allows",
+        "most that the bounding box allows",
         finding="Part of this mass turns inside the neighbour's housing.",
         used="the printed tensor",
     )
@@ -407,7 +403,7 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
     jaws = printed.supplementary.jaws
     names = ("pivot_offset", "finger_density", "finger_volume", "second_finger_volume")
     fingers = [jaws[name].quantity for name in names]
-    offset, density, first_volume, second_volume = si(fingers)
+    offset = fingers[0].si
     (xx, xy, _), (_, yy, _), _ = printed.table_2.rows[4].inertia_com
 
     # The direction of the greatest spread of mass, from x of {4}. The products of
@@ -430,9 +426,8 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
             Figure(direction.value, direction.bound + plane.rounding),
             expected=plane.si,
             unit="deg",
-            measures="angle between x of {4} and the line through both fingers, from "
-            "the principal axes, compared with the manufacturer's URDF at the same "
-            "axis_b",
+            measures="angle from x of {4} to the line through both fingers, by the "
+            "principal axes, compared with the manufacturer's URDF",
             finding="No source settles where axis_b is zero.",
             used="the principal axes",
         ),
@@ -441,9 +436,8 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
             Figure(spread.value, points.bound + spread.bound),
             expected=points.value,
             unit="kg mm^2",
-            measures=f"I_yy - I_xx, compared with two point masses at ±{fingers[0]}, "
-            f"the estimated fingers of {1e3 * first_volume * density:.3g} and "
-            f"{1e3 * second_volume * density:.3g} g",
+            measures="I_yy - I_xx, compared with the estimated fingers as point "
+            f"masses at ±{fingers[0]}",
             finding=f"Two of {1e3 * spread.value / (2 * offset**2):.3g} g each would "
             "give the printed difference.",
             used="the estimated masses",
@@ -489,8 +483,7 @@ def _cob_inside(row: BuoyancyRow, bounds: FloatArray, corrected: Any) -> AuditRo
         finding=finding,
         used=used,
         effect=moved * SEA_WATER * row.volume.si * G if moved else None,
-        cost="buoyancy, times the distance between the printed COB and the corrected "
-        "one",
+        cost="buoyancy, times the distance to the corrected COB",
     )
 
 

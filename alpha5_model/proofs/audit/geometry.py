@@ -8,7 +8,7 @@ References:
 
 from __future__ import annotations
 
-from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from alpha5_model.kinematics.half_plane import area
 from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.tables import Published
 from alpha5_model.proofs.audit import printed_workspace
 from alpha5_model.proofs.audit.printed_inverse_kinematics import (
@@ -71,12 +70,10 @@ def _frames(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
             relation=">=",
             place="Section 1.1, Table 1",
             says="row i leads from frame {i-1} to frame {i}",
-            measures="number of the frame from which row 0 leads, if i is the number "
-            "of the row",
-            finding="No frame has this number. In Section 2, theta_0 turns about z of "
-            "frame {0}, so row 0 leads from frame {0} to frame {1}. The text is right "
-            "if i is the number of the frame in which a row ends.",
-            used="the row of link i, from frame {i} to frame {i+1}",
+            measures="frame from which row 0 leads, if i is the number of the row",
+            finding="By Section 2, row 0 leads from frame {0} to frame {1}. The text "
+            "is right if i is the number of the frame in which a row ends.",
+            used="row i from frame {i} to frame {i+1}",
             category="reading",
         ),
         judged(
@@ -85,8 +82,7 @@ def _frames(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
             unit="deg",
             place="Section 2.2",
             says="the inertial frames are aligned with the DH frames",
-            measures="largest angle between inertial frame {i} and DH frame {i}, if "
-            "aligned means parallel",
+            measures="largest angle between the two, if aligned means parallel",
             finding="In Section 2, inertial frame {i} is turned by theta but not yet "
             "by alpha. The text is right if aligned means placed as Section 2 says.",
             used="the frames of Section 2",
@@ -97,16 +93,15 @@ def _frames(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
             figure(outside, printed.table_2.rows[0].com),
             relation="<=",
             unit="mm",
-            place="Section 2, Table 2, link 0, against the manufacturer's public CAD",
+            place="Section 2, Table 2, link 0",
             says="frame {0} is DH frame {0} after the rotation pi",
-            measures="how far the COM lies outside the CAD's base body, if DH frame "
-            "{0} is that of x and y in Sections 1.3 and 1.4",
+            measures="how far the COM lies outside the base body of the public CAD, "
+            "if DH frame {0} is that of x and y in Sections 1.3 and 1.4",
             finding="The base body lies on the -x side, to which theta_0 cannot turn "
             f"the arm. The rotation moves the COM by {1e3 * moved:.1f} mm, out of the "
             "body. The text is right if Figure 1, which we do not have, draws DH frame "
             "{0} the other way round.",
-            used="DH frame {0} without the rotation: the correction base_frame, on by "
-            "default",
+            used="DH frame {0} without the rotation: the correction base_frame",
             effect=moved * base.mass * -GRAVITY[2],
             cost="change of the moment on the mount, in air",
             category="reading",
@@ -146,7 +141,7 @@ def _inverse_kinematics(
     all_four = inverse_kinematics(target, q[:, 3], arm=parameters).q
     by_all_four = _is_same(all_four - q[:, None]).any(axis=-1).mean()
 
-    a_2 = _lengths(printed)[2]
+    a_2 = printed_workspace.printed_lengths(printed)[2]
     opposite = printed.elbow.opposite
     offset = Figure(2 * a_2.si, 2 * a_2.rounding + opposite.rounding)
     return [
@@ -157,8 +152,7 @@ def _inverse_kinematics(
             unit="mm",
             place="Sections 1.3 and 1.4 against Table 1",
             says="arcsin(2 a_2 / l_1)",
-            measures="2 a_2 in the formula, compared with the elbow's offset in "
-            "theta_c",
+            measures="2 a_2, compared with the elbow's offset in theta_c",
         ),
         *(
             judged(
@@ -183,10 +177,9 @@ def _inverse_kinematics(
             kind="observation",
             place="Sections 1.3 and 1.4",
             says="two poses, underarm and overarm",
-            measures=f"share of {SAMPLES} random joint positions within the limits "
-            "that the two formulas recover",
-            finding="Each of the two poses has a second solution, with the elbow bent "
-            f"the other way. The four solutions recover {100 * by_all_four:.4g} %.",
+            measures="share of random joint positions that the two formulas recover",
+            finding="Each pose has a second solution, with the elbow bent the other "
+            f"way. The four solutions recover {100 * by_all_four:.4g} %.",
             used="all four solutions",
         ),
         judged(
@@ -198,8 +191,7 @@ def _inverse_kinematics(
             kind="observation",
             place="Sections 1.3 and 1.4",
             says="angles with no range",
-            measures="share of the recovered joint positions whose angles come out "
-            "within the limits",
+            measures="share of the recovered positions that come out within the limits",
             finding="The other angles are a full turn away.",
             used="angles wrapped into the limits",
         ),
@@ -214,19 +206,11 @@ def _is_same(difference: FloatArray) -> BoolArray:
 # --- Section 1.2 ----------------------------------------------------------------------
 
 
-def _lengths(printed: Published) -> list[Quantity]:
-    """The lengths that Table 1 prints as numbers: a_0, d_0, a_2, d_3."""
-    row_0, _, row_2, row_3, _ = printed.table_1.rows
-    assert isinstance(row_0.a, Quantity)
-    assert isinstance(row_2.a, Quantity)
-    return [row_0.a, row_0.d, row_2.a, row_3.d]
-
-
 def _tori(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     """The lengths in the formulas of the tori."""
     numbers = printed.workspace
     elbow = printed.elbow
-    a_0, _, a_2, d_3 = _lengths(printed)
+    a_0, _, a_2, d_3, *_ = printed_workspace.printed_lengths(printed)
     forearm = float(np.hypot(a_2.si, d_3.si))
     chain = DHChain.alpha5(arm=parameters)
 
@@ -254,61 +238,71 @@ def _tori(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     aside = float(np.hypot(*elbow_at_zero[:2])) - parameters.dh[0].a
     without_a_2 = figure(lambda x: np.hypot(*x) - abs(x[1]), [a_2, d_3])
 
-    length = partial(judged, unit="mm", effect_unit="mm")
+    def judge(
+        name: str, figure: Figure, expected: float, torus: str, **words: Any
+    ) -> AuditRow:
+        return judged(
+            f"workspace.{name}",
+            figure,
+            expected=expected,
+            unit="mm",
+            place=f"Section 1.2, {torus} torus",
+            used="the exact workspace, by forward kinematics",
+            effect=abs(figure.value - expected),
+            effect_unit="mm",
+            cost="difference between the two lengths",
+            **words,
+        )
+
     return [
-        length(
-            "workspace.inner_offset",
+        judge(
+            "inner_offset",
             Figure(
                 numbers.inner_offset.si,
                 numbers.inner_offset.rounding + elbow.opposite.rounding,
             ),
-            expected=elbow.opposite.si,
-            place="Section 1.2, inner torus, against Table 1",
+            elbow.opposite.si,
+            "inner",
             says=f"{numbers.inner_offset.text} where Table 1 has {elbow.opposite.text}",
-            measures=f"{numbers.inner_offset.text} in the torus, compared with Table 1",
+            measures="this length, compared with Table 1",
         ),
-        length(
-            "workspace.outer_torus",
+        judge(
+            "outer_torus",
             Figure(longest),
-            expected=parameters.dh[1].a + forearm,
-            place="Section 1.2, outer torus",
+            parameters.dh[1].a + forearm,
+            "outer",
             says="radius a_1 + sqrt(d_3^2 + a_2^2)",
             measures="longest distance from the shoulder to the tcp within the limits "
             "of theta_2, compared with the torus",
         ),
-        length(
-            "workspace.inner_torus",
+        judge(
+            "inner_torus",
             Figure(radius(si(inner)), rounding),
-            expected=from_shoulder(0.0),
-            place="Section 1.2, inner torus",
+            from_shoulder(0.0),
+            "inner",
             says=f"radius sqrt(({numbers.inner_offset.text} + a_2)^2 + "
             f"({numbers.inner_length.text} + d_3)^2)",
             measures="radius of the torus, compared with the distance from the "
-            "shoulder to the tcp at theta_2 = 0 (underarm pose)",
+            "shoulder to the tcp at theta_2 = 0",
         ),
-        length(
-            "workspace.downward_centre",
+        judge(
+            "downward_centre",
             Figure(aside, a_0.rounding + elbow.opposite.rounding),
-            place="Section 1.2, downward torus",
+            0.0,
+            "downward",
             says=f"centre {numbers.downward_drop.text} below the shoulder",
             measures="horizontal distance of the elbow from the shoulder at "
             "theta_1 = 0",
             finding="The formula puts the elbow straight below the shoulder.",
-            used="the exact workspace, by forward kinematics",
-            cost="shift of the torus's centre",
-            effect=abs(aside),
         ),
-        length(
-            "workspace.downward_radius",
+        judge(
+            "downward_radius",
             Figure(forearm, without_a_2.bound),
-            expected=-d_3.si,
-            place="Section 1.2, downward torus",
+            -d_3.si,
+            "downward",
             says="radius -d_3",
             measures="distance from the elbow to the tcp, sqrt(a_2^2 + d_3^2)",
             finding="The formula leaves out a_2.",
-            used="the exact workspace, by forward kinematics",
-            cost="missing from the torus's radius",
-            effect=forearm + d_3.si,
         ),
     ]
 
@@ -318,23 +312,20 @@ def _shares(printed: Published) -> list[AuditRow]:
 
     The areas are exact. Rounding of the printed lengths moves the tori, not the arm.
     """
-    numbers = printed.workspace
-    legs = [printed.elbow.opposite, printed.elbow.adjacent]
-    torus = [numbers.inner_offset, numbers.inner_length, numbers.downward_drop]
+    lengths = printed_workspace.printed_lengths(printed)
     reached = workspace.cross_section_area()
 
-    def shares(lengths: FloatArray) -> FloatArray:
+    def shares(x: FloatArray) -> FloatArray:
         """Of the region, what is not reached; of the reach, what is not in it."""
-        tori = printed_workspace.tori(*lengths)
+        tori = printed_workspace.tori(x)
         beyond = area(printed_workspace.difference(tori, "both", published=True))
         missed = area(printed_workspace.difference(tori, "both", published=False))
         return np.array([beyond / (reached - missed + beyond), missed / reached])
 
-    inputs = [*_lengths(printed), *legs, *torus]
-    both = figure(shares, inputs)
+    both = figure(shares, lengths)
     beyond, missed = (Figure(*pair) for pair in zip(*both, strict=True))
     # The document draws the inner and the downward torus for the underarm pose.
-    tori = printed_workspace.tori(*si(inputs))
+    tori = printed_workspace.tori(si(lengths))
     left_out = area(printed_workspace.difference(tori, "underarm", published=False))
     underarm = left_out / workspace.cross_section_area("underarm")
     return [
@@ -344,11 +335,10 @@ def _shares(printed: Published) -> list[AuditRow]:
             unit="%",
             place="Section 1.2, Figure 2",
             says="the reachable workspace lies between the tori",
-            measures="share of the area between the tori that no joint position within "
-            "the limits reaches, in the half-plane through the yaw axis",
-            finding="The text is wrong if it means that the arm reaches all of this "
-            "region. It is right if the tori are outer bounds only; it calls them "
-            "limits.",
+            measures="share of the area between the tori, in a half-plane through the "
+            "yaw axis, that the arm does not reach within its limits",
+            finding="The text is right if the tori are outer bounds only; it calls "
+            "them limits.",
             used="the exact workspace",
             category="reading",
         ),
@@ -358,8 +348,7 @@ def _shares(printed: Published) -> list[AuditRow]:
             unit="%",
             place="Section 1.2, Figure 2",
             says="no point outside the tori is reached",
-            measures="share of the reachable area that lies outside the tori, in the "
-            "half-plane through the yaw axis, both poses together",
+            measures="share of the reachable area that lies outside the tori",
             finding=f"The share is {100 * underarm:.2g} % if the tori are meant for "
             "the underarm pose only.",
             used="the exact workspace",
@@ -380,10 +369,10 @@ def _self_collision() -> AuditRow:
         unit="%",
         place="Section 1.2, Figure 2",
         says="Reachable workspace without self collision",
-        measures="share of the reachable volume that the arm reaches only in "
-        "self-collision, at any wrist angle, with closed jaws",
-        finding="The collision bodies are those of this package. The caption is right "
-        "if it means that self-collision was not considered.",
+        measures="share of the reachable volume that the arm, with the bodies of this "
+        "package, reaches only in self-collision",
+        finding="The caption is right if it means that self-collision was not "
+        "considered.",
         used="the whole volume; accept=a5.without_self_collision leaves out this share",
         category="reading",
     )

@@ -54,8 +54,6 @@ LIMIT = 2.967
 LONGEST = 6
 #: The same for arms of four links, which the closing note is about.
 FOUR_LONGEST = 4
-#: Four links whose last one turns fully at every distance of the tip up to a radius.
-FOUR_LINKS = (3, 3, 3, 1)
 #: Most joints of the arms that test the spatial condition: six reach all dimensions.
 SPATIAL_JOINTS = 6
 #: Points with which the dexterous workspace with limits is sampled.
@@ -131,9 +129,9 @@ def _workspaces() -> list[AuditRow]:
             place="Lecture 7.1, Workspace",
             says=says,
             measures=measures,
-            finding="Limits do not fill the hole. They only remove points of the ring, "
-            f"here an area of {ring - limited.area:.1f}. The text is right if disc is "
-            "meant topologically and the limits cut the ring open.",
+            finding="Limits only remove points of the ring, here an area of "
+            f"{ring - limited.area:.1f}. The text is right if disc is meant "
+            "topologically and the limits cut the ring open.",
             used="the exact region",
             category="reading",
         )
@@ -207,8 +205,7 @@ def _spatial_condition() -> AuditRow:
         place="Lecture 7.1, Dexterous Workspace",
         says="necessary: three revolute joints and three others",
         measures=f"share that the condition rules out, of the {able} sequences of up "
-        f"to {SPATIAL_JOINTS} joints whose tool moves in all six dimensions, at random "
-        "geometry",
+        f"to {SPATIAL_JOINTS} joints whose tool moves in all six dimensions",
     )
 
 
@@ -243,10 +240,9 @@ def _theorem() -> list[AuditRow]:
             place="Lecture 7.1, theorem",
             says="only if l_i + l_j >= L/2",
             measures=f"share that the theorem rules out, {turn}",
-            finding="L is the sum of the four lengths, and l_4 is the distance from "
-            "the base to the pinned tip. In these sets l_4 is the shortest length, as "
-            f"in l = ({example}).",
-            used="the exact condition; the theorem's answer is shown beside it",
+            finding="l_4 is the distance from the base to the pinned tip. In these "
+            f"sets it is the shortest length, as in l = ({example}).",
+            used="the exact condition",
         ),
         judge(
             "lecture.shortest",
@@ -254,8 +250,7 @@ def _theorem() -> list[AuditRow]:
             place="Lecture 7.1, experiment",
             says="l_3 must be the shortest link",
             measures=f"share with a link shorter than l_3, {turn}",
-            finding="As a demand on the arm it is wrong. It is right if it only states "
-            "what the theorem demands.",
+            finding="It is right if it only states what the theorem demands.",
             used="link lengths in any order",
             category="reading",
         ),
@@ -266,8 +261,7 @@ def _theorem() -> list[AuditRow]:
             says="lambda_2 + lambda_3 > L/2",
             measures=f"share that > rules out, of the {promised.sum()} {whole} for "
             "which the theorem, with >=, promises a full turn",
-            finding="lambda_2 and lambda_3 are the second and the third longest link. "
-            "The theorem itself has >=.",
+            finding="The theorem itself has >=.",
             used=">=",
             category="transcription",
         ),
@@ -295,7 +289,7 @@ def _four_joints() -> AuditRow:
             missed += turns and not _sums_reach(half, others, 2)
             broken += _sums_reach(half, others, 3) and not turns
 
-    ((_, until),) = dexterous_radii(PlanarArm(FOUR_LINKS))
+    ((_, until),) = dexterous_radii(PlanarArm((3, 3, 3, 1)))
     return judged(
         "lecture.any_number",
         Figure(missed / turning),
@@ -303,13 +297,12 @@ def _four_joints() -> AuditRow:
         place="Lecture 7.1, closing note",
         says="valid for any number of revolute joints",
         measures="share that the theorem's condition on pairs rules out, of the "
-        f"{turning} sets with which link 4 turns fully",
-        finding="A set is four link lengths and a tip distance, whole numbers up to "
-        f"{FOUR_LONGEST}. The pairs are of l_1, l_2, l_3 and the tip distance. Two "
-        "pairs without a common length add up to L - l_4, so at least one of them is "
-        f"below L/2. Even with l = ({', '.join(map(str, FOUR_LINKS))}), which turns "
-        f"fully at every distance up to {until:g}, nothing is promised. With sums of "
-        f"three of these lengths in place of pairs, {broken} promises are broken.",
+        f"{turning} sets of whole lengths up to {FOUR_LONGEST} with which link 4 turns "
+        "fully",
+        finding="Two pairs without a common length add up to less than L, so at least "
+        "one of them is below L/2. Even with l = (3, 3, 3, 1), which turns fully at "
+        f"every distance up to {until:g}, nothing is promised. With sums of three "
+        f"lengths in place of pairs, {broken} promises are broken.",
         used="the exact condition, for any number of joints",
     )
 
@@ -329,55 +322,35 @@ def _experiment() -> list[AuditRow]:
     def apart(column: FloatArray, values: FloatArray | float) -> float:
         return float(np.abs(column - values).max())
 
+    column = "largest difference between the column and"
     middle = "lambda_2 + lambda_3, the second and the third longest link"
     half_of_all = "L/2, half the sum of all four lengths"
-    ends = [
+    heading = apart(pair, sum(EXPERIMENT[1:]))
+    middles = apart(pair, middle_pair)
+    sums = apart(half, links.sum(axis=1) / 2)
+    # Subject, what is printed, what is measured, the figure, and what it must be.
+    claims = [
         ("least", "0 <= l_4", "least distance of the tip from the base", least, 0),
         ("most", "l_4 <= 10", "greatest distance of the tip from the base", most, 10),
-    ]
-    columns = [
-        ("middle_links", "column l_2 + l_3", middle, apart(pair, middle_pair)),
-        (
-            "middle_links_head",
-            "head of the column: l_2 + l_3",
-            "l_2 + l_3 = 5",
-            apart(pair, sum(EXPERIMENT[1:])),
-        ),
-        ("half", "head of the column: l_4/2", "l_4/2", apart(half, l_4 / 2)),
-        (
-            "half_of_all",
-            "the same column as L/2",
-            half_of_all,
-            apart(half, links.sum(axis=1) / 2),
-        ),
+        ("middle_links", "column l_2 + l_3", f"{column} {middle}", middles, 0),
+        ("middle_links_head", "head l_2 + l_3", f"{column} l_2 + l_3 = 5", heading, 0),
+        ("half", "head l_4/2", f"{column} l_4/2", apart(half, l_4 / 2), 0),
+        ("half_of_all", "the same column as L/2", f"{column} {half_of_all}", sums, 0),
     ]
     holds = {"middle_links_head": middle, "half": half_of_all}
-    place = "Lecture 7.1, experiment"
     return [
-        *(
-            judged(
-                f"experiment.{name}",
-                Figure(measured),
-                expected=expected,
-                place=place,
-                says=says,
-                measures=measures,
-            )
-            for name, says, measures, measured, expected in ends
-        ),
-        *(
-            judged(
-                f"experiment.{name}",
-                Figure(measured),
-                place=place,
-                says=says,
-                measures=f"largest difference between the column and {values}",
-                finding=f"The column holds {holds.get(name, 'other numbers')}.",
-                used="what the column holds",
-                category="transcription",
-            )
-            for name, says, values, measured in columns
-        ),
+        judged(
+            f"experiment.{name}",
+            Figure(measured),
+            expected=expected,
+            place="Lecture 7.1, experiment",
+            says=says,
+            measures=measures,
+            finding=f"The column holds {holds[name]}." if name in holds else "",
+            used="what the column holds",
+            category="transcription",
+        )
+        for name, says, measures, measured, expected in claims
     ]
 
 
@@ -416,8 +389,7 @@ def _relative_pose(parameters: Alpha5Parameters) -> AuditRow:
         says="row 2 of A_j: [s_theta, c_theta c_alpha, c_theta s_alpha, a s_theta]",
         measures="largest difference between an entry of A_j and of the product of its "
         "four factors, for Table 1 with all joints at mid-range",
-        finding="The upper left part of the printed matrix, 3 x 3, is not a rotation "
-        "matrix.",
+        finding="The printed matrix does not hold a rotation.",
         used="- c_theta s_alpha in row 2",
         effect=float(np.linalg.norm(tip - right_tip)),
         effect_unit="mm",
@@ -447,8 +419,7 @@ def _numbering(parameters: Alpha5Parameters) -> list[AuditRow]:
             place="Lecture 7.1, standard DH, frame assignment",
             says="the joint axes are z_1 to z_N",
             measures="index of the z axis about which theta_1 turns",
-            finding="The lecture defines theta_j as the angle about z_{j-1}, so joint "
-            "j turns about z_{j-1}.",
+            finding="The lecture defines theta_j as the angle about z_{j-1}.",
             used="z_{j-1} for joint j",
             category="transcription",
         ),
@@ -457,9 +428,9 @@ def _numbering(parameters: Alpha5Parameters) -> list[AuditRow]:
             Figure(np.abs(steps - frames[1:]).max()),
             place="Lecture 7.1, standard DH, A_j",
             says="the product is ^0A_j, the pose of frame {j} in frame {0}",
-            measures="largest difference between an entry of frame {j}'s pose in frame "
-            "{0} and of the product, for Table 1 with all joints at mid-range",
-            finding="The product is ^{j-1}A_j, the pose of frame {j} in frame {j-1}.",
+            measures="largest difference between an entry of that pose and of the "
+            "product, for Table 1 with all joints at mid-range",
+            finding="The product is the pose of frame {j} in frame {j-1}.",
             used="^{j-1}A_j",
             effect=float(np.linalg.norm(tip_gap)),
             effect_unit="mm",

@@ -63,8 +63,7 @@ def _turning_joints(printed: Published) -> AuditRow:
         expected=4,
         place="Section 2.2.1, note",
         says="actuators 0-3 turn the frames, actuator 4 slides",
-        measures="how many of rows 0 to 3 of Table 1 hold a joint angle, minus 1 if "
-        "row 4 does",
+        measures="rows 0 to 3 of Table 1 that turn, minus 1 if row 4 does",
     )
 
 
@@ -122,8 +121,7 @@ def _friction(
         "the arm's weight about axis_d",
         finding=f"The weight's torque is at most {in_air:.2f} N m in air and "
         f"{in_water:.2f} N m in fresh water.",
-        used="the printed friction with its tolerance; at rest it gives a range of "
-        "currents",
+        used="the printed friction with its tolerance",
         effect=friction.value - in_air,
         cost="friction beyond the largest torque of the arm's weight",
     )
@@ -193,9 +191,9 @@ def _stall(
         says="no current limit is printed",
         measures=f"stall torque K_t U / R Gr eta at {np.prod(si(supply)):.1f} V, "
         "compared with the effort in most public URDFs",
-        finding="This is the lowest voltage that gives every joint its rated speed. "
-        "The arm must have a current limit, which you have to give. Without eta, if it "
-        f"is the motor's, the torque is {stall.value / row.efficiency.si:.1f} N m.",
+        finding="At a lower voltage a joint misses its rated speed, so the arm must "
+        "have a current limit, which you have to give. Without eta, if it is the "
+        f"motor's, the torque is {stall.value / row.efficiency.si:.1f} N m.",
         used="the effort of these URDFs, marked as a placeholder",
         effect=stall.value - joint.effort,
         cost="torque beyond that effort",
@@ -232,11 +230,9 @@ def _efficiency(
         says=f"eta_max {row.efficiency} at {row.gear_ratio}:1, from motor/gearbox data "
         "sheets",
         measures=f"eta_max, compared with actuator 3's {other.efficiency} at "
-        f"{other.gear_ratio}:1, carried to this gear ratio with the same loss in every "
-        "stage",
-        finding="The printed value is too high for the efficiency of a gearbox. It is "
-        "more likely the motor's.",
-        used="eta_max as the gearbox's efficiency; the alternative motor_efficiency of "
+        f"{other.gear_ratio}:1, with the same loss in every stage",
+        finding="This is too high for a gearbox. It is more likely the motor's.",
+        used="eta_max as the gearbox's; the alternative motor_efficiency of "
         "a5.uncertainty takes it as the motor's",
         effect=with_loss / row.efficiency.si - with_loss,
         cost="stall torque gained, if nothing is lost in the gearbox",
@@ -283,9 +279,8 @@ def _static_current(row: ActuatorRow, driver: DriverCurrents, source: str) -> Au
         measures="F / K_t, the current that overcomes friction, compared with the "
         "static current in edxmorgan's driver of 2026",
         finding=f"The driver has {1e3 * driver.forward.si:.0f} mA forward and "
-        f"{1e3 * driver.backward.si:.0f} mA backward, without a report of a "
-        f"measurement. At the joint that is a friction of "
-        f"{nearest * torque_per_ampere:.2f} N m, where F Gr is "
+        f"{1e3 * driver.backward.si:.0f} mA backward. At the joint that is a friction "
+        f"of {nearest * torque_per_ampere:.2f} N m, where F Gr is "
         f"{needed.value * torque_per_ampere:.2f} N m. Source: {source}.",
         used=_UNTIL_MEASURED,
         effect=abs(needed.value - nearest) * torque_per_ampere,

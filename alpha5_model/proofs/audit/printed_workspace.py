@@ -31,6 +31,8 @@ from alpha5_model.kinematics.half_plane import (
 from alpha5_model.kinematics.workspace import cross_section_area, revolved, volume
 from alpha5_model.numbers.parameters import parameters
 from alpha5_model.numbers.printed import published
+from alpha5_model.numbers.quantity import Quantity
+from alpha5_model.numbers.tables import Published
 
 __all__ = [
     "PublishedErrors",
@@ -91,34 +93,31 @@ def published_tori() -> tuple[Torus, Torus, Torus]:
 
     They contain 39.94 mm, where Table 1 has 40. d_3 is negative.
     """
-    row_0, _, row_2, row_3, _ = parameters().dh
-    elbow = published().elbow
-    numbers = published().workspace
-    return tori(
-        row_0.a,
-        row_0.d,
-        row_2.a,
-        row_3.d,
-        elbow.opposite.si,
-        elbow.adjacent.si,
-        numbers.inner_offset.si,
-        numbers.inner_length.si,
-        numbers.downward_drop.si,
-    )
+    return tori([number.si for number in printed_lengths(published())])
 
 
-def tori(
-    a_0: float,
-    d_0: float,
-    a_2: float,
-    d_3: float,
-    opposite: float,
-    adjacent: float,
-    inner_offset: float,
-    inner_length: float,
-    downward_drop: float,
-) -> tuple[Torus, Torus, Torus]:
-    """The three limits from lengths of Table 1, its caption and Section 1.2 [m]."""
+def printed_lengths(printed: Published) -> list[Quantity]:
+    """The printed lengths in the formulas of the tori.
+
+    Returns:
+        a_0, d_0, a_2, d_3 of Table 1, the two lengths of its elbow, and the three
+        numbers of Section 1.2.
+    """
+    row_0, _, row_2, row_3, _ = printed.table_1.rows
+    assert isinstance(row_0.a, Quantity)
+    assert isinstance(row_2.a, Quantity)
+    elbow = printed.elbow
+    torus = printed.workspace
+    return [
+        *(row_0.a, row_0.d, row_2.a, row_3.d),
+        *(elbow.opposite, elbow.adjacent),
+        *(torus.inner_offset, torus.inner_length, torus.downward_drop),
+    ]
+
+
+def tori(lengths: Sequence[float]) -> tuple[Torus, Torus, Torus]:
+    """The three limits for other lengths, in the order of `printed_lengths` [m]."""
+    a_0, d_0, a_2, d_3, opposite, adjacent, offset, length, drop = lengths
     outer = Torus(
         name="outer",
         center=(a_0, d_0),
@@ -128,14 +127,11 @@ def tori(
     inner = Torus(
         name="inner",
         center=(a_0, d_0),
-        radius=math.hypot(inner_offset + a_2, inner_length + d_3),
+        radius=math.hypot(offset + a_2, length + d_3),
         inside=False,
     )
     downward = Torus(
-        name="downward",
-        center=(a_0, d_0 - downward_drop),
-        radius=-d_3,
-        inside=False,
+        name="downward", center=(a_0, d_0 - drop), radius=-d_3, inside=False
     )
     return outer, inner, downward
 
