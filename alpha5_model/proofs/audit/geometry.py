@@ -82,7 +82,7 @@ def _frames(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
             unit="deg",
             place="Section 2.2",
             says="the inertial frames are aligned with the DH frames",
-            measures="largest angle between the two, if aligned means parallel",
+            measures="largest angle between the two frames, if aligned means parallel",
             finding="In Section 2, inertial frame {i} is turned by theta but not yet "
             "by alpha. The text is right if aligned means placed as Section 2 says.",
             used="the frames of Section 2",

@@ -191,8 +191,8 @@ def _stall(
         says="no current limit is printed",
         measures=f"stall torque K_t U / R Gr eta at {np.prod(si(supply)):.1f} V, "
         "compared with the effort in most public URDFs",
-        finding="At a lower voltage a joint misses its rated speed, so the arm must "
-        "have a current limit, which you have to give. Without eta, if it is the "
+        finding="A lower voltage would not give every joint its rated speed. So there "
+        "must be a current limit, which you have to give. Without eta, if it is the "
         f"motor's, the torque is {stall.value / row.efficiency.si:.1f} N m.",
         used="the effort of these URDFs, marked as a placeholder",
         effect=stall.value - joint.effort,

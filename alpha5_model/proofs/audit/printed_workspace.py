@@ -33,6 +33,7 @@ from alpha5_model.numbers.parameters import parameters
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.tables import Published
+from alpha5_model.proofs.audit.row import si
 
 __all__ = [
     "PublishedErrors",
@@ -93,7 +94,7 @@ def published_tori() -> tuple[Torus, Torus, Torus]:
 
     They contain 39.94 mm, where Table 1 has 40. d_3 is negative.
     """
-    return tori([number.si for number in printed_lengths(published())])
+    return tori(si(printed_lengths(published())))
 
 
 def printed_lengths(printed: Published) -> list[Quantity]:
@@ -115,7 +116,7 @@ def printed_lengths(printed: Published) -> list[Quantity]:
     ]
 
 
-def tori(lengths: Sequence[float]) -> tuple[Torus, Torus, Torus]:
+def tori(lengths: FloatArray) -> tuple[Torus, Torus, Torus]:
     """The three limits for other lengths, in the order of `printed_lengths` [m]."""
     a_0, d_0, a_2, d_3, opposite, adjacent, offset, length, drop = lengths
     outer = Torus(
@@ -150,17 +151,15 @@ def published_reachable(positions: ArrayLike) -> BoolArray:
     return in_tori(radius, target[..., 2])
 
 
-def in_tori(
-    radius: FloatArray, z: FloatArray, limits: Sequence[Torus] | None = None
-) -> BoolArray:
-    """Which points (R, z) [m] satisfy the three inequalities of Section 1.2, (...).
+def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
+    """Which points (R, z) [m] satisfy the three inequalities of Section 1.2, (...)."""
+    return _satisfied(published_tori(), *checks.together(radius=radius, z=z))
 
-    Args:
-        limits: Other tori than the printed ones.
-    """
-    radius, z = checks.together(radius=radius, z=z)
+
+def _satisfied(limits: Sequence[Torus], radius: FloatArray, z: FloatArray) -> BoolArray:
+    """Which points satisfy the inequalities of tori, (...)."""
     inside = np.ones(radius.shape, np.bool_)
-    for torus in published_tori() if limits is None else limits:
+    for torus in limits:
         center_radius, center_z = torus.center
         with np.errstate(over="ignore"):  # infinitely far is outside as well
             squared = (radius - center_radius) ** 2 + (z - center_z) ** 2
@@ -210,7 +209,7 @@ def difference(
         arcs += critical_arcs(geometry, pose)
 
     def differs(radius: FloatArray, z: FloatArray) -> BoolArray:
-        claimed = in_tori(radius, z, limits)
+        claimed = _satisfied(limits, radius, z)
         reached = contains(geometry, radius, z, side, limits=True)
         return np.asarray((claimed == published) & (reached != published))
 
