@@ -18,7 +18,7 @@ from changed_documents import DOCUMENT, SUPPLEMENTARY, audit_of, changed
 import alpha5_model as a5
 from alpha5_model.numbers.printed import parse
 from alpha5_model.numbers.quantity import Quantity
-from alpha5_model.proofs.audit import bodies, motors
+from alpha5_model.proofs.audit import bodies, geometry, motors
 from alpha5_model.proofs.audit.row import AuditRow, Figure, figure, judged
 
 #: I_Link of Table 2 (xx, yy, zz, xy, xz, yz), typed from the document. kg mm^2.
@@ -125,6 +125,28 @@ def test_no_last_bit_is_shown_or_judged() -> None:
     row = judged("a.b", Figure(0.1 * 3 * 1e-3, 4e-17), 0.3e-3, **words)
     assert (row.measured, row.expected, row.bound) == (0.3, 0.3, 0.0)
     assert row.verdict == "agrees"
+
+
+def test_other_last_bits_change_no_row(
+    rows: dict[str, AuditRow], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another processor rounds otherwise: each printed number is some 1e-16 off."""
+    nearest = Quantity.si.fget
+    rng = np.random.default_rng(1)
+    off = {}
+
+    def elsewhere(quantity: Quantity) -> float:
+        steps = off.setdefault(quantity, rng.integers(-4, 5))
+        return float(nearest(quantity) * (1 + 2.2e-16 * steps))
+
+    monkeypatch.setattr(Quantity, "si", property(elsewhere))
+    for row in (*audit_of(bodies.rows).values(), *audit_of(geometry.rows).values()):
+        here = dataclasses.asdict(rows[row.claim])
+        for name, value in dataclasses.asdict(row).items():
+            if isinstance(value, float):
+                assert value == pytest.approx(here[name], abs=2e-9), row.claim
+            else:
+                assert value == here[name], row.claim
 
 
 # --- Table 2 --------------------------------------------------------------------------
