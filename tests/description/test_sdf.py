@@ -222,7 +222,7 @@ def test_command_line_refuses_what_the_format_does_not_have(tmp_path, capsys):
     folder = str(tmp_path / "out")
     for arguments, option in (
         (["--format", "sdf", "--prefix", "l_"], "--prefix"),
-        (["--format", "sdf", "--drag"], "--drag"),
+        (["--format", "mjcf", "--prefix", "l_"], "attach"),
         (["--format", "sdf", "--buoyancy", "none"], "--buoyancy"),
         (["--format", "mjcf", "--sdf-version", "1.11"], "--sdf-version"),
         (["--format", "sdf", "--sdf-version", "1.10"], "SDF version"),
