@@ -8,6 +8,7 @@ import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
@@ -118,6 +119,14 @@ def test_options_add_and_remove_what_they_name():
         for angle in origin.get("rpy", "0").split()
     ]
     assert max(map(abs, angles)) == pytest.approx(math.pi)
+
+
+def test_a_mount_is_three_numbers_and_a_flag_one_truth():
+    with pytest.raises(InputError, match="xyz"):
+        Variant(parent="rov", xyz=np.zeros((2, 3)))
+    for name in ("dh_frames", "ros2_control"):
+        with pytest.raises(InputError, match=name):
+            Variant(**{name: np.zeros(4)})
 
 
 def test_corrections_turn_the_base_and_are_named():
