@@ -14,7 +14,6 @@ import yaml
 
 import alpha5_model as a5
 from alpha5_model._support.paths import REPOSITORY_PATH, XACRO_PATH
-from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.cli import main
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, urdf
@@ -22,7 +21,6 @@ from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.errors import (
     FileFormatError,
     InputError,
-    OutputError,
 )
 from alpha5_model.numbers.parameters import parameters
 
@@ -229,48 +227,6 @@ def test_a_broken_xacro_file_is_named(tmp_path):
     broken.write_text("<robot><oops></robot>")
     with pytest.raises(FileFormatError, match=r"broken\.xacro"):
         expand_xacro(broken)
-
-
-def test_atomic_write_leaves_the_old_file_when_it_fails(tmp_path, monkeypatch):
-    target = tmp_path / "file.txt"
-    atomic_write(target, "old")
-
-    def refuse(self, destination):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "replace", refuse)
-    with pytest.raises(OutputError, match="No space left"):
-        atomic_write(target, "new")
-    assert target.read_text() == "old"
-    assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
-
-
-def test_files_that_belong_together_are_written_all_or_none(tmp_path):
-    (tmp_path / "blocked").write_text("a file where a folder must stand")
-    first, second = tmp_path / "first.txt", tmp_path / "second.txt"
-    atomic_write(first, "old")
-    with pytest.raises(OutputError, match=r"third\.txt: a part of its path is a file"):
-        atomic_write_all(
-            {first: "new", second: "new", tmp_path / "blocked" / "third.txt": "new"}
-        )
-    assert first.read_text() == "old"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["blocked", "first.txt"]
-    atomic_write_all({first: "new", second: b"new"})
-    assert (first.read_text(), second.read_text()) == ("new", "new")
-
-
-@pytest.mark.parametrize(
-    "arguments", [["urdf", "arm.urdf"], ["mjcf", "."], ["sdf", "."]]
-)
-def test_generate_leaves_nothing_where_one_of_its_files_cannot_stand(
-    tmp_path, capsys, arguments
-):
-    kind, output = arguments
-    taken = {"urdf": "arm.urdf", "mjcf": "README.md", "sdf": "model.config"}[kind]
-    (tmp_path / taken).mkdir()
-    assert main(["generate", "--format", kind, "--output", str(tmp_path / output)]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
-    assert [path.name for path in tmp_path.iterdir()] == [taken]
 
 
 def test_a_parent_with_the_name_of_a_link_of_the_arm_is_refused():

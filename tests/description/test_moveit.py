@@ -92,27 +92,6 @@ def test_every_hardware_has_the_interfaces_of_the_controllers(hardware):
     assert sorted(claimed) == sorted(joint.get("name") for joint in joints)
 
 
-def test_the_srdf_leaves_as_many_pairs_of_shapes_as_the_guide_says():
-    counts = []
-    for name in GRIPPERS.values():
-        path = REPOSITORY / "urdf" / f"{name}.urdf"
-        model = pin.buildModelFromUrdf(str(path))
-        shapes = pin.buildGeomFromUrdf(model, str(path), pin.GeometryType.COLLISION)
-        shapes.addAllCollisionPairs()
-        counts += [len(shapes.geometryObjects), len(shapes.collisionPairs)]
-        srdf = str(path.with_suffix(".srdf"))
-        pin.removeCollisionPairs(model, shapes, srdf, False)
-        counts.append(len(shapes.collisionPairs))
-    of_locked, locked, left, of_jaws, jaws, left_with_jaws = counts
-    assert of_locked == of_jaws
-    said = (
-        f"The {of_locked} collision shapes make {locked} pairs on different links. "
-        f"{left} of them are left to check; with jaws, {left_with_jaws} of {jaws}."
-    )
-    guide = (REPOSITORY / "docs" / "guides" / "ros.md").read_text("utf-8")
-    assert said in " ".join(guide.split())
-
-
 def test_the_guides_goal_is_a_motion_that_the_controller_takes(tmp_path, monkeypatch):
     """Its joints, times, rest at the end, and what lies between the points.
 
