@@ -14,11 +14,15 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, count
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.inertia import second_moments
-from alpha5_model.numbers.loaded_links import loaded_links
-from alpha5_model.numbers.parameters import Alpha5Parameters, LinkParameters
+from alpha5_model.numbers.jaws import loaded_links
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    LinkParameters,
+    chosen_arm,
+    is_catalogue,
+)
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.proofs.comparison.bodies import bodies_of, findings_of_bodies
 from alpha5_model.proofs.comparison.corrections import angle_between, tool_matrix

@@ -15,8 +15,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, wrap
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.geometry.exported_shapes import exported_primitives
-from alpha5_model.numbers.chosen_arm import is_catalogue
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
 from alpha5_model.proofs.comparison.corrections import (
     LEVER,
     LIMIT_TOLERANCE,
@@ -31,7 +30,6 @@ from alpha5_model.proofs.comparison.corrections import (
 from alpha5_model.proofs.comparison.described import Described
 from alpha5_model.proofs.comparison.model import AXES
 from alpha5_model.proofs.comparison.reduced import (
-    Dimensions,
     FourJoints,
     Reduced,
     Z,
@@ -297,7 +295,9 @@ def _dimensions(evidence: Evidence) -> Iterator[Finding]:
 def _tip_shift(evidence: Evidence, arm: FourJoints) -> float:
     """How far our tool moves if our arm is replaced by another [m]."""
     tool = tool_matrix(evidence.record)[:, 3]
-    shifts = (arm.wrist_poses(evidence.q) - evidence.ours.wrist_poses(evidence.q)) @ tool
+    shifts = (
+        arm.wrist_poses(evidence.q) - evidence.ours.wrist_poses(evidence.q)
+    ) @ tool
     return float(np.linalg.norm(shifts, axis=1).max())
 
 
