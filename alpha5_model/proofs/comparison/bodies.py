@@ -10,7 +10,10 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved
 from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
+from alpha5_model.proofs.comparison.corrections import angle_between
+from alpha5_model.proofs.comparison.described import describe_like
 from alpha5_model.proofs.comparison.differences import Evidence
+from alpha5_model.proofs.comparison.digits import rounded_origins
 from alpha5_model.proofs.comparison.mistakes import (
     Body,
     Digits,
@@ -30,6 +33,8 @@ from alpha5_model.proofs.comparison.result import (
 REACH = 0.6  # [m]
 #: A lighter link is a dummy: some tools ask for a mass on every link.
 TOKEN_MASS = 1e-3  # [kg]
+#: Joint origins that are rounded by less misplace no body [m].
+NEGLIGIBLE = 1e-7
 #: Radius of gyration of a dummy that needs an inertia because a joint moves it [m].
 TOKEN_RADIUS = 0.003
 
@@ -56,10 +61,34 @@ def bodies_of(evidence: Evidence) -> tuple[BodyDifference, ...]:
 
 def findings_of_bodies(evidence: Evidence) -> Iterator[Finding]:
     """What is wrong with the bodies, base to tip."""
-    digits = digits_of(evidence.other)._replace(**evidence.rounding._asdict())
+    written = digits_of(evidence.other)
+    lengths, angles = _misplaced_by_rounding(evidence)
     regressor = evidence.ours.gravity_regressor(evidence.q)
     for k, body in enumerate(bodies_of(evidence)):
+        digits = written._replace(length=lengths[k], angle=angles[k])
         yield from _findings_of_body(evidence, k, body, digits, regressor)
+
+
+def _misplaced_by_rounding(evidence: Evidence) -> tuple[list[float], list[float]]:
+    """By how much rounded joint origins shift [m] and turn [rad] the five bodies.
+
+    Each number of an origin is changed by half of its last decimal place, and what that
+    does to the bodies is added in quadrature.
+    """
+    lengths = np.zeros(5)
+    angles = np.zeros(5)
+    if evidence.meant.digits.length > NEGLIGIBLE:
+        like = evidence.described
+        for joint in rounded_origins(evidence.meant.way):
+            rounded = evidence.reduced_with(joint)
+            placed = describe_like(rounded, evidence.record, like).placed
+            shift = placed[:, :3, 3] - like.placed[:, :3, 3]
+            lengths += np.square(shift).sum(axis=1)
+            turned = [
+                angle_between(*poses) for poses in zip(placed, like.placed, strict=True)
+            ]
+            angles += np.square(turned)
+    return np.sqrt(lengths).tolist(), np.sqrt(angles).tolist()
 
 
 def _findings_of_body(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -21,6 +21,7 @@ from alpha5_model.proofs.comparison.corrections import (
     LIMIT_TOLERANCE,
     RightJoint,
     angle_between,
+    origin_attributes,
     right_joints,
     right_tool,
     seems_in_degrees,
@@ -28,6 +29,7 @@ from alpha5_model.proofs.comparison.corrections import (
     velocity_differs,
 )
 from alpha5_model.proofs.comparison.described import Described
+from alpha5_model.proofs.comparison.joint_mistakes import JointMistake
 from alpha5_model.proofs.comparison.model import AXES
 from alpha5_model.proofs.comparison.reduced import (
     FourJoints,
@@ -35,6 +37,7 @@ from alpha5_model.proofs.comparison.reduced import (
     Z,
     dimensions_of,
     our_arm,
+    reduce,
 )
 from alpha5_model.proofs.comparison.result import Correction, Finding, finding
 
@@ -70,9 +73,12 @@ class Evidence:
         arm: Our arm as its record is.
         record: Our arm with what it carries as part of its links.
         other: The other model as it is written.
-        meant: It as it is meant, with exact multiples of pi, reduced.
+        robot: It as it is meant: in m and rad, with exact multiples of pi.
+        mistakes: Mistakes in its joints that are mended there.
+        meant: It as it is meant, reduced.
         written: It as it is written, reduced.
         described: It in our terms.
+        base: The first link of its arm; None if its mass shows it.
         folder: Where its meshes are; None if unknown.
         q: Our joint positions at which costs are evaluated, (N, 4) [rad].
     """
@@ -80,9 +86,12 @@ class Evidence:
     arm: Alpha5Parameters
     record: Alpha5Parameters
     other: UrdfRobot
+    robot: UrdfRobot
+    mistakes: Sequence[JointMistake]
     meant: Reduced
     written: Reduced
     described: Described
+    base: str | None
     folder: Path | None
     q: FloatArray
 
@@ -129,9 +138,22 @@ class Evidence:
         """How the joint of the tool frame has to be, if there is one."""
         return right_tool(self.other, self.meant, self.described, self.record)
 
+    @cached_property
+    def axis_of(self) -> dict[str, str]:
+        """Their joint name -> ours."""
+        names = [joint.name for joint in self.meant.joints]
+        return dict(zip(names, AXES, strict=True))
+
     def correction(self, joint: int) -> Correction | None:
         """What to write in place of one of the four joints; None if it is right."""
         return self.right_joints[joint].correction
+
+    def reduced_with(self, joint: UrdfJoint) -> Reduced:
+        """The other model with one joint changed, reduced."""
+        joints = {**self.robot.joints, joint.name: joint}
+        four = tuple(joints[one.name] for one in self.meant.joints)
+        robot = replace(self.robot, joints=joints)
+        return reduce(robot, four, self.record, self.base)
 
     def torque_change(self, arm: FourJoints, q: FloatArray) -> float:
         """Largest difference of gravity torques in air from our arm's [N m].
@@ -146,8 +168,8 @@ class Evidence:
 
 def differences(evidence: Evidence) -> Iterator[Finding]:
     """Everything but the bodies that is wrong or odd, from the base on."""
-    found = [*_shoulder(evidence), *_zeros(evidence), *_dimensions(evidence)]
-    found += _tool(evidence)
+    found = [*_joint_mistakes(evidence), *_shoulder(evidence), *_zeros(evidence)]
+    found += [*_dimensions(evidence), *_tool(evidence)]
     yield from _mount(evidence)
     yield from _carried(evidence)
     yield from found
@@ -232,6 +254,27 @@ def _shoulder(evidence: Evidence) -> Iterator[Finding]:
 
 
 # --- Axes -----------------------------------------------------------------------------
+
+
+def _joint_mistakes(evidence: Evidence) -> Iterator[Finding]:
+    """Joints in millimetres, in degrees or about another axis."""
+    right_joints = {right.joint.name: right for right in evidence.right_joints}
+    if evidence.right_tool:
+        right_joints[evidence.right_tool.joint.name] = evidence.right_tool
+    for mistake in evidence.mistakes:
+        name = mistake.right.name
+        if name in right_joints:
+            correction = right_joints[name].correction
+        else:
+            origin = origin_attributes(mistake.right.transform)
+            correction = Correction("joint", name, {"origin": origin})
+        where = evidence.axis_of.get(name, name)
+        yield finding(
+            f"joint.{mistake.id}",
+            where=where,
+            words=mistake.words,
+            corrections=[correction],
+        )
 
 
 def _zeros(evidence: Evidence) -> Iterator[Finding]:

@@ -204,7 +204,8 @@ class Reduced(FourJoints):
             0 is the root.
         base_path: Links from the root to the one that axis_e turns in.
         foreign: Links that do not move against the root and are not the arm's.
-        digits: Rounding of the joint origins from the arm's base to the wrist.
+        way: The joints from the arm's base to the wrist.
+        digits: Rounding of their origins.
         tool: Link fixed to the last body that is named like a tool; empty if none.
         volume: Of the collision primitives of the arm [m^3].
         shape_centres: Their centroid in each body's frame, (5, 3) [m]; NaN without any.
@@ -215,6 +216,7 @@ class Reduced(FourJoints):
     link_poses: dict[str, FloatArray]
     base_path: tuple[str, ...]
     foreign: tuple[str, ...]
+    way: tuple[UrdfJoint, ...]
     digits: Rounding
     tool: str
     volume: float
@@ -276,7 +278,7 @@ def reduce(
 
     way = path_to(robot, joints[-1].child)
     first = next((name for name in base_path if name in base), base_path[-1])
-    behind_first = way[way.index(first) + 1 :]
+    behind_first = _joints_to(robot, way[way.index(first) + 1 :])
     return Reduced(
         placements=np.array(placements),
         axes=np.array([joint.axis for joint in joints]),
@@ -288,7 +290,8 @@ def reduce(
         link_poses=pose,
         base_path=base_path,
         foreign=tuple(name for name in still if name not in base),
-        digits=last_digits(_joints_to(robot, behind_first)),
+        way=tuple(behind_first),
+        digits=last_digits(behind_first),
         tool=_tool_link(robot, joints[-1].child),
         volume=sum(robot.links[name].volume for name in itertools.chain(*groups)),
         shape_centres=np.array(centres),
