@@ -174,7 +174,7 @@ def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
 def _is_dummy(part: Part) -> bool:
     """Whether a link's inertia is far too large for its mass."""
     largest = float(np.abs(part.body.inertia).max())
-    return 0 < part.body.mass and largest > REACH**2 * part.body.mass
+    return part.body.mass > 0 and largest > REACH**2 * part.body.mass
 
 
 def _without_dummies(parts: Sequence[Part], moving: set[str]) -> list[Part]:
