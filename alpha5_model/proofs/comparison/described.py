@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, rotation_about, transform, wrap
 from alpha5_model.numbers.inertia import rotate_tensor
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tool import tool_of
+from alpha5_model.numbers.pose import tool_of
 from alpha5_model.proofs.comparison.model import foot
 from alpha5_model.proofs.comparison.reduced import (
     Dimensions,
@@ -38,6 +38,8 @@ SAME_FRAME = 0.05  # [m]
 SAME_COM = 0.02  # [m]
 #: A smaller zero counts as ours.
 SAME_ZERO = 0.005  # [rad]
+#: A smaller error of a dimension is rounding [m, rad].
+ROUNDING = 1e-9
 #: From this distance on, a misplaced body, tool or shape counts in full.
 FULL_SCORE_AT = 0.05  # [m]
 #: The wrist is taken as rolled if its body then fits this many times better.
@@ -81,6 +83,21 @@ class Described:
     def theirs(self, q: FloatArray) -> FloatArray:
         """The other model's joint positions for ours."""
         return self.sign * q + self.zero
+
+    def as_dict(self) -> dict[str, Any]:
+        """Base, signs, zeros and dimensions, for JSON."""
+        return {
+            "base": self.base,
+            "base_link": self.base_link,
+            "sign": self.sign,
+            "zero_rad": self.zero,
+            "dimensions": self.dimensions._asdict(),
+            "dimension_error": {
+                name: change
+                for name, change in self.changes._asdict().items()
+                if abs(change) > ROUNDING
+            },
+        }
 
 
 def describe(theirs: Reduced, record: Alpha5Parameters) -> Described:

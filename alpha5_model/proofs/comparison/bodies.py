@@ -1,0 +1,325 @@
+"""What is wrong with another model's bodies, what it costs, what to write instead."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import moved
+from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
+from alpha5_model.proofs.comparison.differences import Evidence
+from alpha5_model.proofs.comparison.mistakes import (
+    Body,
+    Digits,
+    Part,
+    WrongNumber,
+    digits_of,
+    wrong_numbers,
+)
+from alpha5_model.proofs.comparison.result import (
+    BodyDifference,
+    Correction,
+    Finding,
+    finding,
+)
+
+#: The arm stretched out, base to finger tips: no part of it is larger.
+REACH = 0.6  # [m]
+#: A lighter link is a dummy: some tools ask for a mass on every link.
+TOKEN_MASS = 1e-3  # [kg]
+#: Radius of gyration of a dummy that needs an inertia because a joint moves it [m].
+TOKEN_RADIUS = 0.003
+
+#: Errors of mass [kg] and first moment (3,) [kg m] -> the gravity torque that they
+#: cause [N m].
+Cost = Callable[[float, FloatArray], float]
+
+
+def bodies_of(evidence: Evidence) -> tuple[BodyDifference, ...]:
+    """The bodies of the other arm, each with ours."""
+    described = evidence.described
+    return tuple(
+        BodyDifference(
+            name=link.name,
+            links=evidence.meant.links[k],
+            mass=float(evidence.meant.mass[k]),
+            com=described.coms[k],
+            inertia=described.inertias[k],
+            ours=link,
+        )
+        for k, link in enumerate(evidence.record.links)
+    )
+
+
+def findings_of_bodies(evidence: Evidence) -> Iterator[Finding]:
+    """What is wrong with the bodies, base to tip."""
+    digits = digits_of(evidence.other)._replace(**evidence.rounding._asdict())
+    regressor = evidence.ours.gravity_regressor(evidence.q)
+    for k, body in enumerate(bodies_of(evidence)):
+        yield from _findings_of_body(evidence, k, body, digits, regressor)
+
+
+def _findings_of_body(
+    evidence: Evidence,
+    k: int,
+    body: BodyDifference,
+    digits: Digits,
+    regressor: FloatArray,
+) -> Iterator[Finding]:
+    """What is wrong with one body.
+
+    Args:
+        evidence: Both arms.
+        k: 0 for link_0 to 4 for link_4.
+        body: Theirs, compared with ours.
+        digits: Of the file's inertials.
+        regressor: See `FourJoints.gravity_regressor`.
+    """
+
+    def cost(mass: float, first_moment: FloatArray) -> float:
+        if k == 0:  # no joint carries the base
+            return 0.0
+        torques = regressor[:, :, k - 1] @ [mass, *first_moment]
+        return float(np.abs(torques).max())
+
+    missing_cost = cost(body.mass_error, body.mass_error * body.ours.com)
+    if not body.links:
+        yield finding("body.missing", where=body.name, cost=missing_cost)
+        return
+
+    parts = _parts(evidence, k, body.links)
+    joints = evidence.other.joints.values()
+    moving = {joint.child for joint in joints if joint.kind != "fixed"}
+    yield from _dummies(body.name, parts, moving)
+    parts = _without_dummies(parts, moving)
+    bare = _bare_links(evidence, body)
+    if not sum(part.body.mass for part in parts):
+        yield _without_mass(evidence, k, body, bare, missing_cost)
+        return
+    if bare:
+        yield finding("body.partly", where=body.name, links=", ".join(bare))
+
+    wrong = wrong_numbers(evidence.arm, k, parts, digits)
+    by_link = {part.link: part for part in parts}
+    for number in wrong:
+        part = by_link[number.link]
+        yield _wrong(body, number, part, len(parts) > 1, moving, cost)
+    if wrong:
+        yield from _impossible(body)
+
+
+def _parts(evidence: Evidence, k: int, names: Sequence[str]) -> list[Part]:
+    """The links of a body that have an ``<inertial>``."""
+    parts = []
+    for name in names:
+        link = evidence.other.links[name]
+        if link.mass is not None:
+            parts.append(
+                Part(
+                    link=name,
+                    body=Body(mass=link.mass, com=link.com, inertia=link.inertia),
+                    pose=evidence.described.placed[k] @ evidence.meant.link_poses[name],
+                )
+            )
+    return parts
+
+
+def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
+    """Names of the links of a body without an inertial.
+
+    KDL allows none on the root, so the root counts only if the body has no mass at all.
+    """
+    links = evidence.other.links
+    bare = [name for name in body.links if links[name].mass is None]
+    if body.mass:
+        bare = [name for name in bare if name != evidence.other.root]
+    return bare
+
+
+# --- Dummies --------------------------------------------------------------------------
+
+
+def _is_dummy(part: Part) -> bool:
+    """Whether a link's inertia is far too large for its mass."""
+    largest = float(np.abs(part.body.inertia).max())
+    return 0 < part.body.mass and largest > REACH**2 * part.body.mass
+
+
+def _without_dummies(parts: Sequence[Part], moving: set[str]) -> list[Part]:
+    """The links that are no dummies, and dummies as they should be."""
+    kept = []
+    for part in parts:
+        if not _is_dummy(part) or part.body.mass > TOKEN_MASS:
+            kept.append(part)
+        elif part.link in moving:
+            tensor = part.body.mass * TOKEN_RADIUS**2 * np.eye(3)
+            kept.append(part._replace(body=part.body._replace(inertia=tensor)))
+    return kept
+
+
+def _dummies(name: str, parts: Sequence[Part], moving: set[str]) -> Iterator[Finding]:
+    """Links whose inertia is far too large for their mass, equal ones together."""
+    equal: dict[tuple[float, float], list[str]] = {}
+    for part in parts:
+        if _is_dummy(part):
+            largest = float(np.abs(part.body.inertia).max())
+            equal.setdefault((part.body.mass, largest), []).append(part.link)
+
+    for (mass, largest), links in equal.items():
+        several = len(links) > 1
+        # A heavy dummy needs a tensor, a light one needs none: two findings.
+        is_light = mass <= TOKEN_MASS
+        corrections = [_lighter(link, mass, link in moving) for link in links]
+        yield finding(
+            "dummy" if is_light else "dummy.heavy",
+            where=name,
+            links=", ".join(links),
+            s="s" if several else "",
+            have="have" if several else "has",
+            grams=mass * 1e3,
+            inertia=largest,
+            radius=math.sqrt(largest / mass),
+            corrections=corrections if is_light else (),
+        )
+
+
+def _lighter(link: str, mass: float, moves: bool) -> Correction:
+    """What to write in a dummy: MuJoCo needs an inertia where a joint moves."""
+    if not moves:
+        return Correction("link", link, {"inertial": None})
+    moment = f"{mass * TOKEN_RADIUS**2:.6g}"
+    tensor = dict.fromkeys(("ixx", "iyy", "izz"), moment)
+    tensor |= dict.fromkeys(("ixy", "ixz", "iyz"), "0")
+    return Correction("link", link, {"inertia": tensor})
+
+
+# --- Wrong numbers --------------------------------------------------------------------
+
+
+def _wrong(
+    body: BodyDifference,
+    number: WrongNumber,
+    part: Part,
+    is_part: bool,
+    moving: set[str],
+    cost: Cost,
+) -> Finding:
+    """The finding of one wrong number.
+
+    Args:
+        body: The body.
+        number: What is wrong.
+        part: Its link as it is written.
+        is_part: Whether other links belong to the body, too.
+        moving: Links that a joint moves.
+        cost: Gravity torque of errors of mass and first moment.
+    """
+    right = number.right
+    written = part.body
+    reason = f": {number.mistake.words}" if number.mistake else ""
+    link = f" of {number.link}" if is_part else ""
+    corrections = [right_inertial(number.link, right, number.quantity)]
+    corrections += [_emptied(name, name in moving) for name in number.emptied]
+    common = {"where": body.name, "corrections": corrections, "link": link}
+    if number.quantity == "mass":
+        error = written.mass - right.mass
+        return finding(
+            "body.mass",
+            **common,
+            cost=cost(error, error * moved(part.pose, right.com)),
+            mass=written.mass,
+            ours=right.mass,
+            reason=reason or f" ({written.mass / right.mass:.3g} times)",
+        )
+    if number.quantity == "com":
+        shift = part.pose[:3, :3] @ (written.com - right.com)
+        return finding(
+            "body.com",
+            **common,
+            cost=cost(0.0, right.mass * shift),
+            off=float(np.linalg.norm(shift)) * 1e3,
+            reason=reason,
+        )
+    difference = np.abs(written.inertia - right.inertia)
+    i, j = sorted(np.unravel_index(difference.argmax(), (3, 3)))
+    return finding(
+        "body.inertia",
+        **common,
+        element=f"i{'xyz'[i]}{'xyz'[j]}",
+        theirs=written.inertia[i, j],
+        ours=right.inertia[i, j],
+        reason=reason,
+    )
+
+
+def right_inertial(link: str, right: Body, quantity: str = "") -> Correction:
+    """A link's inertial, or its mass, or COM with tensor, to write in its place.
+
+    COM and tensor come together, since the axes of the origin turn the tensor.
+
+    Args:
+        link: Its name.
+        right: In its own frame.
+        quantity: ``mass``, ``com`` or ``inertia``; everything if empty.
+    """
+    elements: dict[str, Mapping[str, str] | None] = {}
+    if quantity in ("", "mass"):
+        elements["mass"] = {"value": f"{right.mass:.9g}"}
+    if quantity != "mass":
+        com = right.com.round(9) + 0.0
+        tensor = right.inertia.round(14) + 0.0
+        xyz = " ".join(f"{x:.9g}" for x in com)
+        elements["origin"] = {"xyz": xyz, "rpy": "0 0 0"}
+        upper_half = zip(*np.triu_indices(3), strict=True)
+        elements["inertia"] = {
+            f"i{'xyz'[i]}{'xyz'[j]}": f"{tensor[i, j]:.9g}" for i, j in upper_half
+        }
+    return Correction("link", link, elements)
+
+
+def _emptied(link: str, moves: bool) -> Correction:
+    """A link whose mass is given to another one; a joint still needs something."""
+    if not moves:
+        return Correction("link", link, {"inertial": None})
+    token = Body(mass=1e-6, com=np.zeros(3), inertia=1e-6 * TOKEN_RADIUS**2 * np.eye(3))
+    return right_inertial(link, token)
+
+
+def _without_mass(
+    evidence: Evidence,
+    k: int,
+    body: BodyDifference,
+    bare: Sequence[str],
+    cost: float,
+) -> Finding:
+    """A body without mass, or without any inertial."""
+    ours = body.ours
+    link = body.links[0]
+    pose = evidence.described.placed[k] @ evidence.meant.link_poses[link]
+    to_link = np.linalg.inv(pose)
+    right = Body(
+        mass=ours.mass,
+        com=moved(to_link, ours.com),
+        inertia=rotate_tensor(to_link[:3, :3], ours.inertia),
+    )
+    return finding(
+        "body.without_inertial" if bare else "body.without_mass",
+        where=body.name,
+        cost=cost,
+        links=", ".join(bare),
+        ours=ours.mass,
+        corrections=[right_inertial(link, right)],
+    )
+
+
+def _impossible(body: BodyDifference) -> Iterator[Finding]:
+    """What makes the body physically impossible."""
+    ours = body.ours
+    # One body of Table 2 breaks its own bounds: the other model may do so, too.
+    ours_breaks = inconsistencies(ours.mass, ours.com, ours.inertia, ours.bounds)
+    bounds = None if ours_breaks else ours.bounds
+    for problem in inconsistencies(body.mass, body.com, body.inertia, bounds):
+        yield finding("body.impossible", where=body.name, problem=problem)
