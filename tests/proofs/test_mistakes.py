@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import math
 from pathlib import Path
 
 import damaged_models as dm
@@ -33,10 +32,9 @@ name = "longer_arm"
 parent = "vehicle"
 xyz = {value = [210, 40, -85], unit = "mm"}
 rpy = {value = [180, 0, 30], unit = "deg"}
-[dh.link_0]
-a = {value = 26, unit = "mm"}
-[dh.link_1]
-a = {value = 190, unit = "mm"}
+[lengths]
+a_0 = {value = 26, unit = "mm"}
+a_1 = {value = 190, unit = "mm"}
 [links.link_2]
 mass = {value = 341, unit = "g"}
 com = {value = [81.5, 2.25, -1.125], unit = "mm"}
@@ -178,7 +176,7 @@ def test_an_undamaged_file_agrees(name: str, tmp_path: Path) -> None:
 
 
 def test_no_mistake_is_named_for_random_numbers(tmp_path: Path) -> None:
-    """The judge sees a wrong model: whatever gives no number of the table is unnamed."""
+    """The judge sees a wrong name: what no mistake gives is found, but not named."""
     rng = np.random.default_rng(3)
     one = arm("locked")
     for _ in range(5):

@@ -317,7 +317,7 @@ def of_joints(root: ET.Element) -> Iterator[Damage]:
             yield Damage("exchanged_axis", name, "axis", np.array([y, z, x]))
 
 
-# ------------------------------------------------------------------------------ the list
+# ----------------------------------------------------------------------------- the list
 
 
 def single_mistakes(

@@ -145,7 +145,7 @@ def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
 def _is_dummy(part: Part) -> bool:
     """Whether a link's inertia is far too large for its mass."""
     largest = float(np.abs(part.body.inertia).max())
-    return 0 < part.body.mass and largest > REACH**2 * part.body.mass
+    return part.body.mass > 0 and largest > REACH**2 * part.body.mass
 
 
 def _without_dummies(parts: Sequence[Part], moving: set[str]) -> list[Part]:
@@ -223,7 +223,12 @@ def _wrong(
     link = f" of {number.link}" if is_part else ""
     corrections = [right_inertial(number.link, right, number.quantity)]
     corrections += [_emptied(name, name in moving) for name in number.emptied]
-    common = {"where": body.name, "corrections": corrections, "link": link}
+    common = {
+        "where": body.name,
+        "corrections": corrections,
+        "mistake": number.mistake.id if number.mistake else "",
+        "link": link,
+    }
     if number.quantity == "mass":
         error = written.mass - right.mass
         return finding(

@@ -33,6 +33,7 @@ from alpha5_model.proofs.comparison.differences import (
     tool_in_wrist,
 )
 from alpha5_model.proofs.comparison.digits import as_meant
+from alpha5_model.proofs.comparison.joint_mistakes import without_joint_mistakes
 from alpha5_model.proofs.comparison.model import (
     TURNING,
     Chain,
@@ -125,7 +126,8 @@ def compare_robots(
         raise InputError("corrections", own.corrections, expected)
     record = compared_record(own)
     against = "" if is_catalogue(own) else own.name
-    meant = as_meant(other)
+    mended, slips = without_joint_mistakes(other, record, names)
+    meant = as_meant(mended)
     chains = find_chains(meant, record, names)
     if not chains or not chains[0].is_ours:
         why = _another_arm(record, other, chains)
@@ -137,8 +139,9 @@ def compare_robots(
         record=record,
         other=other,
         meant=model.reduced,
-        written=_as_written(other, model, record),
+        written=_as_written(other, model, record, bool(slips)),
         described=model.described,
+        slips=tuple(slips),
         folder=folder,
         q=random_positions(record, number),
     )
@@ -192,9 +195,18 @@ def reduce_and_describe(
     return Model(reduced=reduced, described=described, base=base)
 
 
-def _as_written(other: UrdfRobot, model: Model, record: Alpha5Parameters) -> Reduced:
-    """The other model, reduced, with its multiples of pi as they are written."""
-    if not model.reduced.digits.pi:
+def _as_written(
+    other: UrdfRobot, model: Model, record: Alpha5Parameters, has_slips: bool
+) -> Reduced:
+    """The other model, reduced, with its joints as they are written.
+
+    Args:
+        other: The model as it is written.
+        model: It as it is meant.
+        record: Our arm.
+        has_slips: Whether mistakes in its joints were mended.
+    """
+    if not (model.reduced.digits.pi or has_slips):
         return model.reduced
     joints = tuple(other.joints[joint.name] for joint in model.reduced.joints)
     return reduce(other, joints, record, model.base)

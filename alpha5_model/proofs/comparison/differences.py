@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -15,12 +15,14 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, wrap
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.geometry.exported_shapes import exported_primitives
+from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
 from alpha5_model.proofs.comparison.corrections import (
     LEVER,
     LIMIT_TOLERANCE,
     RightJoint,
     angle_between,
+    origin_attributes,
     right_joints,
     right_tool,
     seems_in_degrees,
@@ -28,6 +30,7 @@ from alpha5_model.proofs.comparison.corrections import (
     velocity_differs,
 )
 from alpha5_model.proofs.comparison.described import Described
+from alpha5_model.proofs.comparison.joint_mistakes import JointMistake
 from alpha5_model.proofs.comparison.model import AXES
 from alpha5_model.proofs.comparison.reduced import (
     FourJoints,
@@ -73,6 +76,7 @@ class Evidence:
         meant: It as it is meant, with exact multiples of pi, reduced.
         written: It as it is written, reduced.
         described: It in our terms.
+        slips: Mistakes in joints that were mended before, see `joint_mistakes`.
         folder: Where its meshes are; None if unknown.
         q: Our joint positions at which costs are evaluated, (N, 4) [rad].
     """
@@ -83,6 +87,7 @@ class Evidence:
     meant: Reduced
     written: Reduced
     described: Described
+    slips: tuple[JointMistake, ...]
     folder: Path | None
     q: FloatArray
 
@@ -146,8 +151,8 @@ class Evidence:
 
 def differences(evidence: Evidence) -> Iterator[Finding]:
     """Everything but the bodies that is wrong or odd, from the base on."""
-    found = [*_shoulder(evidence), *_zeros(evidence), *_dimensions(evidence)]
-    found += _tool(evidence)
+    found = [*_slips(evidence), *_shoulder(evidence), *_zeros(evidence)]
+    found += [*_dimensions(evidence), *_tool(evidence)]
     yield from _mount(evidence)
     yield from _carried(evidence)
     yield from found
@@ -232,6 +237,53 @@ def _shoulder(evidence: Evidence) -> Iterator[Finding]:
 
 
 # --- Axes -----------------------------------------------------------------------------
+
+
+def _slips(evidence: Evidence) -> Iterator[Finding]:
+    """Millimetres, degrees and exchanged axes."""
+    names = [joint.name for joint in evidence.meant.joints]
+    for slip in evidence.slips:
+        name = slip.written.name
+        where = AXES[names.index(name)] if name in names else name
+        yield finding(
+            f"joint.{slip.id}",
+            where=where,
+            cost=_slip_cost(evidence, slip),
+            corrections=[_slip_correction(evidence, slip)],
+            mistake=slip.id,
+            was="xyz"[int(np.abs(slip.written.axis).argmax())],
+            meant="xyz"[int(np.abs(slip.right.axis).argmax())],
+        )
+
+
+def _slip_correction(evidence: Evidence, slip: JointMistake) -> Correction | None:
+    """The line to write: that of the joint in our arm, if ours has such a joint."""
+    for right in (*evidence.right_joints, evidence.right_tool):
+        if right is not None and right.joint.name == slip.written.name:
+            return right.correction
+    origin = origin_attributes(slip.right.transform)
+    return Correction("joint", slip.written.name, {"origin": origin})
+
+
+def _slip_cost(evidence: Evidence, slip: JointMistake) -> float:
+    """Gravity torque that one mistake in a joint changes [N m]."""
+    meant = evidence.meant
+    names = [joint.name for joint in meant.joints]
+    if slip.written.name not in names:
+        return 0.0
+    k = names.index(slip.written.name)
+    placements = meant.placements.copy()
+    axes = meant.axes.copy()
+    if slip.id == "exchanged_axis":
+        axes[k] = slip.written.axis
+    else:
+        to_parent = placements[k] @ np.linalg.inv(slip.right.transform)
+        placements[k] = to_parent @ slip.written.transform
+    wrong = replace(meant, placements=placements, axes=axes)
+    there = evidence.described.theirs(evidence.q)
+    down = evidence.described.base[:3, :3].T @ GRAVITY
+    change = wrong.gravity_torque(there, down) - meant.gravity_torque(there, down)
+    return float(np.abs(change).max())
 
 
 def _zeros(evidence: Evidence) -> Iterator[Finding]:

@@ -692,7 +692,8 @@ class _Tolerance:
         half = np.minimum(
             self._precision.half_digit(written), MOST[self.quantity] * unit
         )
-        least = (LEAST[self.quantity] + self._slack) * unit
+        # The slack follows from written numbers, so it is in their unit already.
+        least = LEAST[self.quantity] * unit + self._slack
         return bool((np.abs(computed - written) <= half + least).all())
 
 
