@@ -103,7 +103,7 @@ def arm_of_robot(
     An arm whose joints are named as ours, or by the caller, may have any lengths.
     """
     catalogue = chosen_arm(None)
-    mended, mistakes = without_joint_mistakes(other, catalogue, names)
+    mended, slips = without_joint_mistakes(other, catalogue, names)
     meant = as_meant(mended)
     chains = find_chains(meant, catalogue, names)
     is_named = chains and (chains[0].named_as_ours == 4 or len(names or {}) == 4)
@@ -123,7 +123,7 @@ def arm_of_robot(
         joints=_joints(catalogue, theirs, described, zeros),
         name=_plain(other.name, "arm"),
     )
-    left_out = [f"{one.right.name}: {one.words}" for one in mistakes]
+    left_out = [f"warning: {one.written.name} was mended: {one.id}" for one in slips]
     left_out += _notes_on_axes(catalogue, described, d_0)
     left_out += _notes_on_bodies(catalogue, theirs, described, links)
     left_out += _notes_on_limits(catalogue, theirs, described)

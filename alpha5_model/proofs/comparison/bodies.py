@@ -252,7 +252,12 @@ def _wrong(
     link = f" of {number.link}" if is_part else ""
     corrections = [right_inertial(number.link, right, number.quantity)]
     corrections += [_emptied(name, name in moving) for name in number.emptied]
-    common = {"where": body.name, "corrections": corrections, "link": link}
+    common = {
+        "where": body.name,
+        "corrections": corrections,
+        "mistake": number.mistake.id if number.mistake else "",
+        "link": link,
+    }
     if number.quantity == "mass":
         error = written.mass - right.mass
         return finding(

@@ -126,7 +126,7 @@ def compare_robots(
         raise InputError("corrections", own.corrections, expected)
     record = compared_record(own)
     against = "" if is_catalogue(own) else own.name
-    mended, mistakes = without_joint_mistakes(other, record, names)
+    mended, slips = without_joint_mistakes(other, record, names)
     meant = as_meant(mended)
     chains = find_chains(meant, record, names)
     if not chains or not chains[0].is_ours:
@@ -139,11 +139,11 @@ def compare_robots(
         record=record,
         other=other,
         robot=meant,
-        mistakes=mistakes,
         meant=model.reduced,
-        written=_as_written(other, model, record, mended is not other),
+        written=_as_written(other, model, record, bool(slips)),
         described=model.described,
         base=model.base,
+        slips=tuple(slips),
         folder=folder,
         q=random_positions(record, number),
     )
@@ -198,10 +198,17 @@ def reduce_and_describe(
 
 
 def _as_written(
-    other: UrdfRobot, model: Model, record: Alpha5Parameters, is_mended: bool
+    other: UrdfRobot, model: Model, record: Alpha5Parameters, has_slips: bool
 ) -> Reduced:
-    """The other model, reduced, with its mistakes and its cut multiples of pi."""
-    if not is_mended and not model.reduced.digits.pi:
+    """The other model, reduced, with its joints as they are written.
+
+    Args:
+        other: The model as it is written.
+        model: It as it is meant.
+        record: Our arm.
+        has_slips: Whether mistakes in its joints were mended.
+    """
+    if not (model.reduced.digits.pi or has_slips):
         return model.reduced
     joints = tuple(other.joints[joint.name] for joint in model.reduced.joints)
     return reduce(other, joints, record, model.base)

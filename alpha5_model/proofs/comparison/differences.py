@@ -15,6 +15,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, wrap
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.geometry.exported_shapes import exported_primitives
+from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
 from alpha5_model.proofs.comparison.corrections import (
     LEVER,
@@ -74,11 +75,11 @@ class Evidence:
         record: Our arm with what it carries as part of its links.
         other: The other model as it is written.
         robot: It as it is meant: in m and rad, with exact multiples of pi.
-        mistakes: Mistakes in its joints that are mended there.
         meant: It as it is meant, reduced.
         written: It as it is written, reduced.
         described: It in our terms.
         base: The first link of its arm; None if its mass shows it.
+        slips: Mistakes in joints that were mended before, see `joint_mistakes`.
         folder: Where its meshes are; None if unknown.
         q: Our joint positions at which costs are evaluated, (N, 4) [rad].
     """
@@ -87,11 +88,11 @@ class Evidence:
     record: Alpha5Parameters
     other: UrdfRobot
     robot: UrdfRobot
-    mistakes: Sequence[JointMistake]
     meant: Reduced
     written: Reduced
     described: Described
     base: str | None
+    slips: tuple[JointMistake, ...]
     folder: Path | None
     q: FloatArray
 
@@ -168,7 +169,7 @@ class Evidence:
 
 def differences(evidence: Evidence) -> Iterator[Finding]:
     """Everything but the bodies that is wrong or odd, from the base on."""
-    found = [*_joint_mistakes(evidence), *_shoulder(evidence), *_zeros(evidence)]
+    found = [*_slips(evidence), *_shoulder(evidence), *_zeros(evidence)]
     found += [*_dimensions(evidence), *_tool(evidence)]
     yield from _mount(evidence)
     yield from _carried(evidence)
@@ -256,25 +257,51 @@ def _shoulder(evidence: Evidence) -> Iterator[Finding]:
 # --- Axes -----------------------------------------------------------------------------
 
 
-def _joint_mistakes(evidence: Evidence) -> Iterator[Finding]:
-    """Joints in millimetres, in degrees or about another axis."""
-    right_joints = {right.joint.name: right for right in evidence.right_joints}
-    if evidence.right_tool:
-        right_joints[evidence.right_tool.joint.name] = evidence.right_tool
-    for mistake in evidence.mistakes:
-        name = mistake.right.name
-        if name in right_joints:
-            correction = right_joints[name].correction
-        else:
-            origin = origin_attributes(mistake.right.transform)
-            correction = Correction("joint", name, {"origin": origin})
-        where = evidence.axis_of.get(name, name)
+def _slips(evidence: Evidence) -> Iterator[Finding]:
+    """Millimetres, degrees and exchanged axes."""
+    names = [joint.name for joint in evidence.meant.joints]
+    for slip in evidence.slips:
+        name = slip.written.name
+        where = AXES[names.index(name)] if name in names else name
         yield finding(
-            f"joint.{mistake.id}",
+            f"joint.{slip.id}",
             where=where,
-            words=mistake.words,
-            corrections=[correction],
+            cost=_slip_cost(evidence, slip),
+            corrections=[_slip_correction(evidence, slip)],
+            mistake=slip.id,
+            was="xyz"[int(np.abs(slip.written.axis).argmax())],
+            meant="xyz"[int(np.abs(slip.right.axis).argmax())],
         )
+
+
+def _slip_correction(evidence: Evidence, slip: JointMistake) -> Correction | None:
+    """The line to write: that of the joint in our arm, if ours has such a joint."""
+    for right in (*evidence.right_joints, evidence.right_tool):
+        if right is not None and right.joint.name == slip.written.name:
+            return right.correction
+    origin = origin_attributes(slip.right.transform)
+    return Correction("joint", slip.written.name, {"origin": origin})
+
+
+def _slip_cost(evidence: Evidence, slip: JointMistake) -> float:
+    """Gravity torque that one mistake in a joint changes [N m]."""
+    meant = evidence.meant
+    names = [joint.name for joint in meant.joints]
+    if slip.written.name not in names:
+        return 0.0
+    k = names.index(slip.written.name)
+    placements = meant.placements.copy()
+    axes = meant.axes.copy()
+    if slip.id == "exchanged_axis":
+        axes[k] = slip.written.axis
+    else:
+        to_parent = placements[k] @ np.linalg.inv(slip.right.transform)
+        placements[k] = to_parent @ slip.written.transform
+    wrong = replace(meant, placements=placements, axes=axes)
+    there = evidence.described.theirs(evidence.q)
+    down = evidence.described.base[:3, :3].T @ GRAVITY
+    change = wrong.gravity_torque(there, down) - meant.gravity_torque(there, down)
+    return float(np.abs(change).max())
 
 
 def _zeros(evidence: Evidence) -> Iterator[Finding]:

@@ -23,8 +23,8 @@ from alpha5_model.proofs.comparison.model import Chain, find_chains
 FARTHEST = 1.0
 #: An angle beyond this is in degrees [rad].
 LARGEST_ANGLE = math.tau + 0.01
-#: Axes that differ by more than the first may have been exchanged. They have been if the
-#: rest is less than the second, and a quarter of what it was [m]; see `Chain.misfit`.
+#: Axes that differ by more than the first may have been exchanged. They have been if
+#: less than the second is left, and a quarter of what it was [m]; see `Chain.misfit`.
 MISFIT = (1e-3, 5e-3)
 #: Most axes that are exchanged at once; with three, any four joints would fit.
 MOST_EXCHANGED = 2
@@ -35,12 +35,12 @@ class JointMistake(NamedTuple):
 
     Attributes:
         id: ``millimetres``, ``degrees`` or ``exchanged_axis``.
-        words: It in words, after the name of the joint.
+        written: The joint as it is written.
         right: The joint as it was meant.
     """
 
     id: str
-    words: str
+    written: UrdfJoint
     right: UrdfJoint
 
 
@@ -152,12 +152,9 @@ def _mistakes(written: UrdfJoint, right: UrdfJoint) -> list[JointMistake]:
     """How a joint differs from what was meant."""
     found = []
     if right.printed[0] != written.printed[0]:
-        found.append(JointMistake("millimetres", "its origin is in millimetres", right))
+        found.append(JointMistake("millimetres", written, right))
     if right.printed[1] != written.printed[1]:
-        found.append(JointMistake("degrees", "its rpy is in degrees", right))
+        found.append(JointMistake("degrees", written, right))
     if right.axis is not written.axis:
-        was = "xyz"[int(np.abs(written.axis).argmax())]
-        meant = "xyz"[int(np.abs(right.axis).argmax())]
-        words = f"it turns about {was} in place of {meant}"
-        found.append(JointMistake("exchanged_axis", words, right))
+        found.append(JointMistake("exchanged_axis", written, right))
     return found

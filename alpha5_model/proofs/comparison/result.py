@@ -69,6 +69,8 @@ class Finding:
         cost: Largest gravity torque in air that it causes alone, over the sampled
             positions [N m]; 0 if it causes none.
         corrections: What to write in the file instead.
+        mistake: Id of the mistake that explains it, of `mistakes` or `joint_mistakes`,
+            such as ``i_link``; empty if none does.
     """
 
     id: str
@@ -77,6 +79,7 @@ class Finding:
     serious: bool = True
     cost: float = 0.0
     corrections: tuple[Correction, ...] = ()
+    mistake: str = ""
 
     @property
     def instead(self) -> str:
@@ -89,6 +92,7 @@ class Finding:
             "id": self.id,
             "where": self.where,
             "text": self.text,
+            "mistake": self.mistake,
             "serious": self.serious,
             "cost_Nm": self.cost,
             "instead": self.instead,
@@ -105,6 +109,7 @@ def finding(
     *,
     cost: float = 0.0,
     corrections: Sequence[Correction | None] = (),
+    mistake: str = "",
     **values: Any,
 ) -> Finding:
     """A finding in the words of ``findings.toml``.
@@ -114,6 +119,7 @@ def finding(
         where: The link, joint or file that it is about, unless the texts name it.
         cost: Gravity torque that it causes alone [N m].
         corrections: What to write in the file; those that are None are left out.
+        mistake: Id of the mistake that explains it.
         values: Names in the text -> what is put there.
     """
     topic, _, subject = key.partition(".")
@@ -126,6 +132,7 @@ def finding(
         serious=entry.get("serious", True),
         cost=cost,
         corrections=tuple(one for one in corrections if one is not None),
+        mistake=mistake,
     )
 
 
