@@ -60,6 +60,8 @@ _ONCE = {
     "collision": ("origin", "geometry"),
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
 }
+#: Elements whose attributes are single numbers.
+_SCALARS = ("mass", "inertia", "limit", "dynamics", "mimic")
 
 
 def read_urdf(path: str | Path) -> UrdfRobot:
@@ -252,8 +254,8 @@ class _Reader:
             is_part = owner.tag in ("link", "joint")
             where = owner.get("name", "") if is_part else "robot"
             for element in owner.iter():
-                for kind, text in _remarks_of(element, is_part):
-                    line = self.lines[element]
+                for kind, text, place in _remarks_of(element, is_part):
+                    line = self.lines[place]
                     yield Remark(kind=kind, where=where, text=text, line=line)
 
     # --- links
@@ -429,31 +431,37 @@ def _version(text: str) -> tuple[int, ...]:
     return tuple(map(int, match.groups())) if match else (1, 0)
 
 
-def _remarks_of(element: ET.Element, is_part: bool) -> Iterator[tuple[str, str]]:
-    """Kind and text of what readers take differently in an element.
+def _remarks_of(
+    element: ET.Element, is_part: bool
+) -> Iterator[tuple[str, str, ET.Element]]:
+    """Kind, text and place of what readers take differently in an element.
 
     Args:
         element: Any element.
         is_part: Whether it belongs to a link or a joint.
     """
     if element.tag.startswith("xacro:"):
-        yield "macro", f"<{element.tag}>"
+        yield "macro", f"<{element.tag}>", element
     for value in element.attrib.values():
         if _is_macro(value):
-            yield "expression", value
+            yield "expression", value, element
     if not is_part:
         return
 
-    tags = [child.tag for child in element]
     for tag in _ONCE.get(element.tag, ()):
-        if tags.count(tag) > 1:
-            yield "doubled", tag
+        for again in element.findall(tag)[1:]:
+            yield "doubled", tag, again
+    if element.tag in _SCALARS:
+        for name, value in element.attrib.items():
+            unread = value != value.rstrip() or "inf" in value.lower()
+            if unread and _floats(value):
+                yield "number", f"<{element.tag} {name}={value!r}>", element
     if element.tag == "capsule":
-        yield "capsule", "capsule"
+        yield "capsule", "capsule", element
     if element.tag == "origin":
         *axis, _ = _floats(element.get("quat_xyzw", "")) or [0.0]
         if any(axis):
-            yield "quaternion", element.get("quat_xyzw", "")
+            yield "quaternion", element.get("quat_xyzw", ""), element
 
 
 def _is_macro(text: str) -> bool:
