@@ -426,7 +426,7 @@ class _Reader:
 
 
 def _version(text: str) -> tuple[int, ...]:
-    """The version of URDF; 1.0 if there is none, or one that urdfdom refuses to read."""
+    """The version of URDF; 1.0 if there is none, or none of the form ``1.0``."""
     match = re.fullmatch(r"(\d{1,4})\.(\d{1,4})", text)
     return tuple(map(int, match.groups())) if match else (1, 0)
 
