@@ -39,12 +39,12 @@ if TYPE_CHECKING:
         reachable,
     )
     from alpha5_model.numbers.arm_file import arm_file
+    from alpha5_model.numbers.arm_writing import arm_file_text
     from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
     from alpha5_model.numbers.hydrodynamics import DragStrip
     from alpha5_model.numbers.jaws import tool_at_tip
     from alpha5_model.numbers.parameters import parameters
     from alpha5_model.numbers.printed import published
-    from alpha5_model.numbers.record_writing import arm_file_text
     from alpha5_model.planning.obstacles import Obstacle
     from alpha5_model.planning.planner import plan
     from alpha5_model.proofs.audit import audit
@@ -122,7 +122,7 @@ _NAMES = {
     "published": "numbers.printed",
     "parameters": "numbers.parameters",
     "arm_file": "numbers.arm_file",
-    "arm_file_text": "numbers.record_writing",
+    "arm_file_text": "numbers.arm_writing",
     "SEA_WATER": "numbers.fluids",
     "FRESH_WATER": "numbers.fluids",
     "AIR": "numbers.fluids",

@@ -35,8 +35,7 @@ from alpha5_model.collision.approximate_distance import (
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 __all__ = ["approximate_collision_distance", "inverse_kinematics", "load"]
 

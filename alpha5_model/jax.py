@@ -41,8 +41,7 @@ from alpha5_model.errors import ShapeError, needing
 from alpha5_model.kernels.generated import formulas
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 with needing("alpha5_model.jax", "pip install jax"):
     import jax.numpy as jnp

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Sequence
 from typing import Any, TypeVar
@@ -15,6 +16,8 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Kind = TypeVar("Kind")
 
+#: A name that URDF, ROS and the simulators all take.
+_PLAIN_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 #: Types of numbers that need no further check in a list.
 _NUMBERS = {float, int, np.float64}
 #: Largest error of a rotation matrix, entrywise in ``R R^T``, and of the norm of a
@@ -265,6 +268,22 @@ def named(kind: str, names: Any, choices: Sequence[str]) -> tuple[str, ...]:
     given = listed(f"{kind}s", names, expected)
     asked = {choice(kind, name, choices) for name in given}
     return tuple(name for name in choices if name in asked)
+
+
+def plain_name(name: str, value: Any) -> str:
+    """Check a name of letters, digits and underscores.
+
+    Args:
+        name: Of the argument, for the message.
+        value: What was given.
+
+    Raises:
+        InputError: Anything else, or more than 64 characters.
+    """
+    if not isinstance(value, str) or not _PLAIN_NAME.fullmatch(value):
+        expected = "a name of at most 64 letters, digits and _, a letter first"
+        raise InputError(name, value, expected)
+    return value
 
 
 def frozen(array: ArrayLike) -> FloatArray:

@@ -19,8 +19,8 @@ from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.arm_file import arm_file
 from alpha5_model.numbers.arm_writing import new_arm_file
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.numbers.tool import tool_of
 
 _ACTIONS = ("new", "check", "show")
 #: The file that ``new`` writes if none is named.

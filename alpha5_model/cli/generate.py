@@ -25,8 +25,7 @@ from alpha5_model.description.usd import UsdOptions, usd_files
 from alpha5_model.description.water_table import WaterOptions, water_files
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.errors import InputError, OutputError
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 
 class _Format(NamedTuple):

@@ -31,8 +31,7 @@ from alpha5_model.collision.coal_scene import CoalScene, Contact
 from alpha5_model.collision.turning_radii import distance_rates
 from alpha5_model.errors import KernelError, MissingDependencyError, needing
 from alpha5_model.kernels.choice import module
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 #: A line that comes nearer to a contact than this is not proved free [m].
 SHORTEST = 1e-6

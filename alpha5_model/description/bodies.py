@@ -16,8 +16,7 @@ from alpha5_model.description.digits import rounded
 from alpha5_model.description.frames import base_placement, joint_placements
 from alpha5_model.geometry.exported_shapes import exported_primitives
 from alpha5_model.geometry.primitives import Primitive
-from alpha5_model.numbers.jaws import GRIPPERS, Jaws, split_link_4
-from alpha5_model.numbers.loaded_links import loaded_links
+from alpha5_model.numbers.jaws import GRIPPERS, Jaws, loaded_links, split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.numbers.tables import BODY_NAMES

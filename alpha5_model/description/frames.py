@@ -12,8 +12,8 @@ from collections.abc import Iterable
 
 from alpha5_model._support.spatial import Placement, Triple, rpy_from_rotation
 from alpha5_model.errors import InputError, PublishedDataError
-from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import Alpha5Parameters, DHParameters
+from alpha5_model.numbers.pose import Pose
 
 
 def base_placement(parameters: Alpha5Parameters) -> Placement:
@@ -40,7 +40,7 @@ def own_mount(parameters: Alpha5Parameters, taken: Iterable[str]) -> Placement |
     return mount_placement(mount)
 
 
-def mount_placement(mount: Mount) -> Placement:
+def mount_placement(mount: Pose) -> Placement:
     """Pose of base_link in the parent of a mount."""
     x, y, z = mount.position.tolist()
     return Placement(

@@ -24,13 +24,12 @@ from alpha5_model.description.xml import Value, add, document, serialized
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.collision_capsules import collision_capsules
 from alpha5_model.geometry.materials import MATERIALS
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
-from alpha5_model.numbers.joint_losses import joint_losses
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
+from alpha5_model.numbers.motors import joint_losses
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
 
 #: Capsules, one for each link, are for MJX.
 COLLISIONS = ("primitives", "capsules", "none")

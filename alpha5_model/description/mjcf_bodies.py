@@ -27,7 +27,7 @@ from alpha5_model.geometry.materials import material_of
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics
 from alpha5_model.numbers.jaws import FingerJoint
-from alpha5_model.numbers.joint_losses import JointLosses
+from alpha5_model.numbers.motors import JointLosses
 from alpha5_model.numbers.parameters import JointRange
 
 #: Displaced volume over mass of a buoyancy body [m^3/kg]. It is large, so that the mass

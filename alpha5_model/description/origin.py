@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from alpha5_model import __version__
-from alpha5_model.numbers.chosen_arm import is_catalogue
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
 from alpha5_model.numbers.printed import published
 
 

@@ -36,13 +36,12 @@ from alpha5_model.description.xml import (
     text_of,
 )
 from alpha5_model.geometry.materials import material_of
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
-from alpha5_model.numbers.mount import Mount
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
+from alpha5_model.numbers.pose import Pose
 
 #: 1.9 is the newest version that Debian's libsdformat reads. 1.11 has ``mimic`` and
 #: ``fluid_added_mass``.
@@ -201,7 +200,7 @@ def _model(
     return model
 
 
-def _carrier(mount: Mount) -> Placement:
+def _carrier(mount: Pose) -> Placement:
     """Pose in base_link of the frame that carries the arm."""
     turned_back = mount.rotation.T
     x, y, z = rounded(-turned_back @ mount.position).tolist()

@@ -9,12 +9,12 @@ from collections.abc import Mapping, Sequence
 from alpha5_model._support.checks import FloatArray, choice, frozen
 from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.xml import XML_HEAD, add, serialized
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     JointParameters,
     JointRange,
+    chosen_arm,
 )
 
 #: Joint positions axis_e, axis_d, axis_c, axis_b [rad].

@@ -21,10 +21,9 @@ from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.description.xml import text_of
 from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 COLLISIONS = ("primitives", "none")
 #: xacro would evaluate ``${...}`` and ``$(...)``; the others would need escapes in XML.

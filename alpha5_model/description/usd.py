@@ -32,10 +32,9 @@ from alpha5_model.description.usd_shapes import (
     place,
 )
 from alpha5_model.errors import needing
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
 
 #: The pose in which the bodies stand in the file: free of collision, within limits.
 START = "home"

@@ -20,7 +20,6 @@ from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.digits import rounded
 from alpha5_model.description.origin import provenance
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import (
@@ -32,7 +31,7 @@ from alpha5_model.numbers.hydrodynamics import (
     hydrodynamics,
 )
 from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 #: Decimal places of a number in SI units; what is smaller is rounding.
 _PLACES = 15

@@ -12,9 +12,8 @@ from alpha5_model.description.frames import fixed_frames, mount_placement
 from alpha5_model.description.origin import provenance
 from alpha5_model.description.srdf import named_poses
 from alpha5_model.geometry.materials import MATERIALS
-from alpha5_model.numbers.chosen_arm import is_catalogue
-from alpha5_model.numbers.joint_losses import joint_losses
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
+from alpha5_model.numbers.motors import joint_losses
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, is_catalogue
 
 #: Name of the robot that the macros write if the file has none.
 _NAME = "alpha5"

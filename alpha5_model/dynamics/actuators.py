@@ -70,9 +70,12 @@ from alpha5_model._support.checks import (
 )
 from alpha5_model.errors import MissingParameterError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.motors import CONSTANTS
-from alpha5_model.numbers.parameters import ActuatorParameters, Alpha5Parameters
+from alpha5_model.numbers.parameters import (
+    ActuatorParameters,
+    Alpha5Parameters,
+    chosen_arm,
+)
 from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Whose efficiency Table 4's eta_max is taken for.

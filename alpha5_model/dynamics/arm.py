@@ -36,7 +36,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.kinematics import pose
 from alpha5_model.kinematics.pose import ApproachDirections
 from alpha5_model.numbers.jaws import tip_height
-from alpha5_model.numbers.tool import tool_of
+from alpha5_model.numbers.pose import tool_of
 
 if TYPE_CHECKING:
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm

@@ -20,8 +20,8 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, gravity_in_base
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.pose import Pose, printed_tool
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.numbers.tool import ToolPose, printed_tool
 from alpha5_model.theory.dh import DHChain
 
 #: Points of the grid for each joint, and how often it is refined around its best one.
@@ -139,7 +139,7 @@ def _candidates(
     yield "motors", {"motors": own.motors, "actuators": own.actuators}
 
 
-def _tool_alone(own: Alpha5Parameters, printed: Alpha5Parameters) -> ToolPose | None:
+def _tool_alone(own: Alpha5Parameters, printed: Alpha5Parameters) -> Pose | None:
     """The tool without what a spacer moves it by; None for Table 1's."""
     if own.tool is None:
         return None
@@ -148,10 +148,10 @@ def _tool_alone(own: Alpha5Parameters, printed: Alpha5Parameters) -> ToolPose | 
     same_point = np.array_equal(position, before.position)
     if same_point and np.array_equal(own.tool.rotation, before.rotation):
         return None
-    return ToolPose(position=position, rotation=own.tool.rotation)
+    return Pose(position=position, rotation=own.tool.rotation)
 
 
-def _tool_of_table_1(printed: Alpha5Parameters) -> ToolPose:
+def _tool_of_table_1(printed: Alpha5Parameters) -> Pose:
     *_, wrist, tip = printed.dh
     return printed_tool(wrist, tip)
 

@@ -14,9 +14,8 @@ from alpha5_model.collision.self_collision import self_collision
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
 from alpha5_model.dynamics.states import is_one_state, rows, state_check
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import is_catalogue
 from alpha5_model.numbers.jaws import FingerJoint, split_link_4
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
 
 
 class _Angle(NamedTuple):

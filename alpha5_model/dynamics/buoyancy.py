@@ -17,8 +17,7 @@ import pinocchio as pin
 
 from alpha5_model._support.checks import FloatArray, array, choice, frozen, real
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.loaded_links import loaded_links
+from alpha5_model.numbers.jaws import loaded_links, split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.rigid_body import RigidBody
 

@@ -27,12 +27,10 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement, displacements
 from alpha5_model.dynamics.joint_tree import mimicking
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
-from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.numbers.loaded_links import loaded_links
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.jaws import GRIPPERS, loaded_links
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm, is_catalogue
 
 #: What can compute single calls.
 

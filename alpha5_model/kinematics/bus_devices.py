@@ -14,8 +14,11 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, float_array
 from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointParameters
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    JointParameters,
+    chosen_arm,
+)
 
 _ROD = "axis_a"
 _MM_PER_M = 1e3

@@ -34,7 +34,7 @@ from alpha5_model._support.checks import BoolArray, FloatArray, frozen
 from alpha5_model.errors import InputError, PublishedDataError
 from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE, DOUBLE, Tolerances
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tool import tool_of
+from alpha5_model.numbers.pose import tool_of
 
 _TWISTS = [math.pi / 2, math.pi, -math.pi / 2]
 

@@ -37,8 +37,7 @@ from alpha5_model._support.checks import (
 from alpha5_model._support.spatial import wrap
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.solver import solve
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.theory import arcs
 
 #: How a half-plane is reached: by one pose, or by either.

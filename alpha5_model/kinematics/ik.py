@@ -26,8 +26,7 @@ from alpha5_model._support.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.solver import Branches, solve, solve_rows
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 #: Names of the branches: the arm faces the target (underarm) or faces away (overarm);
 #: flipped is the other elbow.

@@ -51,8 +51,7 @@ from alpha5_model.kinematics.choosing import (
 from alpha5_model.kinematics.geometry import Geometry, on_axis
 from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.solver import Branches
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 #: Largest step of a joint from one point to the next that counts as continuous [rad].
 MAX_STEP = 0.5

@@ -38,8 +38,7 @@ from alpha5_model.kinematics.hand import Hand
 from alpha5_model.kinematics.ik import answer_of
 from alpha5_model.kinematics.pose_search import search_poses
 from alpha5_model.kinematics.solver import Branches, solve
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of
 #: the position turns the wrist axis by some 1e-8.

@@ -51,8 +51,7 @@ from alpha5_model.kinematics.reach import (
     nearest_reachable,
     reachable,
 )
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 __all__ = [
     "SIDES",

@@ -10,9 +10,9 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.attached import AttachedBody
+from alpha5_model.numbers.pose import Pose
+from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.tables import BODY_NAMES
-from alpha5_model.numbers.tool import ToolPose
 
 #: Length of Table 1 -> its row and its field.
 LENGTHS = {
@@ -93,7 +93,7 @@ def check_attached(attached: Iterable[AttachedBody]) -> None:
         taken.add(body.name)
 
 
-def check_tool(tool: ToolPose, printed: ToolPose, spacer: float) -> None:
+def check_tool(tool: Pose, printed: Pose, spacer: float) -> None:
     """Refuse a tool point far from Table 1's, or not where a spacer moves it.
 
     Args:

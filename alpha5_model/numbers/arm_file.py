@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import FloatArray, plain_name
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model._support.toml import toml_tables
@@ -27,23 +27,21 @@ from alpha5_model.numbers.arm_values import (
     value,
     values,
 )
-from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
 from alpha5_model.numbers.covariance import Covariance
 from alpha5_model.numbers.covariance_table import read_covariance
 from alpha5_model.numbers.inertia import inconsistencies
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.motors import CONSTANTS, Motors
-from alpha5_model.numbers.mount import Mount
-from alpha5_model.numbers.names import plain_name
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     JointParameters,
     LinkParameters,
     parameters,
 )
+from alpha5_model.numbers.pose import Pose, printed_tool, tool_of
+from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.tables import BODY_NAMES, JOINT_NAMES
-from alpha5_model.numbers.tool import ToolPose, printed_tool, tool_of
 
 #: Of the file: its largest size, its most attached bodies.
 MOST_BYTES = 64 * 1024
@@ -207,19 +205,19 @@ class _Reader:
             bodies.append(_attached(f"attached.{name}", name, body["link"], found))
         return tuple(bodies)
 
-    def mount(self) -> Mount | None:
+    def mount(self) -> Pose | None:
         """Where the arm is mounted; None if the file does not say."""
         if "mount" not in self.given:
             return None
         given = table("mount", self.given["mount"], ("parent", *schema.MOUNT))
         found = self._kept(values("mount", given, schema.MOUNT))
-        return Mount(
+        return Pose(
             parent=_checked("mount.parent", given.get("parent", "world")),
             position=_array(found, "xyz"),
             rotation=_rotation(found),
         )
 
-    def tool(self, own: Alpha5Parameters) -> ToolPose | None:
+    def tool(self, own: Alpha5Parameters) -> Pose | None:
         """The tool of the arm; None for Table 1's.
 
         Args:
@@ -240,7 +238,7 @@ class _Reader:
         as_before = np.array_equal(position, printed.position)
         if as_before and rotation is printed.rotation:
             return own.tool
-        return ToolPose(position=position, rotation=rotation)
+        return Pose(position=position, rotation=rotation)
 
     def motors(self) -> dict[str, Any]:
         """The fields ``motors`` and ``actuators``."""

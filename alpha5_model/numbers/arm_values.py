@@ -14,7 +14,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.numbers import arm_schema
 from alpha5_model.numbers.arm_schema import Key
-from alpha5_model.numbers.measurement import Measurement
+from alpha5_model.numbers.parameters import Measurement
 
 #: Largest magnitude of a written number.
 _LARGEST = 1e12

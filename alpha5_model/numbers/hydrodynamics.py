@@ -29,7 +29,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import in_si
-from alpha5_model.numbers.reading import hydrodynamics as read
+from alpha5_model.numbers.printed import hydrodynamics as read
 from alpha5_model.numbers.tables import BODY_NAMES, HydrodynamicRow
 
 LEVELS = ("low", "nominal", "high")

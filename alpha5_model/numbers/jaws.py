@@ -26,12 +26,10 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, frozen, real
 from alpha5_model._support.spatial import moved, pose
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.attached import AttachedBody
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.inertia import combine, rotate_tensor
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
-from alpha5_model.numbers.rigid_body import RigidBody, joined
-from alpha5_model.numbers.tool import ToolPose, tool_of
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
+from alpha5_model.numbers.pose import Pose, tool_of
+from alpha5_model.numbers.rigid_body import AttachedBody, RigidBody, joined
 
 GRIPPERS = ("locked", "jaws")
 
@@ -164,7 +162,7 @@ def tip_height(parameters: Alpha5Parameters, jaw: float) -> tuple[float, float]:
 
 def tool_at_tip(
     arm: Alpha5Parameters | None = None, *, jaw: float | None = None
-) -> ToolPose:
+) -> Pose:
     """The point midway between the finger tips, as the tool of an arm.
 
     With ``arm=dataclasses.replace(record, tool=alpha5_model.tool_at_tip(record))``
@@ -191,7 +189,7 @@ def tool_at_tip(
         raise InputError("jaw", opening, expected)
     height, _ = tip_height(record, opening)
     position = np.array([0.0, 0.0, -height])
-    return ToolPose(position=position, rotation=tool_of(record).rotation)
+    return Pose(position=position, rotation=tool_of(record).rotation)
 
 
 def _rod(parameters: Alpha5Parameters) -> JawBody:
@@ -345,3 +343,27 @@ def _in_link_4(body: JawBody) -> RigidBody:
 def _closed_pose(body: JawBody) -> FloatArray:
     """Pose of a body in link_4, jaws closed, (4, 4)."""
     return pose(body.origin, (body.roll, 0.0, 0.0))
+
+
+def loaded_links(parameters: Alpha5Parameters) -> tuple[RigidBody, ...]:
+    """``link_0`` to ``link_4`` with what is attached to them, jaws closed.
+
+    A spacer moves the jaws, and so their part of link_4, along -z of link_4.
+
+    Args:
+        parameters: The arm's parameters.
+
+    Returns:
+        Five bodies in the frames of their links. A link without anything attached is
+        ``parameters.links[i]`` itself.
+    """
+    links: list[RigidBody] = []
+    for link in parameters.links:
+        attached = [body for body in parameters.attached if body.link == link.name]
+        parts: Sequence[RigidBody] = [link]
+        if parameters.spacer and link is parameters.links[4]:
+            parts = split_link_4(parameters).closed
+        elif attached:
+            parts = [link, *(body.in_link() for body in attached)]
+        links.append(link if parts == [link] else joined(link.name, parts))
+    return tuple(links)

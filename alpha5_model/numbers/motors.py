@@ -1,12 +1,14 @@
-"""What drives the arm and Table 4 does not print: supply, current limits, rotors."""
+"""What drives the arm and Table 4 does not print, and what it adds to the joints."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from alpha5_model._support.checks import choice, listed, real
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Which of the contradicting motor constants are believed.
@@ -85,3 +87,46 @@ def _per_joint(
         None if value is None else real(f"{name}[{i}]", value, 0.0, strict=strict)
         for i, value in enumerate(values)
     )
+
+
+class JointLosses(NamedTuple):
+    """What a motor adds to a joint.
+
+    Attributes:
+        armature: Rotor inertia at the joint [kg m^2].
+        friction: Coulomb friction at the joint, the mean of both directions [N m].
+        damping: Viscous friction at the joint [N m s/rad].
+    """
+
+    armature: float
+    friction: float
+    damping: float
+
+
+def joint_losses(arm: Any) -> dict[str, JointLosses]:
+    """Joint -> what its motor adds, for the joints of which something was measured.
+
+    Table 4's friction is left out: it is not measured, and a public driver contradicts
+    it. The jaw rod is left out, whose screw lead is not known.
+
+    Args:
+        arm: An `Alpha5Parameters`.
+    """
+    found = {}
+    printed = published().table_4.rows
+    for k, joint in enumerate(arm.joints[:4]):
+        actuator = arm.actuators[k]
+        backward = arm.motors.backward_frictions[k]
+        is_own = backward is not None or actuator.friction != printed[k].friction.si
+        other = actuator.friction if backward is None else backward
+        friction = (actuator.friction + other) / 2 if is_own else 0.0
+
+        gear = actuator.gear_ratio
+        losses = JointLosses(
+            armature=(arm.motors.rotor_inertias[k] or 0.0) * gear**2,
+            friction=friction * gear,
+            damping=(arm.motors.viscous_frictions[k] or 0.0) * gear**2,
+        )
+        if any(losses):
+            found[joint.name] = losses
+    return found

@@ -1,7 +1,4 @@
-"""The published numbers in SI units and URDF convention, frozen.
-
-Everything that computes takes its numbers from `parameters`.
-"""
+"""Where a value of an arm of your own comes from, and how exact it is."""
 
 from __future__ import annotations
 
@@ -9,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cache
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -19,22 +17,44 @@ from alpha5_model._support.checks import (
     frozen,
     instance,
     listed,
+    plain_name,
     real,
 )
 from alpha5_model.errors import InputError, PublishedDataError
 from alpha5_model.numbers import arm_checks, plausibility, tables
-from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.covariance import Covariance
 from alpha5_model.numbers.inertia import flip_products
-from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.motors import Motors
-from alpha5_model.numbers.mount import Mount
-from alpha5_model.numbers.names import plain_name
+from alpha5_model.numbers.pose import Pose, printed_tool
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import Quantity
-from alpha5_model.numbers.rigid_body import RigidBody
-from alpha5_model.numbers.tool import ToolPose, printed_tool
+from alpha5_model.numbers.rigid_body import AttachedBody, RigidBody
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Source and half width of one value of an arm file.
+
+    Attributes:
+        key: Of the value in the arm file, for example ``links.link_2.mass``.
+        source: Where it comes from; empty if not given.
+        half_width: The true value is within this of the given one, in SI units; None
+            if not given. For a vector or tensor, it holds for each of its numbers.
+
+    Raises:
+        InputError: A half width below 0.
+    """
+
+    key: str
+    source: str = ""
+    half_width: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.half_width is not None:
+            name = f"half_width of {self.key}"
+            width = real(name, self.half_width, minimum=0.0)
+            object.__setattr__(self, "half_width", width)
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,8 +318,8 @@ class Alpha5Parameters:
     jaws: JawParameters
     base_yaw: float
     corrections: tuple[str, ...]
-    tool: ToolPose | None = None
-    mount: Mount | None = None
+    tool: Pose | None = None
+    mount: Pose | None = None
     attached: tuple[AttachedBody, ...] = ()
     motors: Motors = field(default_factory=Motors)
     name: str = "alpha5"
@@ -346,9 +366,12 @@ class Alpha5Parameters:
         instance("jaws", self.jaws, JawParameters)
         instance("motors", self.motors, Motors)
         if self.tool is not None:
-            instance("tool", self.tool, ToolPose)
+            instance("tool", self.tool, Pose)
+            _check_near("tool", self.tool, plausibility.POSITION)
         if self.mount is not None:
-            instance("mount", self.mount, Mount)
+            instance("mount", self.mount, Pose)
+            plain_name("mount.parent", self.mount.parent)
+            _check_near("mount", self.mount, plausibility.VEHICLE_POSITION)
         if self.covariance is not None:
             instance("covariance", self.covariance, Covariance)
         plain_name("name", self.name)
@@ -363,10 +386,16 @@ class Alpha5Parameters:
         printed = printed_tool(self.dh[3], self.dh[4])
         if self.tool is None:
             position = printed.position - [0.0, 0.0, self.spacer]
-            tool = ToolPose(position=position, rotation=printed.rotation)
+            tool = Pose(position=position, rotation=printed.rotation)
             object.__setattr__(self, "tool", tool)
         assert self.tool is not None
         arm_checks.check_tool(self.tool, printed, self.spacer)
+
+
+def _check_near(name: str, pose: Pose, limits: plausibility.Plausible) -> None:
+    """Warn of a pose that seems to be in mm."""
+    farthest = pose.position[np.abs(pose.position).argmax()]
+    plausibility.check(f"{name}.position", farthest, limits)
 
 
 def parameters(corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> Alpha5Parameters:
@@ -520,3 +549,42 @@ def in_si(value: Any) -> Any:
     if isinstance(value, tables.SourcedQuantity):
         return value.quantity.si
     return value.si if isinstance(value, Quantity) else value
+
+
+def chosen_arm(
+    arm: Alpha5Parameters | None, corrections: Iterable[str] = DEFAULT_CORRECTIONS
+) -> Alpha5Parameters:
+    """The record of an arm, which already has its corrections.
+
+    Args:
+        arm: A record; None for the catalogue's with these corrections.
+        corrections: With a record, the default ones, which then mean nothing, or the
+            record's own.
+
+    Raises:
+        InputError: Not a record, or a record together with other corrections.
+        UnknownNameError: A correction that is not recorded.
+    """
+    chosen = DEFAULT_CORRECTIONS
+    if corrections is not DEFAULT_CORRECTIONS:
+        chosen = check_corrections(corrections)
+    if arm is None:
+        return _of_catalogue(chosen)
+    if isinstance(arm, str | PathLike):
+        expected = "a Alpha5Parameters, as alpha5_model.arm_file(FILE) returns"
+        raise InputError("arm", arm, expected)
+    record = instance("arm", arm, Alpha5Parameters)
+    if chosen not in (DEFAULT_CORRECTIONS, record.corrections):
+        own = ", ".join(record.corrections) or "none"
+        expected = f"no corrections beside an arm, which has its own ({own})"
+        raise InputError("corrections", chosen, expected)
+    return record
+
+
+#: `parameters` without its checks, which take longer than an inverse kinematics.
+_of_catalogue = cache(parameters)
+
+
+def is_catalogue(arm: Alpha5Parameters) -> bool:
+    """Whether a record is the catalogue's, with any corrections."""
+    return arm is parameters(arm.corrections)

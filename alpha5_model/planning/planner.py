@@ -13,8 +13,7 @@ from alpha5_model._support.checks import FloatArray, flag, float_array, frozen, 
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import BlockedMotionError, InputError, MotionLimitError
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.planning.goals import (
     Goal,
     Target,

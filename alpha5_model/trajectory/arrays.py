@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, float_array, listed, named
 from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory.checks import ArrayOrigin, checked
 from alpha5_model.trajectory.current_units import refuse_milliamperes

@@ -9,8 +9,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.text import plain
-from alpha5_model.numbers.chosen_arm import is_catalogue
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, is_catalogue
 from alpha5_model.trajectory.analysis import Analysis
 from alpha5_model.trajectory.checks import LIMIT_SLACK
 from alpha5_model.trajectory.smoothing import SmoothMotion

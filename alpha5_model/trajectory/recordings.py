@@ -11,8 +11,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, flag
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.trajectory.bag_table import BagTable
 from alpha5_model.trajectory.checks import Origin, checked
 from alpha5_model.trajectory.csv_table import CsvTable

@@ -37,8 +37,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice, frozen, real
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.trajectory.filters import (
     Fit,
     interpolating_spline,

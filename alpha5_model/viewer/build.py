@@ -18,9 +18,8 @@ from alpha5_model.errors import InputError, SelfCollisionError
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.ik import Solutions, inverse_kinematics
 from alpha5_model.kinematics.reach import nearest_reachable
-from alpha5_model.numbers.chosen_arm import is_catalogue
 from alpha5_model.numbers.hydrodynamics import LEVELS
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue, parameters
 from alpha5_model.planning.planner import ACCELERATION
 from alpha5_model.planning.retracted import retracted_poses
 from alpha5_model.planning.s_curve import RAMP

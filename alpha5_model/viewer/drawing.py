@@ -17,7 +17,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
 from alpha5_model.kinematics.reach import distance_to_reach
-from alpha5_model.numbers.attached import AttachedBody
+from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.viewer.poses import link_poses
 from alpha5_model.viewer.scene import (
     ARROWS,

@@ -182,7 +182,7 @@ def _draw_causes(axes: Axes, analysis: Analysis, k: int) -> None:
 def _draw_digits(axes: Axes, analysis: Analysis, k: int) -> None:
     """The band of torques that the printed digits allow."""
     from alpha5_model.dynamics.dimensions import has_dimensions
-    from alpha5_model.numbers.chosen_arm import is_catalogue
+    from alpha5_model.numbers.parameters import is_catalogue
     from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
     arm = analysis.arm

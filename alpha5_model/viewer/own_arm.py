@@ -10,9 +10,8 @@ import numpy as np
 from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.dynamics.arm_changes import changed_keys
 from alpha5_model.kinematics.geometry import Geometry
-from alpha5_model.numbers.chosen_arm import is_catalogue
-from alpha5_model.numbers.mount import Mount
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue, parameters
+from alpha5_model.numbers.pose import Pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +64,7 @@ def _grouped(keys: Iterable[str]) -> str:
     return "; ".join(parts)
 
 
-def _mount_note(mount: Mount) -> str:
+def _mount_note(mount: Pose) -> str:
     """Where base_link is on its carrier."""
     x, y, z = (_rounded(1e3 * part) for part in mount.position)
     turns = np.degrees(rpy_from_rotation(mount.rotation))

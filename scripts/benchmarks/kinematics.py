@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.timing import Row, compare, installed
 
 import alpha5_model as a5
-from alpha5_model.numbers.tool import ToolPose
+from alpha5_model.numbers.pose import Pose
 
 SOLVED = 1e-6
 #: Targets of one timed call: enough to average over easy and hard ones.
@@ -27,7 +27,7 @@ COUNT = 50
 MANY = 100_000
 STEPS = 200
 #: Beside the wrist axis [m].
-TOOL = ToolPose(position=np.array([0.03, 0.04, -0.21]), rotation=np.eye(3))
+TOOL = Pose(position=np.array([0.03, 0.04, -0.21]), rotation=np.eye(3))
 
 
 def rows() -> list[Row]:

@@ -12,8 +12,8 @@ from lazily import Lazy
 import alpha5_model as a5
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.record_writing import arm_file_text
 
 mujoco = Lazy("mujoco")
 

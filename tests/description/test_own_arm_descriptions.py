@@ -26,8 +26,8 @@ from alpha5_model.description.srdf import NAMED_POSES, named_pose, srdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.pose import Pose
 
 DENSITY = 1025.0
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -82,7 +82,7 @@ def test_plain_xacro_mounts_on_another_parent_where_it_is_given(tmp_path: Path) 
 def test_a_mount_named_as_a_link_of_the_arm_is_refused() -> None:
     record = RECORDS[9]
     assert record.mount is not None
-    taken = Mount("tcp", record.mount.position, record.mount.rotation)
+    taken = Pose(record.mount.position, record.mount.rotation, "tcp")
     with pytest.raises(InputError, match="parent: expected a name that no link"):
         urdf(Variant(arm=dataclasses.replace(record, mount=taken)))
 
@@ -301,7 +301,7 @@ def test_the_gazebo_model_has_the_tool_and_the_limits(record: Alpha5Parameters) 
 
 def test_an_arm_on_the_world_stands_there_in_mujoco_and_gazebo() -> None:
     mount = own.random_mount(3)
-    on_world = Mount("world", mount.position, mount.rotation)
+    on_world = Pose(mount.position, mount.rotation, "world")
     record = dataclasses.replace(RECORDS[2], mount=on_world)
     root = ET.fromstring(mjcf(MjcfOptions(arm=record)))
     body = root.find("worldbody/body")
@@ -320,7 +320,7 @@ def test_libsdformat_accepts_model_and_world(
     parent: str, gripper: str, tmp_path: Path
 ) -> None:
     random = own.random_mount(3)
-    mount = Mount(parent, random.position, random.rotation)
+    mount = Pose(random.position, random.rotation, parent)
     record = dataclasses.replace(RECORDS[1], mount=mount)
     for name, content in sdf_files(SdfOptions(arm=record, gripper=gripper)).items():
         file = tmp_path / name
@@ -335,7 +335,7 @@ def test_libsdformat_accepts_model_and_world(
 @pytest.mark.parametrize("parent", ["link_2", "base_link"])
 def test_a_carrier_named_as_the_arm_is_refused(parent: str) -> None:
     mount = own.random_mount(3)
-    taken = Mount(parent, mount.position, mount.rotation)
+    taken = Pose(mount.position, mount.rotation, parent)
     record = dataclasses.replace(RECORDS[2], mount=taken)
     for write in (
         lambda: mjcf(MjcfOptions(arm=record)),
@@ -385,7 +385,7 @@ def test_own_limits_cut_a_named_pose() -> None:
 
 def test_the_sea_bed_is_below_a_mount() -> None:
     """At any height of the mount, it is as far below base_link."""
-    mount = Mount("rov", np.array([0.0, 0.0, -2.0]), np.eye(3))
+    mount = Pose(np.array([0.0, 0.0, -2.0]), np.eye(3), "rov")
     record = dataclasses.replace(RECORDS[1], mount=mount)
     depths = []
     for arm in (None, record):

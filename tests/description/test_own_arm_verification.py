@@ -16,9 +16,8 @@ from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.verification import verify_urdf
 from alpha5_model.description.verification.own_arm import closed_links
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
-from alpha5_model.numbers.tool import ToolPose
+from alpha5_model.numbers.pose import Pose
 
 RECORDS = own.RECORDS
 every_record = pytest.mark.parametrize("record", [RECORDS[k] for k in (1, 2, 9)])
@@ -70,7 +69,7 @@ def _with_mass(arm: Alpha5Parameters) -> Alpha5Parameters:
 def _with_tool(arm: Alpha5Parameters) -> Alpha5Parameters:
     assert arm.tool is not None
     moved = np.add(arm.tool.position, [1e-10, 0.0, 0.0])
-    tool = ToolPose(moved, arm.tool.rotation)
+    tool = Pose(moved, arm.tool.rotation)
     return dataclasses.replace(arm, tool=tool)
 
 
@@ -83,7 +82,7 @@ def _with_limit(arm: Alpha5Parameters) -> Alpha5Parameters:
 def _with_mount(arm: Alpha5Parameters) -> Alpha5Parameters:
     assert arm.mount is not None
     moved = np.add(arm.mount.position, [0.0, 1e-9, 0.0])
-    mount = Mount(arm.mount.parent, moved, arm.mount.rotation)
+    mount = Pose(moved, arm.mount.rotation, arm.mount.parent)
     return dataclasses.replace(arm, mount=mount)
 
 

@@ -19,8 +19,8 @@ from committed_texts import check_committed
 import alpha5_model as a5
 from alpha5_model.description.sdf import SdfOptions, sdf
 from alpha5_model.description.water_table import WaterOptions, water_table
-from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.pose import Pose
 
 FOLDER = Path(__file__).parent / "snapshots"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
@@ -52,7 +52,7 @@ def _number(value: float) -> str:
 
 def test_gazebos_model_on_the_world(arm: Alpha5Parameters) -> None:
     assert arm.mount is not None
-    mount = Mount("world", arm.mount.position, arm.mount.rotation)
+    mount = Pose(arm.mount.position, arm.mount.rotation, "world")
     on_world = dataclasses.replace(arm, mount=mount, attached=())
     check("model.sdf", sdf(SdfOptions(arm=on_world, fluid_density=1000.0)).splitlines())
 

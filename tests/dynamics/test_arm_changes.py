@@ -13,11 +13,10 @@ import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.dynamics.arm_changes import arm_changes, largest
 from alpha5_model.dynamics.load import arm_of
-from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.motors import Motors
-from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tool import ToolPose
+from alpha5_model.numbers.pose import Pose
+from alpha5_model.numbers.rigid_body import AttachedBody
 
 ARM = a5.parameters()
 RHO = 1025.0
@@ -74,7 +73,7 @@ def test_a_tool_is_compared_with_the_point_of_table_1() -> None:
     from scipy.spatial.transform import Rotation
 
     turn = Rotation.from_euler("XZ", [90.0, -90.0], degrees=True).as_matrix()
-    longer = ToolPose(position=np.array([0.0, 0.0, -0.2]), rotation=turn.round(12))
+    longer = Pose(position=np.array([0.0, 0.0, -0.2]), rotation=turn.round(12))
     found = by_key(dataclasses.replace(ARM, tool=longer))
     (difference,) = found["tool"].differences
     assert difference.name == "position"
@@ -131,7 +130,7 @@ def test_a_spacer_moves_the_tcp_by_itself() -> None:
 
 def test_an_upside_down_mount_turns_all_torques_round() -> None:
     turned = np.diag([1.0, -1.0, -1.0])
-    mount = Mount(parent="rov", position=np.array([0.2, 0, 0]), rotation=turned)
+    mount = Pose(parent="rov", position=np.array([0.2, 0, 0]), rotation=turned)
     found = by_key(dataclasses.replace(ARM, mount=mount))
     q = sample(20_000, seed=3)
     rest = np.zeros_like(q)
@@ -155,7 +154,7 @@ def test_what_costs_nothing_is_named_all_the_same() -> None:
 
 
 def test_a_tool_and_corrections_are_changes() -> None:
-    tool = ToolPose(position=np.array([0.03, 0.04, -0.18]), rotation=np.eye(3))
+    tool = Pose(position=np.array([0.03, 0.04, -0.18]), rotation=np.eye(3))
     found = by_key(dataclasses.replace(ARM, tool=tool))
     assert found["tool"].tcp == pytest.approx(0.05, rel=1e-9)
     assert {d.name for d in found["tool"].differences} == {"position", "rotation"}

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
+from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.record_writing import arm_file_text
 
 #: An attached body with every key.
 BODY = """[[attached]]

@@ -21,8 +21,8 @@ from alpha5_model.numbers.hydrodynamics import (
     hydrodynamics,
     scaled_at_centre,
 )
-from alpha5_model.numbers.reading import hydrodynamics as read
-from alpha5_model.numbers.reading import parse_hydrodynamics
+from alpha5_model.numbers.printed import hydrodynamics as read
+from alpha5_model.numbers.printed import parse_hydrodynamics
 from alpha5_model.water.arm import HydrodynamicArm, joint_water
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,21 +13,18 @@ import pytest
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.errors import Alpha5Error, ImplausibleWarning, InputError
-from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.covariance import Covariance
-from alpha5_model.numbers.jaws import FingerJoint, split_link_4
-from alpha5_model.numbers.joint_losses import joint_losses
-from alpha5_model.numbers.loaded_links import loaded_links
-from alpha5_model.numbers.measurement import Measurement
-from alpha5_model.numbers.motors import Motors
-from alpha5_model.numbers.mount import Mount
+from alpha5_model.numbers.jaws import FingerJoint, loaded_links, split_link_4
+from alpha5_model.numbers.motors import Motors, joint_losses
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     DHParameters,
     JawParameters,
     JointParameters,
+    Measurement,
 )
-from alpha5_model.numbers.tool import ToolPose
+from alpha5_model.numbers.pose import Pose
+from alpha5_model.numbers.rigid_body import AttachedBody
 
 ARM = a5.parameters()
 BOX = np.diag([2e-5, 3e-5, 4e-5])
@@ -64,8 +61,14 @@ def with_joint(i: int, **changes: Any) -> Alpha5Parameters:
     return dataclasses.replace(ARM, joints=tuple(joints))
 
 
-def tool(*position: float) -> ToolPose:
-    return ToolPose(position=np.array(position), rotation=np.eye(3))
+def mounted(**changes: Any) -> Alpha5Parameters:
+    """The catalogue's arm on a mount."""
+    pose = {"position": np.zeros(3), "rotation": np.eye(3), "parent": "rov"}
+    return dataclasses.replace(ARM, mount=Pose(**{**pose, **changes}))
+
+
+def tool(*position: float) -> Pose:
+    return Pose(position=np.array(position), rotation=np.eye(3))
 
 
 REFUSED = {
@@ -120,16 +123,16 @@ REFUSED = {
         lambda: dataclasses.replace(ARM, attached=(1,)),
         "expected a AttachedBody",
     ),
-    "not a mount": (lambda: dataclasses.replace(ARM, mount="world"), "a Mount"),
+    "not a mount": (lambda: dataclasses.replace(ARM, mount="world"), "a Pose"),
     "not motors": (lambda: dataclasses.replace(ARM, motors=None), "a Motors"),
     "not a name": (lambda: dataclasses.replace(ARM, name="<a>"), "name: expected"),
     "a mount without a name": (
-        lambda: Mount(parent="", position=np.zeros(3), rotation=np.eye(3)),
+        lambda: mounted(parent=""),
         "mount.parent",
     ),
     "a turned mount": (
-        lambda: Mount(parent="rov", position=np.zeros(3), rotation=-np.eye(3)),
-        "mount.rotation: expected a rotation",
+        lambda: mounted(rotation=-np.eye(3)),
+        "rotation: expected a rotation",
     ),
     "three rotors": (
         lambda: Motors(rotor_inertias=(1e-7,) * 3),
@@ -181,7 +184,7 @@ def test_a_com_in_mm_is_known_as_such_anywhere_in_the_body() -> None:
     [
         lambda: attached(position=[0.0, 0.0, -75.0]),
         lambda: attached(spacer=22.0),
-        lambda: Mount(parent="rov", position=[210, 0, -85], rotation=np.eye(3)),
+        lambda: mounted(position=[210, 0, -85]),
         lambda: Motors(supply_voltage=24000.0),
         lambda: Motors(current_limits=(1000.0, None, None, None, None)),
         lambda: Motors(rotor_inertias=(None, 0.5, None, None, None)),
@@ -220,7 +223,7 @@ def test_a_record_equals_itself_only() -> None:
     own = dataclasses.replace(
         with_body(),
         tool=tool(0.0, 0.0, -0.2),
-        mount=Mount(parent="rov", position=np.zeros(3), rotation=np.eye(3)),
+        mount=Pose(parent="rov", position=np.zeros(3), rotation=np.eye(3)),
         covariance=Covariance(
             names=("zeros.axis_d",), deviation=[0.01], factor=[[0.6]]
         ),
@@ -278,7 +281,7 @@ def test_a_spacer_moves_the_tool() -> None:
     moved = dataclasses.replace(own, attached=longer, tool=None)
     assert moved.tool is not None
     assert moved.tool.position == pytest.approx([0.0, 0.0, -0.21], abs=1e-15)
-    turned = ToolPose(position=own.tool.position, rotation=np.eye(3))
+    turned = Pose(position=own.tool.position, rotation=np.eye(3))
     dataclasses.replace(own, tool=turned)
 
 

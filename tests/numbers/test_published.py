@@ -12,8 +12,8 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, PublishedDataError
+from alpha5_model.numbers.printed import parse
 from alpha5_model.numbers.quantity import Quantity
-from alpha5_model.numbers.reading import parse
 from alpha5_model.numbers.tables import (
     STATUSES,
     BodyBounds,

@@ -12,9 +12,8 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.arm_writing import new_arm_file
+from alpha5_model.numbers.arm_writing import arm_file_text, new_arm_file
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.record_writing import arm_file_text
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
 pytestmark = pytest.mark.filterwarnings(

@@ -15,10 +15,10 @@ from alpha5_model.description import frames
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.errors import ImplausibleWarning, InputError
 from alpha5_model.kinematics.geometry import Geometry
-from alpha5_model.numbers.tool import ToolPose, printed_tool
+from alpha5_model.numbers.pose import Pose, printed_tool
 from alpha5_model.theory.dh import DHChain
 
-TOOL = ToolPose(
+TOOL = Pose(
     position=np.array([0.004, -0.03, -0.245]),
     rotation=rotation_from_rpy((0.3, -0.4, 1.1)),
 )
@@ -57,7 +57,7 @@ def test_an_arm_has_the_tool() -> None:
 
 
 def test_a_tool_as_published_changes_nothing() -> None:
-    same = ToolPose(position=TCP_IN_LINK_4[:3, 3], rotation=TCP_IN_LINK_4[:3, :3])
+    same = Pose(position=TCP_IN_LINK_4[:3, 3], rotation=TCP_IN_LINK_4[:3, :3])
     record = dataclasses.replace(a5.parameters(), tool=same)
     own = frames.tcp_placement(record)
     published = frames.tcp_placement(a5.parameters())
@@ -100,8 +100,8 @@ def test_a_printed_tool_turns_by_its_rows(twist: float, turn: float) -> None:
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"position": [0.0, math.nan, 0.0]}, "tool.position"),
-        ({"position": [0.0, 0.0]}, "tool.position"),
+        ({"position": [0.0, math.nan, 0.0]}, "position"),
+        ({"position": [0.0, 0.0]}, "position"),
         ({"rotation": np.diag([1.0, 1.0, -1.0])}, "a rotation matrix"),
         ({"rotation": 1.01 * np.eye(3)}, "a rotation matrix"),
     ],
@@ -112,10 +112,14 @@ def test_other_than_a_pose_is_refused(change: dict[str, object], expected: str) 
 
 
 def test_a_record_takes_no_other_kind_of_tool() -> None:
-    with pytest.raises(InputError, match="a ToolPose"):
+    with pytest.raises(InputError, match="a Pose"):
         dataclasses.replace(RECORD, tool=(0.0, 0.0, -0.2))  # type: ignore[arg-type]
 
 
 def test_millimetres_warn() -> None:
-    with pytest.warns(ImplausibleWarning, match="mm"):
-        dataclasses.replace(TOOL, position=[4.0, 0.0, -245.0])
+    far = dataclasses.replace(TOOL, position=[4.0, 0.0, -245.0])
+    with (
+        pytest.warns(ImplausibleWarning, match="mm"),
+        pytest.raises(InputError, match=r"tool\.position"),
+    ):
+        dataclasses.replace(RECORD, tool=far)

@@ -21,8 +21,8 @@ import reference
 import alpha5_model as a5
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import parameters_from_tables
+from alpha5_model.numbers.printed import parse
 from alpha5_model.numbers.quantity import Quantity
-from alpha5_model.numbers.reading import parse
 from alpha5_model.proofs.audit import frames, motors, outside_evidence, tori
 from alpha5_model.proofs.audit.planar_arms import PRINTED_TABLE
 from alpha5_model.proofs.audit.rounding import figure, sampled_share

@@ -10,9 +10,8 @@ import own_arm_dynamics as own
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.motors import Motors
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
 from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
 from alpha5_model.studies.uncertainty.measured import other_numbers, with_changes
 

@@ -17,9 +17,8 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.numbers.arm_schema import LENGTHS, LINKS, NUMBERS, ZEROS
 from alpha5_model.numbers.covariance import Covariance
-from alpha5_model.numbers.measurement import Measurement
-from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tool import printed_tool
+from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
+from alpha5_model.numbers.pose import printed_tool
 from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
 
 u = a5.uncertainty

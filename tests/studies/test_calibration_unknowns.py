@@ -10,8 +10,7 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.measurement import Measurement
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
 from alpha5_model.studies.calibration.possible_bodies import PossibleBodies
 from alpha5_model.studies.calibration.unknowns import NAMES, arm_unknowns
 

@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.measurement import Measurement
+from alpha5_model.numbers.parameters import Measurement
 from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
 from alpha5_model.studies.uncertainty.noise import (
     noise_of_channel,

@@ -15,7 +15,7 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.record_writing import arm_file_text
+from alpha5_model.numbers.arm_writing import arm_file_text
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "scripts" / "identification" / "motor_trials.py"

@@ -14,9 +14,8 @@ from parquet_files import read_table
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.numbers.measurement import Measurement
 from alpha5_model.numbers.motors import Motors
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
 QUANTITIES = ("torque", "current", "power", "margin", "mount_moment", "reach")

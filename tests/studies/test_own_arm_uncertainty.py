@@ -16,8 +16,7 @@ import alpha5_model as a5
 from alpha5_model import trajectory
 from alpha5_model import uncertainty as u
 from alpha5_model.cli import main
-from alpha5_model.numbers.measurement import Measurement
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"

@@ -13,7 +13,7 @@ from shared_recordings import tilt_recordings as of_folder
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
-from alpha5_model.numbers.mount import Mount
+from alpha5_model.numbers.pose import Pose
 
 STIFFNESS = np.array([6.0, 9.0])
 DELAY = 0.3
@@ -84,7 +84,7 @@ def test_stiffness_yaw_and_delay_are_found(turned: list[a5.TiltRecording]) -> No
 @pytest.mark.slow
 def test_the_mount_of_the_record_counts(turned: list[a5.TiltRecording]) -> None:
     """Upside down and turned; nothing is left for the yaw."""
-    mount = Mount(
+    mount = Pose(
         parent="vehicle",
         position=np.zeros(3),
         rotation=rotation_from_rpy([np.pi, 0.1, YAW]),
@@ -117,7 +117,7 @@ def test_a_further_fit_hardly_changes_the_yaw(turned: list[a5.TiltRecording]) ->
     """The yaw turns gravity as the arm sees it; the passes of one fit settle that."""
     found = a5.fit_tilt(turned[:2], delays=[DELAY])
     rotation = rotation_from_rpy([0.0, 0.0, found.yaw])
-    mount = Mount(parent="vehicle", position=np.zeros(3), rotation=rotation)
+    mount = Pose(parent="vehicle", position=np.zeros(3), rotation=rotation)
     arm = a5.load(a5.FRESH_WATER, arm=replace(a5.parameters(), mount=mount))
     again = a5.fit_tilt(turned[:2], arm, delays=[DELAY])
     assert abs(again.yaw) < 1e-4

@@ -12,7 +12,7 @@ import numpy as np
 
 import alpha5_model as a5
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tool import ToolPose
+from alpha5_model.numbers.pose import Pose
 
 TWISTS = (math.pi / 2, math.pi, -math.pi / 2, 0.0)
 #: Jaws along -z, the x axis of the tool forward: Table 1's axes of {5} in link_4.
@@ -23,7 +23,7 @@ def with_tool(
     x: float, y: float, z: float, record: Alpha5Parameters | None = None
 ) -> Alpha5Parameters:
     """A record whose tool point is at (x, y, z) in link_4 [m]."""
-    tool = ToolPose(position=np.array([x, y, z]), rotation=TOOL_AXES)
+    tool = Pose(position=np.array([x, y, z]), rotation=TOOL_AXES)
     return dataclasses.replace(record or a5.parameters(), tool=tool)
 
 

@@ -14,9 +14,9 @@ import numpy as np
 import own_arm
 
 import alpha5_model as a5
-from alpha5_model.numbers.attached import AttachedBody
-from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import Alpha5Parameters, LinkParameters
+from alpha5_model.numbers.pose import Pose
+from alpha5_model.numbers.rigid_body import AttachedBody
 
 
 def random_record(seed: int) -> Alpha5Parameters:
@@ -71,10 +71,10 @@ def random_rotation(rng: np.random.Generator) -> np.ndarray:
     return q * np.linalg.det(q)
 
 
-def random_mount(seed: int) -> Mount:
+def random_mount(seed: int) -> Pose:
     """A tilted mount on a vehicle."""
     rng = np.random.default_rng(seed)
-    return Mount(
+    return Pose(
         parent="bluerov",
         position=rng.uniform(-0.2, 0.2, 3),
         rotation=random_rotation(rng),

@@ -22,8 +22,7 @@ from alpha5_model.collision.link_pairs import unchecked_pairs
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.geometry.primitives import Primitive
-from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm, is_catalogue
 
 
 @dataclass(frozen=True, eq=False)

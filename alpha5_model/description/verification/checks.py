@@ -30,9 +30,8 @@ from alpha5_model.description.verification.own_arm import (
 from alpha5_model.description.verification.subject import FileCheck, Subject, Verdict
 from alpha5_model.description.verification.values import CHECKS, Finder
 from alpha5_model.errors import FileFormatError, MissingFileError
-from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm, is_catalogue
 
 SAMPLES = 2000
 

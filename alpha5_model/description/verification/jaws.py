@@ -20,8 +20,8 @@ from alpha5_model.description.verification.subject import (
     Subject,
 )
 from alpha5_model.description.verification.values import table_2
-from alpha5_model.numbers.chosen_arm import is_catalogue
 from alpha5_model.numbers.inertia import pseudo_inertia
+from alpha5_model.numbers.parameters import is_catalogue
 
 
 def check_closed_jaws(text: Subject) -> FileCheck:

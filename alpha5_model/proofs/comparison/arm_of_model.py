@@ -22,19 +22,18 @@ from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import arm_schema as schema
 from alpha5_model.numbers.arm_checks import FARTHEST_TOOL
-from alpha5_model.numbers.attached import AttachedBody
-from alpha5_model.numbers.chosen_arm import chosen_arm
+from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.mount import Mount
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     DHParameters,
     JointParameters,
     LinkParameters,
+    chosen_arm,
 )
-from alpha5_model.numbers.record_writing import arm_file_text
+from alpha5_model.numbers.pose import Pose, printed_tool
+from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.tables import BODY_NAMES
-from alpha5_model.numbers.tool import ToolPose, printed_tool
 from alpha5_model.proofs.comparison.alignment import SAME_ZERO, Alignment
 from alpha5_model.proofs.comparison.axis_lines import AxisLines, foot, twists
 from alpha5_model.proofs.comparison.bodies_of_model import bodies_of_model
@@ -465,7 +464,7 @@ def _tool(
     theirs: FourJointArm,
     axes: _Axes,
     left_out: list[str],
-) -> ToolPose | None:
+) -> Pose | None:
     """The model's tool; None for Table 1's."""
     if not theirs.tool:
         left_out.append("it has no tool frame: Table 1's is kept")
@@ -481,10 +480,10 @@ def _tool(
         text = f"its tool frame {theirs.tool} is more than {FARTHEST_TOOL} m off"
         left_out.append(text)
         return None
-    return ToolPose(position=origin_of(pose), rotation=rotation_of(pose))
+    return Pose(position=origin_of(pose), rotation=rotation_of(pose))
 
 
-def _mount(other: UrdfRobot, axes: _Axes, left_out: list[str]) -> Mount | None:
+def _mount(other: UrdfRobot, axes: _Axes, left_out: list[str]) -> Pose | None:
     """Where base_link is in the model's root; None if it is the root."""
     if np.abs(axes.base - np.eye(4)).max() < _ROUNDING:
         return None
@@ -493,7 +492,7 @@ def _mount(other: UrdfRobot, axes: _Axes, left_out: list[str]) -> Mount | None:
         parent = f"{parent}_of_model"
     if parent != other.root:
         left_out.append(f"its root is named {other.root}: the mount's is {parent}")
-    return Mount(
+    return Pose(
         parent=parent,
         position=origin_of(axes.base),
         rotation=rotation_of(axes.base),

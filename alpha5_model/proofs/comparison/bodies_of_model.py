@@ -11,9 +11,9 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import arm_schema as schema
-from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.inertia import inconsistencies, point_mass_tensor
 from alpha5_model.numbers.parameters import LinkParameters
+from alpha5_model.numbers.rigid_body import AttachedBody
 
 #: Smaller differences are rounding [m]; of the largest mass or moment.
 _ROUNDING = 1e-12

@@ -17,8 +17,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.numbers.inertia import flip_products
 from alpha5_model.numbers.parameters import in_si
-from alpha5_model.numbers.printed import published
-from alpha5_model.numbers.reading import earlier_revision
+from alpha5_model.numbers.printed import earlier_revision, published
 from alpha5_model.numbers.tables import BuoyancyRow, EarlierRow, InertialRow
 
 

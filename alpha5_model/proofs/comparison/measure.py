@@ -12,8 +12,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, count
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm, is_catalogue
 from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.best_alignment import align
 from alpha5_model.proofs.comparison.chains import (

@@ -11,10 +11,13 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, transform
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
-from alpha5_model.numbers.chosen_arm import is_catalogue
 from alpha5_model.numbers.inertia import second_moments
-from alpha5_model.numbers.loaded_links import loaded_links
-from alpha5_model.numbers.parameters import Alpha5Parameters, LinkParameters
+from alpha5_model.numbers.jaws import loaded_links
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    LinkParameters,
+    is_catalogue,
+)
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.proofs.comparison.axis_lines import X, Y, Z, foot, z_axes
 from alpha5_model.proofs.comparison.chains import AXES

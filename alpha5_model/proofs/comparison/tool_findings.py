@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.numbers.chosen_arm import is_catalogue
+from alpha5_model.numbers.parameters import is_catalogue
 from alpha5_model.proofs.comparison.correction import angle_between, tool_pose
 from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import finding

@@ -11,9 +11,8 @@ from alpha5_model._support.checks import FloatArray, instance, listed, real
 from alpha5_model._support.files import PathLike
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.record_writing import arm_file_text
+from alpha5_model.numbers.arm_writing import arm_file_text
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.studies.calibration.equations import Equations
 from alpha5_model.studies.calibration.fitting import (

@@ -28,9 +28,8 @@ from alpha5_model._support.checks import (
 )
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.fluids import SEA_WATER
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.planning.motion_table import write_motion_table
 from alpha5_model.planning.surroundings import Surroundings

@@ -10,8 +10,7 @@ import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.numbers.covariance import Covariance
-from alpha5_model.numbers.measurement import Measurement
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
 from alpha5_model.studies.calibration.equations import Equations
 from alpha5_model.studies.calibration.possible_bodies import PossibleBodies
 from alpha5_model.studies.calibration.unknowns import NAMES, ArmUnknowns

@@ -11,7 +11,7 @@ from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.dynamics.regression import NAMES as BASE_NAMES
 from alpha5_model.kernels import choice as kernels
 from alpha5_model.kinematics.geometry import Geometry
-from alpha5_model.numbers.loaded_links import loaded_links
+from alpha5_model.numbers.jaws import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.calibration.sensors import LOADS
 from alpha5_model.studies.calibration.unknowns import (

@@ -25,8 +25,8 @@ from alpha5_model._support.writing import atomic_write
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import InputError
+from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.record_writing import arm_file_text
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.studies.calibration.motor_record import (
     JointMotor,

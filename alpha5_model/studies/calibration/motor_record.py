@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from alpha5_model.numbers.measurement import Measurement
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
 from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Half width of a 95 % interval in standard deviations.

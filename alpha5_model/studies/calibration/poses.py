@@ -15,9 +15,8 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray, count, generator, instance, real
 from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.fluids import AIR
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.planning.obstacles import Obstacle
 from alpha5_model.planning.surroundings import Surroundings
 from alpha5_model.studies.calibration.equations import Equations

@@ -9,10 +9,9 @@ from typing import Any
 from alpha5_model._support.checks import choice, flag, listed, named
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.arm_file import arm_file
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import CORRECTIONS
 from alpha5_model.numbers.hydrodynamics import LEVELS
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 #: Suffixes of recordings in a folder.
 _RECORDINGS = (".csv", ".parquet", ".pq", ".bag", ".db3", ".mcap")

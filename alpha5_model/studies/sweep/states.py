@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray, frozen
 from alpha5_model.collision.self_collision import self_collision
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.studies.sweep.study import Study
 from alpha5_model.trajectory import SmoothMotion, read_motion, smooth
 

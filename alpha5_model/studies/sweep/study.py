@@ -15,9 +15,8 @@ from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.chosen_arm import chosen_arm, is_catalogue
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm, is_catalogue
 from alpha5_model.studies.sweep.axes import (
     StudyFiles,
     check_alone,

@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.arm_checks import LENGTHS
-from alpha5_model.numbers.attached import AttachedBody
 from alpha5_model.numbers.inertia import second_moments
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     LinkParameters,
     parameters,
 )
+from alpha5_model.numbers.pose import printed_tool
+from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.tables import BODY_NAMES, JOINT_NAMES
-from alpha5_model.numbers.tool import printed_tool
 from alpha5_model.studies.uncertainty import printed
 from alpha5_model.studies.uncertainty.calibrated import (
     Calibrated,

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, count, float_array
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.studies.uncertainty import printed
 from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
 from alpha5_model.studies.uncertainty.printed import Names

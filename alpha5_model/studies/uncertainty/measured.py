@@ -16,8 +16,8 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_from_rpy, rpy_from_rotation
 from alpha5_model.numbers.arm_schema import DRIVE_FIELDS, LIMIT_FIELDS
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.numbers.tool import tool_of
 
 
 class MeasuredNumber(NamedTuple):

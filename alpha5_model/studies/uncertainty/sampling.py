@@ -18,9 +18,8 @@ from alpha5_model._support.checks import (
     real,
 )
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.studies.uncertainty import printed
 from alpha5_model.studies.uncertainty.arm_numbers import (
     ArmNumbers,

@@ -23,9 +23,8 @@ from alpha5_model._support.checks import (
 )
 from alpha5_model._support.spatial import transform
 from alpha5_model.errors import InputError, ShapeError, UnknownNameError
-from alpha5_model.numbers.chosen_arm import chosen_arm
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.theory.dh.frames import (
     axes_of_model,
     frames_on_axes,

@@ -1,4 +1,4 @@
-"""The tool point of an arm: where the tcp is in link_4."""
+"""Poses of frames: of the mount, of the tool point, of attached bodies."""
 
 from __future__ import annotations
 
@@ -9,54 +9,60 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, array, frozen, is_rotation
+from alpha5_model._support.spatial import Triple, rpy_from_rotation, transform
 from alpha5_model.errors import InputError
-from alpha5_model.numbers import plausibility
 
 
 @dataclass(frozen=True, eq=False)
-class ToolPose:
-    """Pose of the tcp in link_4, whose z axis is the wrist axis.
-
-    The jaws are along -z. Table 1's tool point is ``(0, 0, -0.18)``. Arrays are
-    read-only.
+class Pose:
+    """Pose of a frame in its parent frame. Arrays are read-only.
 
     Attributes:
-        position: Origin of the tcp, (3,) [m].
-        rotation: Axes of the tcp, as columns, (3, 3).
+        position: Origin of the frame in the parent, (3,) [m].
+        rotation: Axes of the frame in the parent, as columns, (3, 3).
+        parent: Name of the parent, for example ``link_4``, or ``world``; empty if it
+            goes without saying.
 
     Raises:
         InputError: Not a position and a rotation matrix.
-
-    Warns:
-        ImplausibleWarning: A position that seems to be in mm.
     """
 
     position: FloatArray
     rotation: FloatArray
+    parent: str = ""
 
     def __post_init__(self) -> None:
-        position = frozen(array("tool.position", self.position, 3))
-        rotation = frozen(array("tool.rotation", self.rotation, 3, 3))
+        position = frozen(array("position", self.position, 3))
+        rotation = frozen(array("rotation", self.rotation, 3, 3))
         if not is_rotation(rotation):
             expected = "a rotation matrix, (3, 3)"
-            raise InputError("tool.rotation", rotation.tolist(), expected)
-        farthest = position[np.abs(position).argmax()]
-        plausibility.check("tool.position", farthest, plausibility.POSITION)
+            raise InputError("rotation", rotation.tolist(), expected)
         object.__setattr__(self, "position", position)
         object.__setattr__(self, "rotation", rotation)
 
+    @property
+    def matrix(self) -> FloatArray:
+        """Maps coordinates in the frame to coordinates in the parent, (4, 4)."""
+        return transform(self.rotation, self.position)
 
-def tool_of(record: Any) -> ToolPose:
-    """The tool of an arm: its own, or Table 1's.
+    @property
+    def rpy(self) -> Triple:
+        """URDF's fixed-axis roll, pitch, yaw [rad]."""
+        return rpy_from_rotation(self.rotation)
+
+
+def tool_of(record: Any) -> Pose:
+    """The pose of the tcp in link_4, whose jaws are along -z.
 
     Args:
-        record: An `Alpha5Parameters`.
+        record: An `Alpha5Parameters`. If it has no tool of its own, Table 1's is
+            returned.
     """
-    tool: ToolPose = record.tool or printed_tool(record.dh[3], record.dh[4])
+    tool: Pose = record.tool or printed_tool(record.dh[3], record.dh[4])
     return tool
 
 
-def printed_tool(wrist: Any, last: Any) -> ToolPose:
+def printed_tool(wrist: Any, last: Any) -> Pose:
     """Table 1's tool point in link_4: ``Tz(d) Tx(a) Rx(alpha) Rz(theta)``.
 
     Args:
@@ -73,7 +79,8 @@ def printed_tool(wrist: Any, last: Any) -> ToolPose:
         ]
     )
     # Adding zero turns negative zeros into zeros.
-    return ToolPose(position=np.array([wrist.a, 0.0, wrist.d]), rotation=rotation + 0.0)
+    position = np.array([wrist.a, 0.0, wrist.d])
+    return Pose(position=position, rotation=rotation + 0.0)
 
 
 def _quarter_turns(angle: float) -> tuple[float, float]:
