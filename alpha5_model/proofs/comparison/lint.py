@@ -19,7 +19,7 @@ from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfLink, UrdfRobot
 from alpha5_model.description.xml import text_of
 from alpha5_model.numbers.inertia import combine
-from alpha5_model.numbers.joint_losses import joint_losses
+from alpha5_model.numbers.motors import joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointParameters
 from alpha5_model.proofs.comparison.result import Correction, Finding, finding
 
