@@ -13,7 +13,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointParameters
-from alpha5_model.numbers.tool import tool_of
+from alpha5_model.numbers.pose import tool_of
 from alpha5_model.proofs.comparison.described import Described
 from alpha5_model.proofs.comparison.reduced import Reduced, our_arm
 from alpha5_model.proofs.comparison.result import Correction

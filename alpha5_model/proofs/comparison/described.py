@@ -20,7 +20,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, rotation_about, transform, wrap
 from alpha5_model.numbers.inertia import rotate_tensor
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tool import tool_of
+from alpha5_model.numbers.pose import tool_of
 from alpha5_model.proofs.comparison.model import foot
 from alpha5_model.proofs.comparison.reduced import (
     Dimensions,

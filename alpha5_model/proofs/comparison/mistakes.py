@@ -31,7 +31,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import FRESH_WATER
 from alpha5_model.numbers.inertia import flip_products, inconsistencies
 from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.loaded_links import loaded_links
+from alpha5_model.numbers.jaws import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.proofs.comparison.document_revisions import Revision, revisions
