@@ -16,9 +16,9 @@ from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.cli import options, printing, values
 from alpha5_model.codegen.c_library import COptions, c_files
-from alpha5_model.description import committed, mjcf, sdf
+from alpha5_model.description import mjcf, sdf
 from alpha5_model.description.assets import mesh_assets
-from alpha5_model.description.lighthill import LighthillOptions, lighthill_files
+from alpha5_model.description.left_out import without_armature
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.usd import UsdOptions, usd_files
@@ -35,7 +35,8 @@ class _Format(NamedTuple):
         options: Record of its options.
         files: Makes its files, name -> content, from this record.
         main_file: Name of the file that goes to standard output.
-        suffixes: Those that a file of its own may have; empty for a folder.
+        suffixes: Those that this file may have, beside which the others are written;
+            empty for a folder.
     """
 
     options: Any
@@ -113,12 +114,6 @@ _FORMATS = {
         main_file="water.json",
         suffixes=(".json",),
     ),
-    "lighthill": _Format(
-        options=LighthillOptions,
-        files=lighthill_files,
-        main_file="lighthill.yaml",
-        suffixes=(".yaml", ".yml"),
-    ),
 }
 #: Option of the command -> field of the record, if their names differ.
 _FIELD_OF = {
@@ -134,7 +129,12 @@ _REASONS = {
         "gripper",
         "c",
     ): " (the formulas of c have four joints, the jaws locked in link_4)",
+    ("prefix", "mjcf"): " (MuJoCo adds one: MjSpec.attach(arm, prefix=...))",
+    ("prefix", "sdf"): " (names are the model's own: include it with another <name>)",
+    ("prefix", "usd"): " (names are the prim's own: reference it as another prim)",
 }
+#: Formats with joints, but without a place for rotor inertia.
+_WITHOUT_ARMATURE = {"urdf": "URDF", "sdf": "SDF"}
 #: Value of --mesh-uri -> prefix of the name of each mesh.
 MESH_URIS = {
     "relative": "meshes/",
@@ -149,9 +149,7 @@ _Output = Annotated[
 ]
 _DescriptionFormat = Annotated[
     str,
-    Option(
-        "--format", help="urdf, srdf, xacro, mjcf, sdf, usd, c, water or lighthill."
-    ),
+    Option("--format", help="urdf, srdf, xacro, mjcf, sdf, usd, c or water."),
 ]
 _Prefix = Annotated[str, Option(help="Prefix of every link and joint name.")]
 _Parent = Annotated[str, Option(help="Link that carries the arm; it is added.")]
@@ -192,18 +190,8 @@ _Controllers = Annotated[
     bool,
     Option("--controllers", help="sdf: add position controllers and joint states."),
 ]
-_Drag = Annotated[
-    bool, Option("--drag", help="mjcf: MuJoCo's own fluid model; not published.")
-]
 _Hydrodynamics = Annotated[
     bool, Option("--hydrodynamics", help=options.HELP["moving_water"])
-]
-_Level = Annotated[str, Option(help="lighthill: low, nominal or high drag.")]
-_Check = Annotated[
-    bool, Option("--check", help="Say which of the repository's files are out of date.")
-]
-_Update = Annotated[
-    bool, Option("--update", help="Write the repository's files again.")
 ]
 
 
@@ -233,26 +221,20 @@ def generate(
     buoyancy: _Buoyancy = "bodies",
     sdf_version: _SdfVersion = "1.9",
     controllers: _Controllers = False,
-    drag: _Drag = False,
     hydrodynamics: _Hydrodynamics = False,
-    level: _Level = "nominal",
-    check: _Check = False,
-    update: _Update = False,
 ) -> int:
     """Write the description of any variant of the arm.
 
     Formats: urdf, srdf, xacro (YAML of the numbers, for xacro parameters:=FILE),
     mjcf (a folder for MuJoCo), sdf (a folder for Gazebo), usd (a file for Isaac
-    Sim and Newton), c (a C99 library), water (a table of volume, centre of
-    buoyancy, added mass and drag of each link, in JSON) or lighthill (the same
-    for Isaac Lab, in YAML). Without --output the main file goes to standard
-    output.
+    Sim and Newton, with the table of the water beside it), c (a C99 library) or
+    water (a table of volume, centre of buoyancy, added mass and drag of each
+    link, in JSON). Without --output the main file goes to standard output.
 
     Meshes are copied beside a URDF unless --mesh-uri says where they are. With
     --sdf-version 1.11 the fingers follow the jaw rod. --ros2-control adds the
     interfaces of mock hardware, of a public driver (--ros2-control-hardware), or
-    of a layout in a file of yours. --check ends with status 1 if a file of the
-    repository is out of date.
+    of a layout in a file of yours.
 
     At joint position 0, where many tools start, the arm is out of its limits and
     in collision. Start at home: it is in the SRDF and is the first key frame of
@@ -266,10 +248,6 @@ def generate(
     alpha5 generate --format c --real float --output out/controller
     alpha5 generate --format water --fluid fresh --output out/water.json
     """
-    if check or update:
-        _refuse_others(context, beside="check" if check else "update")
-        return _check_committed() if check else _update_committed()
-
     choice("format", description_format, tuple(_FORMATS))
     _refuse_options_of_other_formats(context, description_format)
     made = _FORMATS[description_format]
@@ -277,7 +255,10 @@ def generate(
         if not output.suffix:
             raise OutputError(output, f"give a file name, such as {made.main_file}")
         check_outputs((arm_file,), output=(output, made.suffixes))
-    files = made.files(_record(made, context.params))
+    record = _record(made, context.params)
+    files = made.files(record)
+    for line in _left_out(description_format, record):
+        echo(line, err=True)
     meshes = description_format == "urdf" and mesh_uri == "relative"
     _hand_out(made, files, output, meshes)
     return 0
@@ -302,6 +283,14 @@ def _record(made: _Format, params: Mapping[str, Any]) -> Any:
     return made.options(**{name: given[name] for name in made.option_names()})
 
 
+def _left_out(description_format: str, record: Any) -> list[str]:
+    """What the format has no place for, in lines for the user."""
+    if description_format not in _WITHOUT_ARMATURE:
+        return []
+    arm = chosen_arm(record.arm, record.corrections)
+    return without_armature(_WITHOUT_ARMATURE[description_format], arm)
+
+
 def _hand_out(
     made: _Format, files: Mapping[str, bytes], output: Path | None, meshes: bool
 ) -> None:
@@ -313,9 +302,16 @@ def _hand_out(
         # A stream gets the description alone, without other files beside it.
         atomic_write_all({output: main_file})
     elif made.suffixes:
-        _write(_one_file(output, main_file, meshes))
+        beside = {name: data for name, data in files.items() if name != made.main_file}
+        if meshes:
+            for name, mesh in mesh_assets(".obj", ".mtl").items():
+                beside[f"meshes/{name}"] = mesh
+        paths = {output.parent / name: data for name, data in beside.items()}
+        _write({output: main_file, **paths})
+    elif output.is_file():
+        raise OutputError(output, "it is a file; this format needs a folder")
     else:
-        _write(_in_folder(output, files))
+        _write({output / name: content for name, content in files.items()})
 
 
 def _given(context: Context) -> list[str]:
@@ -333,13 +329,6 @@ def _flag(context: Context, name: str) -> str:
     return flags[name]
 
 
-def _refuse_others(context: Context, beside: str) -> None:
-    for name in _given(context):
-        if name != beside:
-            expected = f"nothing beside --{beside}"
-            raise InputError(_flag(context, name), context.params[name], expected)
-
-
 def _refuse_options_of_other_formats(context: Context, description_format: str) -> None:
     for name in _given(context):
         field = _FIELD_OF.get(name, name)
@@ -352,21 +341,6 @@ def _refuse_options_of_other_formats(context: Context, description_format: str) 
             raise InputError(_flag(context, name), description_format, expected)
 
 
-def _one_file(output: Path, description: bytes, meshes: bool) -> dict[Path, bytes]:
-    """The file, with the meshes beside it if they are wanted."""
-    files = {output: description}
-    if meshes:
-        for name, mesh in mesh_assets(".obj", ".mtl").items():
-            files[output.parent / "meshes" / name] = mesh
-    return files
-
-
-def _in_folder(output: Path, files: Mapping[str, bytes]) -> dict[Path, bytes]:
-    if output.is_file():
-        raise OutputError(output, "it is a file; this format needs a folder")
-    return {output / name: content for name, content in files.items()}
-
-
 def _write(files: Mapping[Path, bytes]) -> None:
     """Write files, and say in which folder which of them are."""
     atomic_write_all(files)
@@ -376,25 +350,3 @@ def _write(files: Mapping[Path, bytes]) -> None:
         names.setdefault(path.parent, []).append(path.name)
     for folder, inside in names.items():
         printing.say(f"wrote in {folder}: {', '.join(inside)}")
-
-
-def _check_committed() -> int:
-    """Compare the committed files with fresh ones."""
-    fresh = committed.generated_files()
-    stale = committed.stale_files(fresh=fresh)
-    echo("".join(file.diff for file in stale), nl=False)
-    echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
-    _name_not_generated()
-    return 1 if stale else 0
-
-
-def _update_committed() -> int:
-    """Write the committed files anew."""
-    printing.show(False, None, (), *committed.update())
-    _name_not_generated()
-    return 0
-
-
-def _name_not_generated() -> None:
-    for line in committed.not_generated():
-        echo(line)

@@ -10,7 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from alpha5_model._support.spatial import Placement, Triple, rpy_from_rotation
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import array
+from alpha5_model._support.spatial import (
+    Placement,
+    Triple,
+    rotation_from_rpy,
+    rpy_from_rotation,
+)
 from alpha5_model.errors import InputError, PublishedDataError
 from alpha5_model.numbers.parameters import Alpha5Parameters, DHParameters
 from alpha5_model.numbers.pose import Pose
@@ -21,17 +29,40 @@ def base_placement(parameters: Alpha5Parameters) -> Placement:
     return Placement("base_link", rpy=(0.0, 0.0, parameters.base_yaw))
 
 
-def own_mount(parameters: Alpha5Parameters, taken: Iterable[str]) -> Placement | None:
-    """Pose of base_link in the parent of the arm's own mount; None without one.
+def chosen_mount(
+    parameters: Alpha5Parameters, parent: str, xyz: ArrayLike, rpy: ArrayLike
+) -> Pose | None:
+    """The mount that options name, or the arm's own; None without one.
 
     Args:
         parameters: The arm's parameters.
+        parent: Name of the frame that carries the arm; empty for the arm's own mount.
+        xyz: Position of base_link in the parent, (3,) [m].
+        rpy: Its roll, pitch, yaw, (3,) [rad].
+
+    Raises:
+        InputError: A pose without a parent, or one that is not three numbers.
+    """
+    position = array("xyz", xyz, 3)
+    angles = array("rpy", rpy, 3)
+    if parent:
+        return Pose(position, rotation_from_rpy(angles), parent)
+    for name, values in (("xyz", position), ("rpy", angles)):
+        if values.any():
+            raise InputError(name, values.tolist(), "a parent link to mount on")
+    return parameters.mount
+
+
+def own_mount(mount: Pose | None, taken: Iterable[str]) -> Placement | None:
+    """Pose of base_link in the parent of a mount; None without one.
+
+    Args:
+        mount: The mount.
         taken: Names that the parent cannot have beside the arm.
 
     Raises:
         InputError: The parent has one of these names.
     """
-    mount = parameters.mount
     if mount is None:
         return None
     if mount.parent in taken:

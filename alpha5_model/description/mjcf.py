@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,14 +13,14 @@ from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
-from alpha5_model.description.frames import own_mount, tcp_placement
-from alpha5_model.description.mjcf_actuators import (
-    ACTUATORS,
-    add_actuators,
-    add_keyframes,
+from alpha5_model.description.frames import (
+    chosen_mount,
+    own_mount,
+    tcp_placement,
 )
-from alpha5_model.description.mjcf_bodies import DILUTION, INERTIA, BodyWriter
+from alpha5_model.description.mjcf_bodies import BodyWriter, float_density
 from alpha5_model.description.origin import provenance
+from alpha5_model.description.srdf import named_poses
 from alpha5_model.description.xml import Value, add, document, serialized
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.collision_capsules import collision_capsules
@@ -30,12 +31,25 @@ from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
 from alpha5_model.numbers.motors import joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
+from alpha5_model.numbers.pose import Pose
 
 #: Capsules, one for each link, are for MJX.
 COLLISIONS = ("primitives", "capsules", "none")
 BUOYANCIES = ("bodies", "none")
-#: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s] [ITTC 7.5-02-01-03].
-VISCOSITY = 1.08e-3
+ACTUATORS = ("position", "velocity", "motor")
+#: Servo stiffness [N m/rad, N/m]: tuned, not from the document.
+_STIFFNESS = {
+    "axis_e": 200.0,
+    "axis_d": 200.0,
+    "axis_c": 200.0,
+    "axis_b": 5.0,
+    "axis_a": 500.0,
+}
+#: Damping of the rod's servo [N s/m]. MuJoCo would take the critical damping from the
+#: rod alone; the fingers weigh more.
+_ROD_DAMPING = 8.0
+#: Kind of actuator -> attribute of a keyframe that holds the targets of its servos.
+_TARGETS = {"position": "ctrl", "velocity": "act"}
 
 #: Of the sea bed below base_link [m].
 _DEPTH = 0.6
@@ -50,15 +64,17 @@ class MjcfOptions:
         fluid_density: [kg/m^3]; 0 is air. Adjustable at run time too, see the folder's
             README.
         actuators: ``position``, ``velocity`` or ``motor``.
-        drag: Switches on MuJoCo's own fluid model, whose forces are not from the
-            document.
         collision: ``primitives``, ``capsules`` or ``none``. One capsule stands
             for each link in MJX, which has no contact between cylinders and boxes;
             with locked jaws.
         buoyancy: ``bodies``, or ``none`` for tools without ``gravcomp``, such as brax.
         corrections: Recorded corrections to apply.
-        hydrodynamics: Adds drag by strips, which is estimated, not published; instead
-            of ``drag``. The strips are the catalogue's, in the frames of the links.
+        hydrodynamics: Adds drag by strips, which is estimated, not published. The
+            strips are the catalogue's, in the frames of the links.
+        parent: Name of a new body that base_link is mounted on, or ``world``; empty
+            for the mount of ``arm``.
+        xyz: Position of base_link in the parent [m].
+        rpy: Its roll, pitch, yaw [rad].
         arm: Record of an arm of your own, which has its corrections already; None for
             the catalogue's. Its name is the model's, and its mount is a body that
             carries ``base_link``, or the pose of ``base_link`` if the parent is
@@ -68,17 +84,17 @@ class MjcfOptions:
     gripper: str = "locked"
     fluid_density: float = SEA_WATER
     actuators: str = "position"
-    drag: bool = False
     collision: str = "primitives"
     buoyancy: str = "bodies"
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     hydrodynamics: bool = False
+    parent: str = ""
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
     arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
         flag("hydrodynamics", self.hydrodynamics)
-        if self.drag and self.hydrodynamics:
-            raise InputError("drag", self.drag, "hydrodynamics or drag, not both")
         choice("gripper", self.gripper, GRIPPERS)
         choice("actuators", self.actuators, ACTUATORS)
         choice("collision", self.collision, COLLISIONS)
@@ -87,7 +103,12 @@ class MjcfOptions:
         choice("buoyancy", self.buoyancy, BUOYANCIES)
         density_of(self.fluid_density)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
-        chosen_arm(self.arm, self.corrections)
+        self.mount()
+
+    def mount(self) -> Pose | None:
+        """Where the arm is mounted, by these options or its record."""
+        arm = chosen_arm(self.arm, self.corrections)
+        return chosen_mount(arm, self.parent, self.xyz, self.rpy)
 
 
 def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
@@ -100,44 +121,56 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
         Alpha5Error: See `MjcfOptions`.
     """
     chosen = options or MjcfOptions()
-    arm = chosen_arm(chosen.arm, chosen.corrections)
     assets = mesh_assets(".obj")
     return {
         "alpha5.xml": mjcf(chosen, assets).encode(),
-        "scene.xml": _scene(arm).encode(),
-        "README.md": _readme(chosen).encode(),
+        "scene.xml": mjcf_scene(chosen).encode(),
+        "README.md": mjcf_readme(chosen).encode(),
         "CHANGELOG.md": template("mjcf_changelog.md").encode(),
         "LICENSE": (Path(REPOSITORY_PATH) / "LICENSE").read_bytes(),
         **{f"assets/{name}": data for name, data in assets.items()},
     }
 
 
-def _scene(arm: Alpha5Parameters) -> str:
-    """The model with light, and a sea bed at a depth below base_link."""
-    height = 0.0 if arm.mount is None else float(arm.mount.position[2])
-    sea_bed = height - _DEPTH
-    return template("scene.xml").format(name=arm.name, sea_bed=sea_bed)
+def mjcf_scene(options: MjcfOptions, model_file: str = "alpha5.xml") -> str:
+    """Text of a scene: the model's file with light, and a sea bed below base_link."""
+    arm = chosen_arm(options.arm, options.corrections)
+    mount = options.mount()
+    height = 0.0 if mount is None else float(mount.position[2])
+    return template("scene.xml").format(
+        name=arm.name, model_file=model_file, sea_bed=height - _DEPTH
+    )
 
 
-def _readme(options: MjcfOptions) -> str:
-    moving_water = ""
-    drag = "on" if options.drag else "off"
-    if options.hydrodynamics:
-        moving_water = template("mjcf_moving_water.md")
-        drag = "estimated strips"
-
-    source = provenance(chosen_arm(options.arm, options.corrections))
-    jaws = template(f"mjcf_gripper_{options.gripper}.md").rstrip()
+def mjcf_readme(options: MjcfOptions, picture: str = "") -> str:
+    """Text of the folder's README, with the lines of a picture below its title."""
+    arm = chosen_arm(options.arm, options.corrections)
+    density = float_density(arm_bodies(arm, options.gripper))
+    moving_water = template("mjcf_moving_water.md") if options.hydrodynamics else ""
+    inertials = list(ET.fromstring(mjcf(options)).iter("inertial"))
+    masses = [float(inertial.attrib["mass"]) for inertial in inertials]
+    moments = [
+        min(map(float, inertial.attrib["diaginertia"].split()))
+        for inertial in inertials
+    ]
     words = {
         **vars(options),
-        **source,
-        "drag": drag,
+        **provenance(arm),
+        "picture": picture,
+        "drag": "estimated strips" if options.hydrodynamics else "none",
         "moving_water": moving_water,
-        "jaws": jaws,
-        "inertia": INERTIA,
-        "dilution": f"{DILUTION:.0e}".replace("+0", ""),
+        "jaws": template(f"mjcf_gripper_{options.gripper}.md").rstrip(),
+        "float_density": f"{density:g}",
+        "least_mass": _first_digit(min(masses)),
+        "least_moment": _first_digit(min(moments)),
     }
     return template("mjcf_readme.md").format(**words)
+
+
+def _first_digit(number: float) -> str:
+    """Text of a positive number, rounded down to its first digit."""
+    unit = 10.0 ** math.floor(math.log10(number))
+    return f"{math.floor(number / unit) * unit:.0e}"
 
 
 def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
@@ -152,9 +185,10 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     arm = chosen_arm(chosen.arm, chosen.corrections)
     bodies = arm_bodies(arm, chosen.gripper, meshes)
     joints = [body.joint for body in bodies if body.joint is not None]
+    floats = float_density(bodies) if chosen.buoyancy == "bodies" else None
     writer = BodyWriter(
         fluid_density=chosen.fluid_density,
-        buoyancy=chosen.buoyancy == "bodies",
+        float_density=floats,
         collisions=chosen.collision == "primitives",
         capsules=collision_capsules(arm.spacer)
         if chosen.collision == "capsules"
@@ -170,24 +204,21 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     root.append(visual)
     root.append(defaults)
     _add_assets(root, bodies)
-    mount = own_mount(arm, taken=["base_link", *(body.name for body in bodies)])
+    taken = ["base_link", *(body.name for body in bodies)]
+    mount = own_mount(chosen.mount(), taken)
     writer.add_worldbody(root, bodies, tcp_placement(arm), mount)
     if chosen.collision != "none":
         _add_contact(root, arm, chosen.gripper)
     if chosen.gripper == "jaws":
         _add_equality(root, joints)
-    add_actuators(root, joints, chosen.actuators)
-    add_keyframes(root, joints, chosen.actuators)
+    _add_actuators(root, joints, chosen.actuators)
+    _add_keyframes(root, joints, chosen.actuators)
     return serialized(root)
 
 
 def _add_option(root: ET.Element, options: MjcfOptions) -> None:
-    """Add gravity, the integrator, and the fluid if there is drag."""
+    """Add gravity, the integrator, and the fluid if strips drag."""
     fluid: dict[str, Value] = {}
-    if options.drag:
-        comment = "Density and viscosity: MuJoCo's drag, not from the document."
-        root.append(ET.Comment(f" {comment} "))
-        fluid = {"density": options.fluid_density, "viscosity": VISCOSITY}
     if options.hydrodynamics:
         comment = "Density: drag of the strips, estimated, not published."
         root.append(ET.Comment(f" {comment} "))
@@ -231,3 +262,65 @@ def _add_equality(root: ET.Element, joints: Iterable[JointRange]) -> None:
                 # other.
                 solref="0.005 1",
             )
+
+
+def _add_actuators(root: ET.Element, joints: Sequence[JointRange], kind: str) -> None:
+    """One actuator for each joint that has its own."""
+    actuator = add(root, "actuator")
+    for joint in _driven(joints):
+        limits = (joint.lower, joint.upper)
+        speed = (-joint.velocity, joint.velocity)
+        effort = (-joint.effort, joint.effort)
+        names = {"name": joint.name, "joint": joint.name}
+        if kind == "motor":
+            add(actuator, "motor", **names, ctrlrange=effort)
+        elif kind == "position":
+            add(actuator, "position", **names, **_servo(joint), ctrlrange=limits)
+        else:
+            # A position servo whose target moves at the commanded speed, so that it
+            # holds the weight.
+            add(
+                actuator,
+                "intvelocity",
+                **names,
+                **_servo(joint),
+                ctrlrange=speed,
+                actrange=limits,
+            )
+
+
+def _servo(joint: JointRange) -> dict[str, Value]:
+    """Stiffness, largest force and damping of a joint's servo."""
+    servo: dict[str, Value] = {
+        "kp": _STIFFNESS[joint.name],
+        "forcerange": (-joint.effort, joint.effort),
+    }
+    if joint.kind == "prismatic":
+        servo["kv"] = _ROD_DAMPING
+    else:
+        servo["dampratio"] = "1"
+    return servo
+
+
+def _add_keyframes(root: ET.Element, joints: Sequence[JointRange], kind: str) -> None:
+    """The named poses with closed jaws and servos at rest.
+
+    ``home`` comes first, because tools take the first one.
+    """
+    keyframe = add(root, "keyframe")
+    driven = [joint.name for joint in _driven(joints)]
+    for name, pose in sorted(named_poses(joints).items()):
+        # The jaws are closed at their lower limits.
+        positions = {joint.name: joint.lower for joint in joints}
+        positions |= zip(positions, pose, strict=False)
+
+        key: dict[str, Value] = {"name": name, "qpos": positions.values()}
+        if kind in _TARGETS:
+            # Servos are at rest if their targets are where the joints are.
+            key[_TARGETS[kind]] = [positions[joint] for joint in driven]
+        add(keyframe, "key", **key)
+
+
+def _driven(joints: Sequence[JointRange]) -> list[JointRange]:
+    """Joints with an actuator of their own."""
+    return [joint for joint in joints if not isinstance(joint, FingerJoint)]

@@ -7,6 +7,11 @@ volume and placed at the printed centre, therefore gives Table 3. A box is also 
 shape for which the system's graded density works.
 
 Added mass and drag, on request, are written by `alpha5_model.description.sdf_water`.
+Names of plugins and their elements are those of gz-sim [gz-sim]_. A position controller
+takes a ``gz.msgs.Double`` on ``/model/NAME/joint/JOINT/0/cmd_pos``.
+
+.. [gz-sim] github.com/gazebosim/gz-sim, ``src/systems/joint_position_controller/`` and
+   ``src/systems/joint_state_publisher/``.
 """
 
 from __future__ import annotations
@@ -15,6 +20,7 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,9 +29,14 @@ from alpha5_model._support.spatial import Placement, rpy_from_rotation
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.digits import rounded
-from alpha5_model.description.frames import own_mount, tcp_placement
-from alpha5_model.description.sdf_controllers import add_controllers
+from alpha5_model.description.frames import (
+    chosen_mount,
+    own_mount,
+    tcp_placement,
+)
+from alpha5_model.description.left_out import without_armature
 from alpha5_model.description.sdf_water import added_mass, drag
+from alpha5_model.description.srdf import named_poses
 from alpha5_model.description.xml import (
     XML_HEAD,
     Nested,
@@ -40,12 +51,37 @@ from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_correcti
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
+from alpha5_model.numbers.motors import JointLosses, joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
 from alpha5_model.numbers.pose import Pose
 
 #: 1.9 is the newest version that Debian's libsdformat reads. 1.11 has ``mimic`` and
 #: ``fluid_added_mass``.
 SDF_VERSIONS = ("1.9", "1.11")
+#: The pose to which the controllers drive until a command comes.
+CONTROLLED_POSE = "home"
+
+
+class Gains(NamedTuple):
+    """Gains of a joint's controller: tuned, not from the document.
+
+    Attributes:
+        proportional: [N m/rad, N/m].
+        derivative: [N m s/rad, N s/m]. Gazebo differentiates over one step, so that
+            twice as much would be unstable at 1 ms.
+    """
+
+    proportional: float
+    derivative: float
+
+
+GAINS = {
+    "axis_e": Gains(200.0, 4.0),
+    "axis_d": Gains(200.0, 4.0),
+    "axis_c": Gains(200.0, 1.0),
+    "axis_b": Gains(5.0, 0.01),
+    "axis_a": Gains(500.0, 2.0),
+}
 
 
 @dataclass(frozen=True)
@@ -62,11 +98,15 @@ class SdfOptions:
         sdf_version: ``1.9`` or ``1.11``, in which the fingers follow the rod.
         controllers: Adds a position controller for each driven joint, which holds
             ``home`` until a command comes, and the joint state publisher.
+        parent: Name of a new frame that base_link is mounted on, and by which the model
+            is placed; if it is ``world``, the mount is the model's pose. Empty for the
+            mount of ``arm``.
+        xyz: Position of base_link in the parent [m].
+        rpy: Its roll, pitch, yaw [rad].
         arm: Record of an arm of your own, which has its corrections already; None for
-            the catalogue's. Its name is the model's. The parent of its mount is the
-            frame by which the model is placed; if that is ``world``, the mount is the
-            model's pose. What is attached to a link is part of its inertial and
-            volume.
+            the catalogue's. Its name is the model's. What is attached to a link is part
+            of its inertial and volume. Friction and damping of its joints are in the
+            file, rotor inertia cannot be.
     """
 
     gripper: str = "locked"
@@ -75,6 +115,9 @@ class SdfOptions:
     hydrodynamics: bool = False
     sdf_version: str = SDF_VERSIONS[0]
     controllers: bool = False
+    parent: str = ""
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
     arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
@@ -84,7 +127,12 @@ class SdfOptions:
         choice("SDF version", self.sdf_version, SDF_VERSIONS)
         density_of(self.fluid_density)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
-        chosen_arm(self.arm, self.corrections)
+        self.mount()
+
+    def mount(self) -> Pose | None:
+        """Where the arm is mounted, by these options or its record."""
+        arm = chosen_arm(self.arm, self.corrections)
+        return chosen_mount(arm, self.parent, self.xyz, self.rpy)
 
     @property
     def version(self) -> str:
@@ -153,8 +201,9 @@ def _empty_document(options: SdfOptions, arm: Alpha5Parameters) -> ET.Element:
     if options.hydrodynamics:
         comments.append(
             "Added mass and drag: estimated, not published: "
-            "published/estimated_hydrodynamics.toml of the package."
+            "alpha5_model/numbers/estimated_hydrodynamics.toml."
         )
+    comments += without_armature("SDF", arm)
     comments.append(
         "At zero, where Gazebo starts, joints are beyond their limits: "
         "start elsewhere, such as at home of the SRDF."
@@ -173,22 +222,25 @@ def _model(
     model = ET.Element(
         "model", name=arm.name, canonical_link="link_0", placement_frame="base_link"
     )
-    mount = own_mount(arm, taken=_names(bodies))
-    if mount is not None and mount.parent == "world":
-        fill(model, pose=_pose(mount))
+    mount = options.mount()
+    placement = own_mount(mount, taken=_names(bodies))
+    if placement is not None and placement.parent == "world":
+        fill(model, pose=_pose(placement))
     # Adding zero turns a negative zero into zero.
     base_yaw = -arm.base_yaw + 0.0
     _add_frame(model, "base_link", Placement("link_0", rpy=(0.0, 0.0, base_yaw)))
-    if arm.mount is not None and arm.mount.parent != "world":
+    if mount is not None and mount.parent != "world":
         # Whoever places the model places the frame that carries the arm.
-        model.set("placement_frame", arm.mount.parent)
-        _add_frame(model, arm.mount.parent, _carrier(arm.mount))
+        model.set("placement_frame", mount.parent)
+        _add_frame(model, mount.parent, _carrier(mount))
 
+    losses = joint_losses(arm)
     water = hydrodynamics(options.gripper) if options.hydrodynamics else {}
     for body in bodies:
         inertial = _add_link(model, body, arm)
         if body.joint is not None:
-            _add_joint(model, body.joint, body, options.version)
+            lost = losses.get(body.joint.name)
+            _add_joint(model, body.joint, lost, body, options.version)
         if body.name in water:
             of_link = water[body.name]
             fill(inertial, fluid_added_mass=added_mass(of_link, options.fluid_density))
@@ -196,7 +248,7 @@ def _model(
             _add_hydrodynamics(model, body.name, damping)
     _add_frame(model, "tcp", tcp_placement(arm))
     if options.controllers:
-        add_controllers(model, [body.joint for body in bodies if body.joint])
+        _add_controllers(model, [body.joint for body in bodies if body.joint])
     return model
 
 
@@ -256,8 +308,8 @@ def _buoyancy_box(body: Body, arm: Alpha5Parameters) -> tuple[float, float, floa
         thickness = jaws.finger_volume / (jaws.finger_length * jaws.finger_width)
         edges = [thickness, jaws.finger_length, jaws.finger_width]
     else:
-        link = arm.links[int(body.name[-1])]
-        edges = np.ptp(link.bounds, axis=1).tolist()
+        bounds = {link.name: link.bounds for link in arm.links}
+        edges = np.ptp(bounds[body.name], axis=1).tolist()
 
     scale = math.cbrt(body.volume / math.prod(edges))
     x = float(rounded(scale * edges[0]))
@@ -265,7 +317,13 @@ def _buoyancy_box(body: Body, arm: Alpha5Parameters) -> tuple[float, float, floa
     return x, y, float(rounded(body.volume / (x * y)))
 
 
-def _add_joint(model: ET.Element, joint: JointRange, body: Body, version: str) -> None:
+def _add_joint(
+    model: ET.Element,
+    joint: JointRange,
+    losses: JointLosses | None,
+    body: Body,
+    version: str,
+) -> None:
     element = add(model, "joint", name=joint.name, type=joint.kind)
     fill(element, parent=body.placement.parent, child=body.name)
     axis = add(element, "axis")
@@ -276,6 +334,8 @@ def _add_joint(model: ET.Element, joint: JointRange, body: Body, version: str) -
         "velocity": joint.velocity,
     }
     fill(axis, xyz="0 0 1", limit=limit)
+    if losses is not None and (losses.damping or losses.friction):
+        fill(axis, dynamics={"damping": losses.damping, "friction": losses.friction})
     if isinstance(joint, FingerJoint) and version != SDF_VERSIONS[0]:
         mimic = add(axis, "mimic", joint=joint.leader)
         fill(
@@ -305,6 +365,39 @@ def _add_hydrodynamics(
         **damping,
         disable_added_mass="true",
         disable_coriolis="true",
+    )
+
+
+def _add_controllers(model: ET.Element, joints: Iterable[JointRange]) -> None:
+    """Add a controller for each driven joint, and the publisher of all joints."""
+    driven = [joint for joint in joints if not isinstance(joint, FingerJoint)]
+    # The jaws are closed at their lower limit.
+    positions = {joint.name: joint.lower for joint in driven}
+    positions |= zip(positions, named_poses(driven)[CONTROLLED_POSE], strict=False)
+    for joint in driven:
+        gains = GAINS[joint.name]
+        plugin = add(
+            model,
+            "plugin",
+            filename="gz-sim-joint-position-controller-system",
+            name="gz::sim::systems::JointPositionController",
+        )
+        fill(
+            plugin,
+            joint_name=joint.name,
+            p_gain=gains.proportional,
+            # Gazebo's own default is 0.1.
+            i_gain=0.0,
+            d_gain=gains.derivative,
+            cmd_max=joint.effort,
+            cmd_min=-joint.effort,
+            initial_position=positions[joint.name],
+        )
+    add(
+        model,
+        "plugin",
+        filename="gz-sim-joint-state-publisher-system",
+        name="gz::sim::systems::JointStatePublisher",
     )
 
 

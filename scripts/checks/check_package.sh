@@ -65,7 +65,6 @@ grep -q "const formulas" arm.html
 "$work/venv/bin/python" -m alpha5_model --version
 if "$work/venv/bin/alpha5" generate --gripper none 2>error.txt; then exit 1; fi
 test "$(wc -l <error.txt)" = 1
-"$work/venv/bin/alpha5" generate --check
 
 # Kinematics, kernels and files with NumPy alone.
 "${PYTHON:-python3}" -m venv "$work/numpy"

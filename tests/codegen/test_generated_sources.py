@@ -16,7 +16,7 @@ def test_the_committed_sources_are_those_of_the_equations() -> None:
     root = Path(REPOSITORY_PATH)
     for path, fresh in generated_sources().items():
         committed = (root / path).read_text(encoding="utf-8")
-        assert committed == fresh, f"{path}: python -m alpha5_model generate --update"
+        assert committed == fresh, f"{path}: python scripts/generate.py"
 
 
 @pytest.mark.slow

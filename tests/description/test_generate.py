@@ -11,18 +11,18 @@ from pathlib import Path
 
 import pytest
 import yaml
-from urdf_edits import mass_text, with_mass
-
-import alpha5_model as a5
-from alpha5_model._support.paths import REPOSITORY_PATH, XACRO_PATH
-from alpha5_model._support.writing import atomic_write, atomic_write_all
-from alpha5_model.cli import main
 from alpha5_model.description.committed import (
     StaleFile,
     generated_files,
     stale_files,
     update,
 )
+from urdf_edits import mass_text, with_mass
+
+import alpha5_model as a5
+from alpha5_model._support.paths import REPOSITORY_PATH, XACRO_PATH
+from alpha5_model._support.writing import atomic_write, atomic_write_all
+from alpha5_model.cli import main
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro_parameters import parameter_yaml

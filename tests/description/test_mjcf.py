@@ -20,12 +20,13 @@ import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH, MJCF_PATH, URDF_PATH
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import main
-from alpha5_model.description import mjcf_bodies as writer
 from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
+from alpha5_model.description.mjcf_bodies import principal_axes
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError, NonFiniteError, UnknownNameError
 from alpha5_model.geometry.collision_capsules import Capsule, collision_capsules
+from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import parameters
@@ -72,7 +73,7 @@ def errors(text: str, count: int = 1000, density: float = 1025.0) -> dict[str, f
             "acceleration": np.abs(
                 mass @ data.qacc + reference.bias(q, v) - reference.buoyancy(q)
             ).max(),
-            "buoyancy": np.abs(data.qfrc_passive + 0 * q - reference.buoyancy(q)).max(),
+            "buoyancy": np.abs(data.qfrc_passive - reference.buoyancy(q)).max(),
         }
         worst = {name: max(worst[name], float(value)) for name, value in found.items()}
     return worst
@@ -88,8 +89,7 @@ def test_equals_pinocchio_in_sea_water(text):
     assert worst["fk"] < 1e-12
     assert worst["mass"] < 1e-12
     assert worst["acceleration"] < 1e-12
-    # the buoyancy bodies' own weight, cancelled in qacc, shows in this field
-    assert worst["buoyancy"] < 2e-12
+    assert worst["buoyancy"] < 1e-12
 
 
 def tensor(inertial: ET.Element) -> np.ndarray:
@@ -184,39 +184,6 @@ def test_the_readmes_lines_change_the_fluid_there_and_back(written_for):
         )
 
 
-def test_readme_one_liner_changes_the_fluid(text):
-    model, data = free(text)
-    exec(recipe(), {"model": model})
-    fresh, sea = Reference(1000.0), Reference(1025.0)
-    q = np.array([1.0, 1.2, 0.7, 2.0])
-    data.qpos = q
-    mujoco.mj_forward(model, data)
-    np.testing.assert_allclose(
-        data.qacc, fresh.acceleration(q, np.zeros(4), np.zeros(4)), atol=1e-10
-    )
-    assert (
-        np.abs(data.qacc - sea.acceleration(q, np.zeros(4), np.zeros(4))).max() > 1e-2
-    )
-
-
-def test_two_seconds_of_free_motion_in_water(text):
-    reference = Reference()
-    model, data = free(text)
-    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    steps = 4000
-    model.opt.timestep = 2.0 / steps
-    start = np.array([2.0, 0.6, 0.9, 1.0]), np.array([0.3, -0.2, 0.1, 0.4])
-    data.qpos, data.qvel = start
-    mujoco.mj_step(model, data, nstep=steps)
-    q, _ = reference.free_motion(*start, 2.0, steps)
-    finer, _ = reference.free_motion(*start, 2.0, 2 * steps)
-    assert np.abs(q - start[0]).max() > 0.5  # it did move
-    assert np.abs(data.qpos - finer).max() < 1e-7
-    assert np.abs(q - finer).max() < 1e-7  # the integration itself is that good
-    in_air, _ = Reference(0.0).free_motion(*start, 2.0, steps)
-    assert np.abs(in_air - finer).max() > 0.1
-
-
 def test_jaws_equal_pinocchio_with_the_fingers_anywhere():
     pin_model = pin.buildModelFromUrdf(str(URDF / "alpha5_jaws.urdf"))
     pin_data = pin_model.createData()
@@ -273,15 +240,6 @@ def test_fingers_follow_the_rod():
     assert min(fingers) > 0.55
 
 
-def test_the_fingers_angle_is_a_line_in_the_rods_position():
-    model, _ = compiled(mjcf(MjcfOptions(gripper="jaws")))
-    joint = parameters().joints[4]
-    assert model.neq == 2
-    for row in model.eq_data[:, :5]:
-        assert row[:2] == pytest.approx([-51 * joint.lower, 51])
-        assert not row[2:].any()
-
-
 @pytest.mark.parametrize("corrections", [DEFAULT_CORRECTIONS, ()])
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_pinocchios_own_reader_makes_the_arm_of_the_urdf(
@@ -315,38 +273,6 @@ def test_pinocchios_own_reader_makes_the_arm_of_the_urdf(
             pin.nonLinearEffects(m, d, q, v) for m, d in ((theirs, data), (ours, own))
         )
         assert np.abs(np.subtract(*torques)).max() < 5e-12
-
-
-@pytest.mark.parametrize("gripper", ["locked", "jaws"])
-def test_quaternions_are_to_mujoco_what_angles_about_fixed_axes_are(
-    gripper, monkeypatch
-):
-    """Every array of the compiled model, to the 12 digits of the quaternions."""
-    options = MjcfOptions(gripper=gripper, hydrodynamics=True)
-    by_quaternions = mjcf(options)
-    assert "euler" not in by_quaternions
-
-    def by_angles(placement):
-        pose = {"pos": placement.xyz, "euler": placement.rpy}
-        return {name: values if any(values) else None for name, values in pose.items()}
-
-    monkeypatch.setattr(writer, "_pose", by_angles)
-    turned = mjcf(options).replace("<compiler ", '<compiler eulerseq="XYZ" ')
-    assert turned.count("euler=") > 30
-    one, other = (arrays(compiled(text)[0]) for text in (by_quaternions, turned))
-    assert len(one) > 300
-    for name, values in one.items():
-        np.testing.assert_allclose(
-            values, other[name], rtol=1e-8, atol=1e-11, err_msg=name
-        )
-
-
-def arrays(model) -> dict[str, np.ndarray]:
-    """Every array of a compiled model."""
-    values = {
-        name: getattr(model, name) for name in dir(model) if not name.startswith("_")
-    }
-    return {name: x for name, x in values.items() if isinstance(x, np.ndarray)}
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
@@ -468,55 +394,53 @@ def test_ten_seconds_of_random_control_without_a_warning(
     assert [int(warning.number) for warning in data.warning] == [0] * len(data.warning)
 
 
-def test_a_warning_would_be_seen(text, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # MuJoCo writes its log where it stands
-    model, data = compiled(text)
-    data.qvel[0] = 1e12
-    mujoco.mj_step(model, data)
-    assert sum(int(warning.number) for warning in data.warning) > 0
-
-
-def test_drag_acts_on_links_only_and_takes_energy():
-    with_drag = mjcf(MjcfOptions(drag=True))
-    root = ET.fromstring(with_drag)
+def test_a_scenes_fluid_drags_links_and_no_floats(text):
+    """MuJoCo takes a body without a geom of its own for a box, and drags it."""
+    in_fluid = text.replace("<option ", '<option density="1025" viscosity="1e-3" ')
+    root = ET.fromstring(in_fluid)
     for link in list(root.iter("body")):
         for child in link.findall("body"):
             if child.get("name").endswith("_buoyancy"):
                 link.remove(child)
-    bare, bare_data = free(ET.tostring(root, encoding="unicode"))
-    model, data = free(with_drag)
-    phantom, phantom_data = free(re.sub(r'<geom class="no_drag" />', "", with_drag))
+    boxes = re.sub(r'<geom class="no_drag" />', "", in_fluid)
+    models = [free(one) for one in (in_fluid, ET.tostring(root, "unicode"), boxes)]
     rng = np.random.default_rng(4)
     for q in configurations(30, seed=2):
         v = rng.uniform(-1, 1, 4)
-        for m, d in ((model, data), (bare, bare_data), (phantom, phantom_data)):
-            d.qpos, d.qvel = q, v
-            mujoco.mj_forward(m, d)
-        np.testing.assert_allclose(data.qfrc_fluid, bare_data.qfrc_fluid, atol=1e-9)
-        assert v @ data.qfrc_fluid < 0
-    assert np.abs(phantom_data.qfrc_fluid - bare_data.qfrc_fluid).max() > 1e-2
+        drags = []
+        for model, data in models:
+            data.qpos, data.qvel = q, v
+            mujoco.mj_forward(model, data)
+            drags.append(data.qfrc_fluid.copy())
+        drag, without_floats, with_boxes = drags
+        np.testing.assert_allclose(drag, without_floats, atol=1e-9)
+        assert v @ drag < 0
+    assert np.abs(with_boxes - drag).max() > 1e-4
 
 
-def test_the_model_has_the_printed_numbers(text):
+def test_link_and_float_together_have_the_printed_numbers(text):
     root = ET.fromstring(text)
     for link in parameters().links:
-        inertial = root.find(f".//body[@name='{link.name}']/inertial")
-        child = root.find(f".//body[@name='{link.name}_buoyancy']/inertial")
-        x, y, z = map(float, child.get("diaginertia").split())
-        together = tensor(inertial) + np.diag(
-            [x, y, z]
-        )  # one value: it turns with the axes
-        assert x == y == z
+        body = root.find(f".//body[@name='{link.name}']")
+        child = root.find(f".//body[@name='{link.name}_buoyancy']")
+        own, floating = body.find("inertial"), child.find("inertial")
+        cob = np.array(child.get("pos").split(), float)
+        moments = np.array(floating.get("diaginertia").split(), float)
+        together = pin.Inertia(
+            float(own.get("mass")),
+            np.array(own.get("pos").split(), float),
+            tensor(own),
+        ) + pin.Inertia(float(floating.get("mass")), cob, np.diag(moments))
+        assert together.mass == pytest.approx(link.mass, rel=1e-14)
+        np.testing.assert_allclose(together.lever, link.com, rtol=0, atol=1e-15)
         # Moments and axes are computed, so they have 12 digits.
         size = np.abs(link.inertia).max()
-        np.testing.assert_allclose(together, link.inertia, rtol=0, atol=2e-12 * size)
-        assert [float(x) for x in inertial.get("pos").split()] == list(link.com)
-        assert float(inertial.get("mass")) == link.mass
-    compensation = float(root.find(".//body[@name='link_0_buoyancy']").get("gravcomp"))
-    for name, litres in VOLUME.items():
-        body = root.find(f".//body[@name='{name}_buoyancy']")
-        displaced = float(body.find("inertial").get("mass")) * (compensation - 1)
-        assert displaced == pytest.approx(1025.0 * litres / 1000, rel=1e-15)
+        np.testing.assert_allclose(
+            together.inertia, link.inertia, rtol=0, atol=2e-12 * size
+        )
+        displaced = float(floating.get("mass")) * float(child.get("gravcomp"))
+        litres = VOLUME[link.name]
+        assert displaced == pytest.approx(1025.0 * litres / 1000, rel=1e-14)
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
@@ -529,14 +453,11 @@ def test_without_buoyancy_it_is_the_arm_in_air(gripper):
     bare_text = mjcf(dataclasses.replace(options, buoyancy="none"))
     bare, bare_data = free(bare_text)
     assert "gravcomp" not in bare_text
-    assert [bare.body(name).id for name in ("base_link", "link_0", "link_1")] == [
-        1,
-        2,
-        3,
-    ]
     assert bare.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
-    moments = np.linalg.eigvalsh(parameters().links[0].inertia)
+    base = parameters().links[0]
+    moments = np.linalg.eigvalsh(base.inertia)
     assert sorted(bare.body("link_0").inertia) == pytest.approx(moments, rel=1e-14)
+    assert bare.body("link_0").ipos == pytest.approx(base.com, abs=1e-15)
     for q in configurations(20, seed=8):
         for model, data in ((dry, dry_data), (bare, bare_data)):
             data.qpos[:4], data.qvel[:4] = q, q[::-1]
@@ -544,22 +465,67 @@ def test_without_buoyancy_it_is_the_arm_in_air(gripper):
         difference = mass_matrix(bare, bare_data) - mass_matrix(dry, dry_data)
         assert np.abs(difference).max() < 1e-12
         np.testing.assert_allclose(bare_data.qfrc_bias, dry_data.qfrc_bias, atol=1e-11)
-    for axis, unit in enumerate(np.eye(3)):  # the base's own, which no joint carries
-        body = dry.body("link_0").id, bare.body("link_0").id
-        along = [m.body_ipos[i][axis] for m, i in zip((dry, bare), body, strict=True)]
-        assert along[0] == pytest.approx(parameters().links[0].com @ unit, abs=1e-15)
-        assert along[1] == pytest.approx(along[0], abs=1e-15)
 
 
-def test_the_first_key_frame_is_home(text):
-    model, data = compiled(text)
-    mujoco.mj_resetDataKeyframe(model, data, 0)
-    np.testing.assert_array_equal(data.qpos, NAMED_POSES["home"])
+def test_a_link_that_floats_far_away_gets_a_lighter_float():
+    """A float of 250 kg/m^3 would take more inertia than the link with foam has."""
+    foam = AttachedBody(
+        name="foam",
+        mass=0.1,
+        com=np.zeros(3),
+        inertia=1.5e-4 * np.eye(3),
+        volume=1e-3,
+        cob=np.zeros(3),
+        link="link_4",
+        position=np.array([0.2, 0.0, 0.0]),
+        rotation=np.eye(3),
+    )
+    arm = dataclasses.replace(parameters(), name="foamy", attached=(foam,))
+    model, data = free(mjcf(MjcfOptions(arm=arm)))
+    own = a5.load(arm=arm)
+    for q in configurations(20, seed=9):
+        data.qpos = q
+        mujoco.mj_forward(model, data)
+        torque = data.qfrc_bias - data.qfrc_passive
+        np.testing.assert_allclose(torque, own.hydrostatic_torque(q), atol=1e-10)
+        mass = mass_matrix(model, data)
+        np.testing.assert_allclose(mass, own.mass_matrix(q), atol=1e-11)
 
 
-def test_a_picture_fits_the_off_screen_buffer(text):
-    model, _ = compiled(text)
-    assert (model.vis.global_.offwidth, model.vis.global_.offheight) >= (1920, 1080)
+@pytest.mark.parametrize("parent", ["rov", "world"])
+def test_options_mount_the_arm(parent):
+    pose = {"xyz": (0.2, 0.1, -0.3), "rpy": (3.0, 0.4, -0.2)}
+    model, data = free(mjcf(MjcfOptions(parent=parent, **pose)))
+    mujoco.mj_forward(model, data)
+    base = data.body("base_link")
+    rotation = Rotation.from_euler("xyz", pose["rpy"]).as_matrix()
+    np.testing.assert_allclose(base.xpos, pose["xyz"], atol=1e-12)
+    np.testing.assert_allclose(base.xmat.reshape(3, 3), rotation, atol=1e-12)
+    with pytest.raises(InputError, match="xyz"):
+        MjcfOptions(xyz=(0.1, 0.0, 0.0))
+    with pytest.raises(InputError, match=r"mount\.parent"):
+        mjcf(MjcfOptions(parent="link_2"))
+
+
+def test_axes_are_the_nearest_of_all_principal_ones():
+    """Of 24 frames, and the same if two are equally near."""
+    moments = np.array([2e-4, 3e-4, 4.5e-4])
+    for true in Rotation.random(20, random_state=4).as_matrix():
+        inertia = true @ np.diag(moments) @ true.T
+        found, (w, x, y, z) = principal_axes(inertia)
+        axes = Rotation.from_quat([x, y, z, w])
+        back = axes.as_matrix() @ np.diag(found) @ axes.as_matrix().T
+        np.testing.assert_allclose(back, inertia, rtol=0, atol=2e-15)
+        angles = []
+        for turn in Rotation.create_group("O"):
+            angles.append((Rotation.from_matrix(true) * turn).magnitude())
+        assert axes.magnitude() == pytest.approx(min(angles), abs=1e-9)
+
+    half = Rotation.from_euler("z", 45, degrees=True).as_matrix()
+    inertia = half @ np.diag(moments) @ half.T
+    noise = 1e-19 * np.random.default_rng(6).normal(size=(20, 3, 3))
+    found = [principal_axes(inertia + one + one.T)[1] for one in noise]
+    np.testing.assert_allclose(found, found[:1] * 20, atol=1e-9)
 
 
 @pytest.mark.parametrize("scene", ["scene.xml", "scene_jaws.xml", "scene_mjx.xml"])
@@ -590,12 +556,6 @@ def test_the_committed_folder_is_a_menagerie_model(scene):
     picture = np.asarray(Image.open(folder / "alpha5.png").convert("L"), dtype=int)
     assert min(picture.shape) >= 600
     assert np.unique(picture).size > 100
-
-
-def test_same_bytes_twice_and_no_path_inside(tmp_path):
-    options = MjcfOptions(gripper="jaws", drag=True)
-    assert mjcf_files(options) == mjcf_files(options)
-    assert str(tmp_path.parent).encode() not in b"".join(mjcf_files(options).values())
 
 
 @pytest.mark.parametrize(

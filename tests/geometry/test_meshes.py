@@ -367,7 +367,7 @@ def test_committed_files_are_what_is_drawn():
 
     import trimesh
 
-    from alpha5_model.description.committed import mesh_files
+    from generate import mesh_files
 
     drawn = mesh_files()
     assert set(drawn) == {path.name for path in MESHES.iterdir()}

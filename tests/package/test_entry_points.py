@@ -19,7 +19,6 @@ ENTRY_POINTS = {
     "cli.ik": "a command",
     "codegen.sources": "a generator; the page has the catalogue's arm",
     "collision.link_pairs": "for which lengths links never meet",
-    "description.committed": "a generator",
     "dynamics.arm_model": "Arm without a record",
     "dynamics.dimensions": "for which arm kernels and drawn bodies were made",
     "geometry.collision_shapes": "bodies that are drawn for the catalogue's arm",

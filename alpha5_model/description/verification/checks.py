@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
-from alpha5_model.description.committed import not_generated, stale_files
 from alpha5_model.description.verification.frames import (
     FRAME_BOUND,
     YOURDFPY_BOUND,
@@ -27,7 +26,7 @@ from alpha5_model.description.verification.own_arm import (
     mount_differences,
     own_inertial_differences,
 )
-from alpha5_model.description.verification.subject import FileCheck, Subject, Verdict
+from alpha5_model.description.verification.subject import FileCheck, Subject
 from alpha5_model.description.verification.values import CHECKS, Finder
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
@@ -37,7 +36,7 @@ SAMPLES = 2000
 
 
 def verify_generated() -> tuple[FileCheck, ...]:
-    """Check the committed URDF files, and that no generated file is stale."""
+    """Check the committed URDF files."""
     rows: list[FileCheck] = []
     for path in (URDF_PATH, JAWS_URDF_PATH):
         try:
@@ -51,23 +50,7 @@ def verify_generated() -> tuple[FileCheck, ...]:
                 finding=str(error),
             )
             rows.append(unreadable)
-    return (*rows, _check_fresh())
-
-
-def _check_fresh() -> FileCheck:
-    """Check that the committed files are what the generator writes now."""
-    verdict: Verdict = "passed"
-    finding = "every file is what the generator writes now"
-    if lacking := not_generated():
-        verdict = "not run"
-        finding = "; ".join(lacking)
-    if stale := stale_files():
-        paths = [file.path for file in stale]
-        verdict = "failed"
-        finding = f"stale: {', '.join(paths)}"
-    return FileCheck(
-        file="generated files", check="fresh", verdict=verdict, finding=finding
-    )
+    return tuple(rows)
 
 
 def verify_urdf(

@@ -38,7 +38,7 @@ class FileCheck:
     unit: str = ""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Subject(UrdfRobot):
     """A URDF file that is checked.
 

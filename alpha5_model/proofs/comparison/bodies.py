@@ -10,7 +10,11 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved
 from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
-from alpha5_model.proofs.comparison.corrections import angle_between
+from alpha5_model.proofs.comparison.corrections import (
+    TOKEN_RADIUS,
+    angle_between,
+    token_inertial,
+)
 from alpha5_model.proofs.comparison.described import describe_like
 from alpha5_model.proofs.comparison.differences import Evidence
 from alpha5_model.proofs.comparison.digits import rounded_origins
@@ -32,11 +36,9 @@ from alpha5_model.proofs.comparison.result import (
 #: The arm stretched out, base to finger tips: no part of it is larger.
 REACH = 0.6  # [m]
 #: A lighter link is a dummy: some tools ask for a mass on every link.
-TOKEN_MASS = 1e-3  # [kg]
+LIGHT = 1e-3  # [kg]
 #: Joint origins that are rounded by less misplace no body [m].
 NEGLIGIBLE = 1e-7
-#: Radius of gyration of a dummy that needs an inertia because a joint moves it [m].
-TOKEN_RADIUS = 0.003
 
 #: Errors of mass [kg] and first moment (3,) [kg m] -> the gravity torque that they
 #: cause [N m].
@@ -181,11 +183,12 @@ def _without_dummies(parts: Sequence[Part], moving: set[str]) -> list[Part]:
     """The links that are no dummies, and dummies as they should be."""
     kept = []
     for part in parts:
-        if not _is_dummy(part) or part.body.mass > TOKEN_MASS:
+        if not _is_dummy(part) or part.body.mass > LIGHT:
             kept.append(part)
         elif part.link in moving:
             tensor = part.body.mass * TOKEN_RADIUS**2 * np.eye(3)
-            kept.append(part._replace(body=part.body._replace(inertia=tensor)))
+            body = Body(mass=part.body.mass, com=np.zeros(3), inertia=tensor)
+            kept.append(part._replace(body=body))
     return kept
 
 
@@ -200,8 +203,8 @@ def _dummies(name: str, parts: Sequence[Part], moving: set[str]) -> Iterator[Fin
     for (mass, largest), links in equal.items():
         several = len(links) > 1
         # A heavy dummy needs a tensor, a light one needs none: two findings.
-        is_light = mass <= TOKEN_MASS
-        corrections = [_lighter(link, mass, link in moving) for link in links]
+        is_light = mass <= LIGHT
+        corrections = [_emptied(link, link in moving, mass) for link in links]
         yield finding(
             "dummy" if is_light else "dummy.heavy",
             where=name,
@@ -213,16 +216,6 @@ def _dummies(name: str, parts: Sequence[Part], moving: set[str]) -> Iterator[Fin
             radius=math.sqrt(largest / mass),
             corrections=corrections if is_light else (),
         )
-
-
-def _lighter(link: str, mass: float, moves: bool) -> Correction:
-    """What to write in a dummy: MuJoCo needs an inertia where a joint moves."""
-    if not moves:
-        return Correction("link", link, {"inertial": None})
-    moment = f"{mass * TOKEN_RADIUS**2:.6g}"
-    tensor = dict.fromkeys(("ixx", "iyy", "izz"), moment)
-    tensor |= dict.fromkeys(("ixy", "ixz", "iyz"), "0")
-    return Correction("link", link, {"inertia": tensor})
 
 
 # --- Wrong numbers --------------------------------------------------------------------
@@ -314,12 +307,11 @@ def right_inertial(link: str, right: Body, quantity: str = "") -> Correction:
     return Correction("link", link, elements)
 
 
-def _emptied(link: str, moves: bool) -> Correction:
-    """A link whose mass is given to another one; a joint still needs something."""
-    if not moves:
-        return Correction("link", link, {"inertial": None})
-    token = Body(mass=1e-6, com=np.zeros(3), inertia=1e-6 * TOKEN_RADIUS**2 * np.eye(3))
-    return right_inertial(link, token)
+def _emptied(link: str, moves: bool, mass: float = 0.0) -> Correction:
+    """A link that has no body: a joint still needs an inertia to move."""
+    if moves:
+        return token_inertial(link, mass)
+    return Correction("link", link, {"inertial": None})
 
 
 def _without_mass(

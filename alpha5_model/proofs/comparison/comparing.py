@@ -34,6 +34,7 @@ from alpha5_model.proofs.comparison.differences import (
 )
 from alpha5_model.proofs.comparison.digits import as_meant
 from alpha5_model.proofs.comparison.joint_mistakes import without_joint_mistakes
+from alpha5_model.proofs.comparison.lint import lint
 from alpha5_model.proofs.comparison.model import (
     TURNING,
     Chain,
@@ -45,6 +46,7 @@ from alpha5_model.proofs.comparison.reduced import Reduced, reduce
 from alpha5_model.proofs.comparison.result import (
     FINDINGS,
     Comparison,
+    Correction,
     Finding,
     ToolDifference,
     finding,
@@ -148,6 +150,7 @@ def compare_robots(
         q=random_positions(record, number),
     )
     found = [*differences(evidence), *findings_of_bodies(evidence)]
+    found += _stumbling_blocks(evidence, found)
     found.sort(key=lambda one: (-round(one.cost, 6), not one.serious))
     links = other.links
     gravity, mass_matrix = _dynamic_errors(evidence)
@@ -164,6 +167,44 @@ def compare_robots(
         carried={name: links[name].mass or 0.0 for name in evidence.meant.foreign},
         against=against,
     )
+
+
+def _stumbling_blocks(evidence: Evidence, found: Sequence[Finding]) -> list[Finding]:
+    """What programs refuse or read differently, mended as the other findings say.
+
+    Args:
+        evidence: Both arms.
+        found: The other findings.
+    """
+    advice: dict[tuple[str, str], dict[str, Mapping[str, str] | None]] = {}
+    for one in found:
+        for correction in one.corrections:
+            elements = advice.setdefault((correction.kind, correction.name), {})
+            elements.update(correction.elements)
+    for right in evidence.right_joints:
+        if right.correction is not None:
+            advice["joint", right.joint.name] = dict(right.correction.elements)
+
+    joints = [right.joint for right in evidence.right_joints]
+    right_joints = {
+        name: Correction(kind, name, elements)
+        for (kind, name), elements in advice.items()
+        if kind == "joint"
+    }
+    blocks = []
+    for one in lint(evidence.other, joints, evidence.record, right_joints):
+        corrections = tuple(
+            replace(
+                correction,
+                elements={
+                    **correction.elements,
+                    **advice.get((correction.kind, correction.name), {}),
+                },
+            )
+            for correction in one.corrections
+        )
+        blocks.append(replace(one, corrections=corrections))
+    return blocks
 
 
 class Model(NamedTuple):

@@ -517,6 +517,8 @@ def _limits(evidence: Evidence) -> Iterator[Finding]:
                 corrections=[own_effort],
             )
         if joint.lower is None or joint.upper is None:
+            if joint.kind == "continuous" and "lower" not in (joint.limit or {}):
+                yield finding("limits.none", where=ours.name, corrections=corrections)
             continue
         printed = np.array([ours.lower, ours.upper])
         if seems_in_degrees(joint.upper - joint.lower, ours.upper - ours.lower):
