@@ -114,7 +114,7 @@ def _findings_of_body(
         if k == 0:  # no joint carries the base
             return 0.0
         torques = regressor[:, :, k - 1] @ [mass, *first_moment]
-        return float(np.abs(torques).max())
+        return round(float(np.abs(torques).max()), 9)
 
     missing_cost = cost(body.mass_error, body.mass_error * body.ours.com)
     if not body.links:
@@ -135,10 +135,11 @@ def _findings_of_body(
 
     wrong = wrong_numbers(evidence.arm, k, parts, digits)
     by_link = {part.link: part for part in parts}
+    several = sum(part.body.mass > 0 for part in parts) > 1
     for number in wrong:
         part = by_link[number.link]
-        yield _wrong(body, number, part, len(parts) > 1, moving, cost)
-    if wrong:
+        yield _wrong(body, number, part, several, moving, cost)
+    if not all(number.mistake for number in wrong):
         yield from _impossible(body)
 
 
@@ -174,16 +175,17 @@ def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
 
 
 def _is_dummy(part: Part) -> bool:
-    """Whether a link's inertia is far too large for its mass."""
+    """Whether a link of hardly any mass has the inertia of something large."""
     largest = float(np.abs(part.body.inertia).max())
-    return part.body.mass > 0 and largest > REACH**2 * part.body.mass
+    is_light = 0 < part.body.mass <= LIGHT
+    return is_light and largest > REACH**2 * part.body.mass
 
 
 def _without_dummies(parts: Sequence[Part], moving: set[str]) -> list[Part]:
-    """The links that are no dummies, and dummies as they should be."""
+    """The links that are no dummies, and dummies that move as they should be."""
     kept = []
     for part in parts:
-        if not _is_dummy(part) or part.body.mass > LIGHT:
+        if not _is_dummy(part):
             kept.append(part)
         elif part.link in moving:
             tensor = part.body.mass * TOKEN_RADIUS**2 * np.eye(3)
@@ -202,11 +204,8 @@ def _dummies(name: str, parts: Sequence[Part], moving: set[str]) -> Iterator[Fin
 
     for (mass, largest), links in equal.items():
         several = len(links) > 1
-        # A heavy dummy needs a tensor, a light one needs none: two findings.
-        is_light = mass <= LIGHT
-        corrections = [_emptied(link, link in moving, mass) for link in links]
         yield finding(
-            "dummy" if is_light else "dummy.heavy",
+            "dummy",
             where=name,
             links=", ".join(links),
             s="s" if several else "",
@@ -214,7 +213,7 @@ def _dummies(name: str, parts: Sequence[Part], moving: set[str]) -> Iterator[Fin
             grams=mass * 1e3,
             inertia=largest,
             radius=math.sqrt(largest / mass),
-            corrections=corrections if is_light else (),
+            corrections=[_emptied(link, link in moving, mass) for link in links],
         )
 
 
@@ -323,7 +322,10 @@ def _without_mass(
 ) -> Finding:
     """A body without mass, or without any inertial."""
     ours = body.ours
-    link = body.links[0]
+    moved_by_joint = evidence.meant.joints[k - 1].child if k else ""
+    turned_in = evidence.meant.base_path[-1]
+    candidates = (moved_by_joint, turned_in, *body.links)
+    link = next(name for name in candidates if name in body.links)
     pose = evidence.described.placed[k] @ evidence.meant.link_poses[link]
     to_link = np.linalg.inv(pose)
     right = Body(
@@ -342,7 +344,7 @@ def _without_mass(
 
 
 def _impossible(body: BodyDifference) -> Iterator[Finding]:
-    """What makes the body physically impossible."""
+    """What makes a body impossible that no known mistake explains."""
     ours = body.ours
     # One body of Table 2 breaks its own bounds: the other model may do so, too.
     ours_breaks = inconsistencies(ours.mass, ours.com, ours.inertia, ours.bounds)

@@ -301,7 +301,7 @@ def _slip_cost(evidence: Evidence, slip: JointMistake) -> float:
     there = evidence.described.theirs(evidence.q)
     down = evidence.described.base[:3, :3].T @ GRAVITY
     change = wrong.gravity_torque(there, down) - meant.gravity_torque(there, down)
-    return float(np.abs(change).max())
+    return round(float(np.abs(change).max()), 9)
 
 
 def _zeros(evidence: Evidence) -> Iterator[Finding]:

@@ -267,7 +267,9 @@ def reduce(
         choice("link on the way to axis_e", first_link, base_path)
         base = _hanging_on({first_link}, _joints_to(robot, still))
     else:
-        base = _base_links(robot, base_path, set(still), record)
+        moving = [name for name in robot.links if body[name] > 0]
+        unit = _unit_of_mass(robot, moving, record)
+        base = _base_links(robot, base_path, set(still), record, unit)
 
     groups: list[list[str]] = [[] for _ in range(5)]
     for name in robot.links:
@@ -328,11 +330,21 @@ def _shape_centre(
 # --- Base and tool --------------------------------------------------------------------
 
 
+def _unit_of_mass(
+    robot: UrdfRobot, moving: Iterable[str], record: Alpha5Parameters
+) -> float:
+    """1000 if the masses that move are in grams, else 1."""
+    theirs = sum(robot.links[name].mass or 0.0 for name in moving)
+    ours = sum(link.mass for link in record.links[1:])
+    return 1e3 if theirs > 100 * ours else 1.0
+
+
 def _base_links(
     robot: UrdfRobot,
     base_path: Sequence[str],
     still: set[str],
     record: Alpha5Parameters,
+    unit: float,
 ) -> set[str]:
     """Links of the arm's own base, among those that do not move against it.
 
@@ -340,8 +352,16 @@ def _base_links(
     hangs on it, comes closest to the mass of link_0. All that hangs on this link
     belongs to the base, except vehicles: a link heavier than the whole arm is one. If
     axis_e turns in a vehicle, the base has no links.
+
+    Args:
+        robot: The other model.
+        base_path: Links from the root to the one that axis_e turns in.
+        still: All links that do not move against the root.
+        record: Our arm.
+        unit: How many of their masses' units are 1 kg.
     """
-    whole_arm = sum(link.mass for link in record.links)
+    whole_arm = unit * sum(link.mass for link in record.links)
+    base_mass = unit * record.links[0].mass
     turned_in = robot.links[base_path[-1]]
     if (turned_in.mass or 0.0) > whole_arm:
         return set()
@@ -353,9 +373,10 @@ def _base_links(
 
     first = base_path[0]
     for name in base_path[1:]:
-        off = abs(weight[name] - record.links[0].mass)
-        least_off = abs(weight[first] - record.links[0].mass)
-        if off < least_off and weight[first] - weight[name] > LEAST_FOREIGN_MASS:
+        off = abs(weight[name] - base_mass)
+        least_off = abs(weight[first] - base_mass)
+        before = weight[first] - weight[name]
+        if off < least_off and before > unit * LEAST_FOREIGN_MASS:
             first = name
     aside = still.difference(base_path)
     vehicles = {name for name in aside if weight[name] > whole_arm}
