@@ -96,7 +96,7 @@ def inertial(link: ET.Element) -> Inertial | None:
 
 
 def named(root: ET.Element, tag: str, name: str) -> ET.Element:
-    (element,) = (one for one in root.iter(tag) if one.get("name") == name)
+    (element,) = (one for one in root.findall(tag) if one.get("name") == name)
     return element
 
 

@@ -75,10 +75,11 @@ def _misplaced_by_rounding(evidence: Evidence) -> tuple[list[float], list[float]
     """By how much rounded joint origins shift [m] and turn [rad] the five bodies.
 
     Each number of an origin is changed by half of its last decimal place, and what that
-    does to the bodies is added in quadrature.
+    does to the bodies is added in quadrature. The error of a pi that is cut short may
+    hide in angles that were computed from it.
     """
     lengths = np.zeros(5)
-    angles = np.zeros(5)
+    angles = np.full(5, (2 * evidence.meant.digits.pi) ** 2)
     if evidence.meant.digits.length > NEGLIGIBLE:
         like = evidence.described
         for joint in rounded_origins(evidence.meant.way):

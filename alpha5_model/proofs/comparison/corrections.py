@@ -24,9 +24,9 @@ LEVER = 0.4
 WRITTEN_TO = 1e-6  # [m]
 #: Limits are printed to a tenth of a degree.
 LIMIT_TOLERANCE = math.radians(0.1)
-#: Mass [kg] and radius of gyration [m] of a link that moves and has no body: MuJoCo
-#: wants an inertia there.
-TOKEN_MASS, TOKEN_RADIUS = 1e-6, 0.003
+#: Mass [kg] and radius of gyration [m] of a link that moves and has no body. MuJoCo
+#: wants an inertia there; this one changes no body of the arm beyond its tolerance.
+TOKEN_MASS, TOKEN_RADIUS = 1e-8, 0.003
 
 
 @dataclass(frozen=True, eq=False)

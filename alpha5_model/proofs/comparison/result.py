@@ -328,9 +328,10 @@ class Comparison:
             return f"The model differs: {serious} finding{'s' * (serious > 1)}."
         agrees = f"The model agrees with {self.against or 'the tables'}"
         if self.tool and any(one.id == "tool.choice" for one in self.findings):
-            off = f"{self.tool.offset * 1e3:.3g} mm"
-            turned = f"turned by {math.degrees(self.tool.turned):.3g} deg"
-            return f"{agrees}, but its {self.tool.frame} is {off} from ours, {turned}."
+            off = f"{round(self.tool.offset * 1e3, 2):g} mm"
+            turned = f"{round(math.degrees(self.tool.turned), 2):g} deg"
+            frame = self.tool.frame
+            return f"{agrees}, but its {frame} is {off} from ours, turned by {turned}."
         return f"{agrees}."
 
     def as_dict(self) -> dict[str, Any]:
