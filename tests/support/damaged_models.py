@@ -223,9 +223,8 @@ def inertias(
     yield "zero", np.zeros((3, 3))
 
     moments = np.sort(np.linalg.eigvalsh(body.inertia))
-    yield "principal", np.diag(moments)
-    yield "principal", np.diag(moments[::-1])
-    yield "principal", np.diag(moments[np.argsort(np.argsort([xx, yy, zz]))])
+    for order in itertools.permutations(moments):
+        yield "principal", np.diag(order)
 
     yield "order", tensor((xx, yy, zz, xz, xy, yz))
     yield "order", tensor((xx, yy, zz, yz, xz, xy))
@@ -270,19 +269,17 @@ def of_two_parts(body: Inertial, rng: np.random.Generator) -> np.ndarray:
     return steiner(share * body.mass, first) + steiner((1 - share) * body.mass, second)
 
 
-def of_the_document(k: int) -> Iterator[tuple[str, str, np.ndarray]]:
-    """Mistakes with Table 2's body k: id, quantity, value."""
+def of_the_document(k: int, body: Inertial) -> Iterator[tuple[str, str, np.ndarray]]:
+    """Mistakes with the frames and tables of the document: id, quantity, value."""
     here = reference.inertial_frames(np.zeros(4))
     chain = reference.dh_frames(np.zeros(4))
-    com = np.array(reference.COM[k]) / 1e3
-    matrix = tensor(np.array(reference.INERTIA[k]) / 1e6, -1)
     frames = {f"dh_{i}": frame for i, frame in enumerate(chain)}
     frames |= {f"frame_{i}": here[i] for i in range(5) if i != k}
     for name, frame in frames.items():
         to_frame = np.linalg.inv(frame) @ here[k]
         turn = to_frame[:3, :3]
-        yield name, "com", turn @ com + to_frame[:3, 3]
-        yield name, "inertia", turn @ matrix @ turn.T
+        yield name, "com", turn @ body.com + to_frame[:3, 3]
+        yield name, "inertia", turn @ body.inertia @ turn.T
 
     for i in range(5):
         if i != k:
@@ -305,6 +302,8 @@ def of_joints(root: ET.Element) -> Iterator[Damage]:
     """Millimetres and degrees in every joint, and axes of the arm's four."""
     for joint in root.iter("joint"):
         name = joint.get("name")
+        if name == "mount":  # where an arm is mounted is not the arm's
+            continue
         origin = joint.find("origin")
         xyz = numbers(origin.get("xyz"))
         rpy = numbers(origin.get("rpy"))
@@ -320,23 +319,17 @@ def of_joints(root: ET.Element) -> Iterator[Damage]:
 # ----------------------------------------------------------------------------- the list
 
 
-def single_mistakes(
-    text: str, *, of_document: bool, joints: Iterable[str] | None = None
-) -> list[Damage]:
+def single_mistakes(text: str, *, of_document: bool) -> list[Damage]:
     """Every single mistake at every place of a URDF.
 
     Args:
         text: The URDF.
         of_document: Whether its links carry Table 2's numbers, so that frames and
             tables of the document lead to mistakes, too.
-        joints: Names of the joints that belong to the arm; all if None.
     """
     root = ET.fromstring(text)
     rng = np.random.default_rng(43)
-    found = []
-    for joint in of_joints(root):
-        if joints is None or joint.where in joints:
-            found.append(joint)
+    found = list(of_joints(root))
     for link in root.iter("link"):
         body = inertial(link)
         if body is None:
@@ -346,7 +339,7 @@ def single_mistakes(
         made += [(one, "com", value) for one, value in coms(body)]
         made += [(one, "inertia", value) for one, value in inertias(body, rng)]
         if of_document and name in LINKS:
-            made += of_the_document(LINKS.index(name))
+            made += of_the_document(LINKS.index(name), body)
         found += [Damage(one, name, what, value) for one, what, value in made]
     return [
         damage._replace(names=frozenset(_same(damage, found)))

@@ -11,6 +11,8 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved
 from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
 from alpha5_model.proofs.comparison.corrections import (
+    LEVER,
+    TOKEN_MASS,
     TOKEN_RADIUS,
     angle_between,
     token_inertial,
@@ -76,7 +78,8 @@ def _misplaced_by_rounding(evidence: Evidence) -> tuple[list[float], list[float]
 
     Each number of an origin is changed by half of its last decimal place, and what that
     does to the bodies is added in quadrature. The error of a pi that is cut short may
-    hide in angles that were computed from it.
+    hide in angles that were computed from it. Origins that are right are not rounded,
+    whatever their digits.
     """
     lengths = np.zeros(5)
     angles = np.full(5, (2 * evidence.meant.digits.pi) ** 2)
@@ -91,7 +94,19 @@ def _misplaced_by_rounding(evidence: Evidence) -> tuple[list[float], list[float]
                 angle_between(*poses) for poses in zip(placed, like.placed, strict=True)
             ]
             angles += np.square(turned)
-    return np.sqrt(lengths).tolist(), np.sqrt(angles).tolist()
+    shifts = []
+    turns = []
+    for right in evidence.right_joints:
+        written = right.joint.transform
+        shifts.append(float(np.linalg.norm(written[:3, 3] - right.origin[:3, 3])))
+        turns.append(angle_between(written, right.origin))
+    # An error of one joint moves the bodies by as much, or by its angle times a lever.
+    farthest = 2 * (max(shifts) + LEVER * max(turns))
+    most_turned = 2 * max(turns)
+    return (
+        np.minimum(np.sqrt(lengths), farthest).tolist(),
+        np.minimum(np.sqrt(angles), most_turned).tolist(),
+    )
 
 
 def _findings_of_body(
@@ -135,6 +150,13 @@ def _findings_of_body(
         yield finding("body.partly", where=body.name, links=", ".join(bare))
 
     wrong = wrong_numbers(evidence.arm, k, parts, digits)
+    if wrong and wrong[0].emptied:
+        emptied = wrong[0].emptied
+        parts = _with_tokens(parts, emptied, moving)
+        wrong = [
+            number._replace(emptied=emptied)
+            for number in wrong_numbers(evidence.arm, k, parts, digits)
+        ]
     by_link = {part.link: part for part in parts}
     several = sum(part.body.mass > 0 for part in parts) > 1
     for number in wrong:
@@ -175,31 +197,57 @@ def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
 # --- Dummies --------------------------------------------------------------------------
 
 
-def _is_dummy(part: Part) -> bool:
-    """Whether a link of hardly any mass has the inertia of something large."""
-    largest = float(np.abs(part.body.inertia).max())
-    is_light = 0 < part.body.mass <= LIGHT
-    return is_light and largest > REACH**2 * part.body.mass
+def _dummies_of(parts: Sequence[Part]) -> list[str]:
+    """Links of hardly any mass with the inertia of something large, beside real ones."""
+    dummies = []
+    real = []
+    for part in parts:
+        largest = float(np.abs(part.body.inertia).max())
+        is_light = 0 < part.body.mass <= LIGHT
+        if is_light and largest > REACH**2 * part.body.mass:
+            dummies.append(part.link)
+        elif part.body.mass > 0 and largest <= REACH**2 * part.body.mass:
+            real.append(part.link)
+    return dummies if real else []
 
 
 def _without_dummies(parts: Sequence[Part], moving: set[str]) -> list[Part]:
     """The links that are no dummies, and dummies that move as they should be."""
+    dummies = _dummies_of(parts)
     kept = []
     for part in parts:
-        if not _is_dummy(part):
+        if part.link not in dummies:
             kept.append(part)
         elif part.link in moving:
-            tensor = part.body.mass * TOKEN_RADIUS**2 * np.eye(3)
-            body = Body(mass=part.body.mass, com=np.zeros(3), inertia=tensor)
-            kept.append(part._replace(body=body))
+            kept.append(_token(part, part.body.mass))
     return kept
+
+
+def _with_tokens(
+    parts: Sequence[Part], emptied: Sequence[str], moving: set[str]
+) -> list[Part]:
+    """The parts as they are after some have been emptied."""
+    kept = []
+    for part in parts:
+        if part.link not in emptied:
+            kept.append(part)
+        elif part.link in moving:
+            kept.append(_token(part, TOKEN_MASS))
+    return kept
+
+
+def _token(part: Part, mass: float) -> Part:
+    """A part with the inertial that `token_inertial` writes."""
+    tensor = mass * TOKEN_RADIUS**2 * np.eye(3)
+    return part._replace(body=Body(mass=mass, com=np.zeros(3), inertia=tensor))
 
 
 def _dummies(name: str, parts: Sequence[Part], moving: set[str]) -> Iterator[Finding]:
     """Links whose inertia is far too large for their mass, equal ones together."""
     equal: dict[tuple[float, float], list[str]] = {}
+    dummies = _dummies_of(parts)
     for part in parts:
-        if _is_dummy(part):
+        if part.link in dummies:
             largest = float(np.abs(part.body.inertia).max())
             equal.setdefault((part.body.mass, largest), []).append(part.link)
 

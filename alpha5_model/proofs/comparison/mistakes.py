@@ -520,7 +520,9 @@ def wrong_numbers(
     ours = _body_of(loaded_links(record)[index])
     arm = _Arm(record, index)
     heaviest = sorted(parts, key=lambda part: -abs(part.body.mass))
-    if len(parts) == 1:
+    solid = [part for part in heaviest if part.body.mass or part.body.inertia.any()]
+    heaviest = solid or heaviest[:1]  # frames without a body are no parts
+    if len(heaviest) == 1:
         return _wrong_in_link(arm, ours, heaviest, 0, digits)
 
     options = []

@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.spatial import moved, rotation_about, transform
-from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfLink, UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.inertia import combine, rotate_tensor, tensor_at_origin
@@ -27,6 +27,8 @@ X, Y, Z = np.eye(3)
 #: A link before the arm's base that is lighter than this is a dummy and belongs to the
 #: base; a heavier one is foreign.
 LEAST_FOREIGN_MASS = 0.02  # [kg], a tenth of link_0
+#: A link whose grams are the base's to this is no vehicle of as many kilograms.
+SAME_MASS = 5e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -360,14 +362,13 @@ def _base_links(
         record: Our arm.
         unit: How many of their masses' units are 1 kg.
     """
-    whole_arm = unit * sum(link.mass for link in record.links)
-    base_mass = unit * record.links[0].mass
-    turned_in = robot.links[base_path[-1]]
-    if (turned_in.mass or 0.0) > whole_arm:
+    whole_arm = sum(link.mass for link in record.links)
+    base_mass = record.links[0].mass
+    weight = {name: _weight(robot.links[name], base_mass, unit) for name in still}
+    if weight[base_path[-1]] > whole_arm:
         return set()
 
     joints = _joints_to(robot, still)
-    weight = {name: robot.links[name].mass or 0.0 for name in still}
     for joint in reversed(joints):
         weight[joint.parent] += weight[joint.child]
 
@@ -375,12 +376,18 @@ def _base_links(
     for name in base_path[1:]:
         off = abs(weight[name] - base_mass)
         least_off = abs(weight[first] - base_mass)
-        before = weight[first] - weight[name]
-        if off < least_off and before > unit * LEAST_FOREIGN_MASS:
+        if off < least_off and weight[first] - weight[name] > LEAST_FOREIGN_MASS:
             first = name
     aside = still.difference(base_path)
     vehicles = {name for name in aside if weight[name] > whole_arm}
     return _hanging_on({first}, joints) - _hanging_on(vehicles, joints)
+
+
+def _weight(link: UrdfLink, base_mass: float, unit: float) -> float:
+    """Mass of a link [kg], read in grams if it then is that of the arm's base."""
+    mass = link.mass or 0.0
+    in_grams = math.isclose(mass, 1e3 * base_mass, rel_tol=SAME_MASS)
+    return mass / 1e3 if in_grams else mass / unit
 
 
 def _joints_to(robot: UrdfRobot, links: Iterable[str]) -> list[UrdfJoint]:
