@@ -106,7 +106,7 @@ class Variant:
         pairs = parameter_argument(self.ros2_control_parameters)
         _check_text("ros2_control_parameters", pairs)
         if self.ros2_control:
-            hardware_argument(self.ros2_control_hardware, self.gripper)
+            hardware_argument(self.ros2_control_hardware)
             return
         given = {
             "ros2_control_hardware": self.ros2_control_hardware != MOCK,
@@ -170,9 +170,7 @@ def _xacro_arguments(variant: Variant, parameter_file: Path) -> dict[str, str]:
     """Arguments of ``xacro/alpha5.urdf.xacro``, which have the names of the fields."""
     arguments = {
         "parameters": str(parameter_file),
-        "ros2_control_hardware": hardware_argument(
-            variant.ros2_control_hardware, variant.gripper
-        ),
+        "ros2_control_hardware": hardware_argument(variant.ros2_control_hardware),
         "ros2_control_parameters": parameter_argument(variant.ros2_control_parameters),
     }
     for name, value in vars(variant).items():

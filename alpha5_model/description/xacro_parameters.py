@@ -13,8 +13,8 @@ from alpha5_model.description.assets import template
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.digits import rounded
 from alpha5_model.description.frames import fixed_frames, mount_placement
-from alpha5_model.description.origin import provenance
 from alpha5_model.description.srdf import named_poses
+from alpha5_model.description.xml import provenance
 from alpha5_model.geometry.collision_capsules import collision_capsules
 from alpha5_model.geometry.materials import MATERIALS
 from alpha5_model.numbers.motors import joint_losses
