@@ -131,10 +131,10 @@ def test_ros2_control_gives_interfaces_and_device_ids():
 
 def test_corrections_turn_the_base_and_are_named():
     printed = urdf(Variant(corrections=()))
-    assert "Corrections to the document: none" in printed
+    assert "corrections to the document (none)" in printed
     base = ET.fromstring(printed).find("joint[@name='link_0_fixed']/origin")
     assert base.get("rpy") == "0.0 0.0 3.141592653589793"
-    assert "Corrections to the document: base_frame" in urdf()
+    assert "corrections to the document (base_frame)" in urdf()
 
 
 @pytest.mark.parametrize("corrections", [(), ("base_frame",), ("link3_cob",)])
