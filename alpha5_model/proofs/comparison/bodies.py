@@ -12,7 +12,6 @@ from alpha5_model._support.spatial import moved
 from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
 from alpha5_model.proofs.comparison.corrections import (
     LEVER,
-    TOKEN_MASS,
     TOKEN_RADIUS,
     angle_between,
     token_inertial,
@@ -150,13 +149,6 @@ def _findings_of_body(
         yield finding("body.partly", where=body.name, links=", ".join(bare))
 
     wrong = wrong_numbers(evidence.arm, k, parts, digits)
-    if wrong and wrong[0].emptied:
-        emptied = wrong[0].emptied
-        parts = _with_tokens(parts, emptied, moving)
-        wrong = [
-            number._replace(emptied=emptied)
-            for number in wrong_numbers(evidence.arm, k, parts, digits)
-        ]
     by_link = {part.link: part for part in parts}
     several = sum(part.body.mass > 0 for part in parts) > 1
     for number in wrong:
@@ -198,7 +190,7 @@ def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
 
 
 def _dummies_of(parts: Sequence[Part]) -> list[str]:
-    """Links of hardly any mass with the inertia of something large, beside real ones."""
+    """Links of hardly any mass, but with a large inertia, beside real ones."""
     dummies = []
     real = []
     for part in parts:
@@ -220,19 +212,6 @@ def _without_dummies(parts: Sequence[Part], moving: set[str]) -> list[Part]:
             kept.append(part)
         elif part.link in moving:
             kept.append(_token(part, part.body.mass))
-    return kept
-
-
-def _with_tokens(
-    parts: Sequence[Part], emptied: Sequence[str], moving: set[str]
-) -> list[Part]:
-    """The parts as they are after some have been emptied."""
-    kept = []
-    for part in parts:
-        if part.link not in emptied:
-            kept.append(part)
-        elif part.link in moving:
-            kept.append(_token(part, TOKEN_MASS))
     return kept
 
 
