@@ -139,8 +139,6 @@ def _findings_of_body(
     parts = _parts(evidence, k, body.links)
     joints = evidence.other.joints.values()
     moving = {joint.child for joint in joints if joint.kind != "fixed"}
-    yield from _dummies(body.name, parts, moving)
-    parts = _without_dummies(parts, moving)
     bare = _bare_links(evidence, body)
     if not sum(part.body.mass for part in parts):
         yield _without_mass(evidence, k, body, bare, missing_cost)
@@ -149,6 +147,11 @@ def _findings_of_body(
         yield finding("body.partly", where=body.name, links=", ".join(bare))
 
     wrong = wrong_numbers(evidence.arm, k, parts, digits)
+    if not all(number.mistake for number in wrong):
+        # A single mistake may look like a dummy, such as a mass divided by 1000 twice.
+        yield from _dummies(body.name, parts, moving)
+        parts = _without_dummies(parts, moving)
+        wrong = wrong_numbers(evidence.arm, k, parts, digits)
     by_link = {part.link: part for part in parts}
     several = sum(part.body.mass > 0 for part in parts) > 1
     for number in wrong:
