@@ -140,19 +140,21 @@ def _findings_of_body(
     parts = _parts(evidence, k, body.links)
     joints = evidence.other.joints.values()
     moving = {joint.child for joint in joints if joint.kind != "fixed"}
-    written = parts
-    parts = _without_dummies(parts, moving)
     bare = _bare_links(evidence, body)
     if not sum(part.body.mass for part in parts):
-        yield from _dummies(body.name, written, moving)
         yield _without_mass(evidence, k, body, digits, missing_cost)
         return
     if bare:
         yield finding("body.partly", where=body.name, links=", ".join(bare))
 
     wrong = wrong_numbers(evidence.arm, k, parts, digits)
-    emptied = {name for number in wrong for name in number.emptied}
-    yield from _dummies(body.name, written, moving, emptied)
+    if _dummies_of(parts) and not all(number.mistake for number in wrong):
+        # A single mistake may look like a dummy, such as a mass divided by 1000 twice.
+        written = parts
+        parts = _without_dummies(parts, moving)
+        wrong = wrong_numbers(evidence.arm, k, parts, digits)
+        emptied = {name for number in wrong for name in number.emptied}
+        yield from _dummies(body.name, written, moving, emptied)
     by_link = {part.link: part for part in parts}
     several = sum(part.body.mass > 0 for part in parts) > 1
     for number in wrong:

@@ -552,7 +552,7 @@ def wrong_numbers(
         found = []
         for place, right in enumerate(nominal):
             found += _wrong_in_link(arm, right, heaviest, place, digits)
-        options.append(found)
+        options.insert(0, found)
     if options:
         return min(options, key=_unlikely)
 
@@ -562,8 +562,17 @@ def wrong_numbers(
 
 
 def _unlikely(wrong: Sequence[WrongNumber]) -> int:
-    """The wrong numbers, those without an explanation counted twice."""
-    return sum(1 if number.mistake else 2 for number in wrong)
+    """A count of wrong numbers: those that no mistake explains count twice.
+
+    A fitted mistake fits more than one link, so it counts as one and a half.
+    """
+    fitted = [mistake.id for mistake in FITTED]
+    score = 0
+    for number in wrong:
+        score += 4
+        if number.mistake:
+            score -= 1 if number.mistake.id.split(".")[-1] in fitted else 2
+    return score
 
 
 def _body_of(link: RigidBody) -> Body:
