@@ -156,7 +156,13 @@ _Parent = Annotated[str, Option(help="Link that carries the arm; it is added.")]
 _Xyz = Annotated[str, Option(help="Mount in the parent: x y z (m).")]
 _Rpy = Annotated[str, Option(help="Mount: roll, pitch, yaw (rad; or 180 0 0 deg).")]
 _MeshUri = Annotated[str, Option(help=options.HELP["meshes"])]
-_Collision = Annotated[str, Option(help="primitives or none; for mjcf also capsules.")]
+_Collision = Annotated[
+    str,
+    Option(help="primitives or none; capsules for mjcf and urdf (1.1, 1.2)."),
+]
+_UrdfVersion = Annotated[
+    str, Option(help="urdf: 1.0, 1.1, or 1.2 with limits of acceleration and jerk.")
+]
 _DhFrames = Annotated[
     bool, Option("--dh-frames", help="Add the DH frames dh_1 to dh_5.")
 ]
@@ -207,6 +213,7 @@ def generate(
     rpy: _Rpy = "0 0 0",
     mesh_uri: _MeshUri = "relative",
     collision: _Collision = "primitives",
+    urdf_version: _UrdfVersion = "1.0",
     dh_frames: _DhFrames = False,
     ros2_control: _Ros2Control = False,
     ros2_control_hardware: _Ros2ControlHardware = "mock",
@@ -231,10 +238,12 @@ def generate(
     water (a table of volume, centre of buoyancy, added mass and drag of each
     link, in JSON). Without --output the main file goes to standard output.
 
-    Meshes are copied beside a URDF unless --mesh-uri says where they are. With
-    --sdf-version 1.11 the fingers follow the jaw rod. --ros2-control adds the
-    interfaces of mock hardware, of a public driver (--ros2-control-hardware), or
-    of a layout in a file of yours.
+    Meshes are copied beside a URDF unless --mesh-uri says where they are: package,
+    file, or a URI of yours such as package://my_description/meshes. With
+    --urdf-version 1.2 limits of acceleration and jerk of an arm file are written,
+    with --sdf-version 1.11 the fingers follow the jaw rod. --ros2-control adds
+    the interfaces of mock hardware, of a public driver (--ros2-control-hardware),
+    or of a layout in a file of yours.
 
     At joint position 0, where many tools start, the arm is out of its limits and
     in collision. Start at home: it is in the SRDF and is the first key frame of
@@ -266,13 +275,12 @@ def generate(
 
 def _record(made: _Format, params: Mapping[str, Any]) -> Any:
     """The record of a format's options: each field is an option, or made from one."""
-    mesh_uri = choice("mesh URI", params["mesh_uri"], tuple(MESH_URIS))
     given = {
         **params,
         "xyz": values.numbers("xyz", params["xyz"], (3,), "m"),
         "rpy": values.numbers("rpy", params["rpy"], (3,), "rad"),
         "gravity": values.numbers("gravity", params["gravity"], (3,), "m/s^2"),
-        "mesh_prefix": MESH_URIS[mesh_uri],
+        "mesh_prefix": _mesh_prefix(params["mesh_uri"]),
         "fluid_density": values.fluid_density(params["fluid"]),
         "corrections": values.correction_names(params["corrections"]),
         "arm": values.arm_record(params["arm_file"]),
@@ -281,6 +289,17 @@ def _record(made: _Format, params: Mapping[str, Any]) -> Any:
         ),
     }
     return made.options(**{name: given[name] for name in made.option_names()})
+
+
+def _mesh_prefix(mesh_uri: str) -> str:
+    """The prefix of mesh files that ``--mesh-uri`` names, or is.
+
+    Raises:
+        UnknownNameError: Neither.
+    """
+    if "/" in mesh_uri:
+        return mesh_uri
+    return MESH_URIS[choice("mesh URI", mesh_uri, (*MESH_URIS, "URI/OF/MESHES"))]
 
 
 def _left_out(description_format: str, record: Any) -> list[str]:

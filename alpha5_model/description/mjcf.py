@@ -19,9 +19,8 @@ from alpha5_model.description.frames import (
     tcp_placement,
 )
 from alpha5_model.description.mjcf_bodies import BodyWriter, float_density
-from alpha5_model.description.origin import provenance
 from alpha5_model.description.srdf import named_poses
-from alpha5_model.description.xml import Value, add, document, serialized
+from alpha5_model.description.xml import Value, add, document, provenance, serialized
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.collision_capsules import collision_capsules
 from alpha5_model.geometry.materials import MATERIALS

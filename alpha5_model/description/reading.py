@@ -1,16 +1,15 @@
 """Read any URDF as plain records, with errors that name the line.
 
-Pinocchio's reader is not used here: this one has to accept any file, name the line of
-an error, and keep what Pinocchio drops (missing inertials, collision shapes, mimic
-joints).
+URDF 1.0, 1.1 and 1.2 are read as urdfdom 6 and Pinocchio 4.1 read them. Neither is used
+here: this reader accepts what they refuse, names the line of an error, and keeps what
+they drop (missing inertials, limits as written, digits, mimic joints).
 """
 
 from __future__ import annotations
 
-import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,8 +18,9 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import read_named
-from alpha5_model._support.spatial import pose
+from alpha5_model._support.spatial import cross_matrix, pose, transform
 from alpha5_model.description.urdf_robot import (
+    Remark,
     UrdfJoint,
     UrdfLink,
     UrdfRobot,
@@ -41,6 +41,8 @@ NO_LIMIT = re.compile(r"\s*[+-]?(\d[.\d]*e\+?[1-9]\d+|inf(inity)?)\s*$", re.IGNO
 MOST_LINKS = 10_000
 
 LIMITS = ("lower", "upper", "velocity", "effort")
+#: Limits that URDF has since version 1.2.
+LATER_LIMITS = ("acceleration", "deceleration", "jerk")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 #: Kind of shape -> its attributes, and how many numbers each holds.
 _SIZES: dict[str, dict[str, int]] = {
@@ -50,6 +52,16 @@ _SIZES: dict[str, dict[str, int]] = {
     "cylinder": {"radius": 1, "length": 1},
     "capsule": {"radius": 1, "length": 1},
 }
+#: Element -> its children that may be there only once.
+_ONCE = {
+    "link": ("inertial",),
+    "inertial": ("origin", "mass", "inertia"),
+    "visual": ("origin", "geometry"),
+    "collision": ("origin", "geometry"),
+    "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
+}
+#: Elements whose attributes are single numbers.
+_SCALARS = ("mass", "inertia", "limit", "dynamics", "mimic")
 
 
 def read_urdf(path: str | Path) -> UrdfRobot:
@@ -77,15 +89,11 @@ def urdf_shapes(text: str | bytes, element: str = "visual") -> tuple[UrdfShape, 
     Raises:
         FileFormatError: Not a URDF; the message names the line and what is wrong.
     """
-    return tuple(_Reader(text, "URDF").shapes(element))
-
-
-class _Geometry(NamedTuple):
-    """The ``<geometry>`` of a visual or a collision; see `UrdfShape`."""
-
-    kind: str
-    size: tuple[float, ...]
-    file: str
+    reader = _Reader(text, "URDF")
+    shapes: list[UrdfShape] = []
+    for link in reader.top.findall("link"):
+        shapes += reader.shapes(link, element)
+    return tuple(shapes)
 
 
 class _Inertial(NamedTuple):
@@ -104,6 +112,7 @@ class _Reader:
         tree = parse_xml(text, origin)
         self.top = tree.top
         self.lines = tree.lines
+        self.version = _version(self.top.get("version", ""))
 
     def fail(self, element: ET.Element, problem: str) -> FileFormatError:
         return FileFormatError(self.origin, problem, f"line {self.lines[element]}")
@@ -114,6 +123,10 @@ class _Reader:
         value = element.get(name)
         if value is None:
             raise self.fail(element, f"<{element.tag}> has no attribute {name!r}")
+        if "".join(value.splitlines()) != value:
+            # It could pose as another line of what is printed about the file.
+            problem = f"<{element.tag} {name}>: {value[:80]!r} has a line end"
+            raise self.fail(element, problem)
         return value
 
     def number(self, element: ET.Element, name: str) -> float:
@@ -130,6 +143,8 @@ class _Reader:
             expected = "a finite number" if count == 1 else f"{count} finite numbers"
             shown = text if len(text) < 40 else text[:37] + "..."
             problem = f"<{element.tag} {name}>: expected {expected}, got {shown!r}"
+            if _is_macro(text):
+                problem += ", which is xacro: expand the file first"
             raise self.fail(element, problem)
         return values
 
@@ -139,8 +154,23 @@ class _Reader:
         if origin is None:
             return np.eye(4)
         xyz = self.numbers(origin, "xyz", 3, default="0 0 0")
-        rpy = self.numbers(origin, "rpy", 3, default="0 0 0")
-        return pose(xyz, rpy)
+        if not self.has_quaternion(origin):
+            return pose(xyz, self.numbers(origin, "rpy", 3, default="0 0 0"))
+
+        if "rpy" in origin.attrib:
+            problem = "<origin> has rpy and quat_xyzw, only one is allowed"
+            raise self.fail(origin, problem)
+        quaternion = np.array(self.numbers(origin, "quat_xyzw", 4))
+        length = float(np.linalg.norm(quaternion))
+        if length == 0:
+            raise self.fail(origin, "<origin quat_xyzw>: four zeros are no rotation")
+        *axis, w = quaternion / length
+        k = cross_matrix(axis)
+        return transform(np.eye(3) + 2.0 * (w * k + k @ k), xyz)
+
+    def has_quaternion(self, origin: ET.Element) -> bool:
+        """Whether an origin has a quaternion that counts, as it does since URDF 1.1."""
+        return self.version >= (1, 1) and "quat_xyzw" in origin.attrib
 
     # --- the robot
 
@@ -151,10 +181,12 @@ class _Reader:
         joints = self.all_joints(links)
         root = self.root(links, joints)
         return UrdfRobot(
-            name=self.top.get("name", ""),
+            name=self.attribute(self.top, "name") if "name" in self.top.attrib else "",
             root=root,
             links=links,
             joints=self.outwards(root, joints),
+            version=self.top.get("version", ""),
+            remarks=tuple(self.remarks()),
         )
 
     def all_links(self) -> dict[str, UrdfLink]:
@@ -216,20 +248,34 @@ class _Reader:
             raise self.fail(self.top, "the joints form a loop")
         return ordered
 
+    def remarks(self) -> Iterator[Remark]:
+        """What readers of URDF take differently."""
+        for owner in self.top:
+            is_part = owner.tag in ("link", "joint")
+            where = owner.get("name", "") if is_part else "robot"
+            for element in owner.iter():
+                for kind, text, place in _remarks_of(element, is_part):
+                    line = self.lines[place]
+                    yield Remark(kind=kind, where=where, text=text, line=line)
+
     # --- links
 
     def link(self, element: ET.Element) -> UrdfLink:
-        collisions = element.findall("collision")
-        shapes = [self.geometry(collision) for collision in collisions]
-        volumes = [_volume(shape.kind, shape.size) for shape in shapes]
-        volume = sum(volumes, 0.0)
+        shapes = self.shapes(element, "collision")
+        volume = sum((shape.volume for shape in shapes), 0.0)
         centre = np.zeros(3)
         if volume > 0:
-            centres = [self.pose(collision)[:3, 3] for collision in collisions]
-            centre = np.average(centres, axis=0, weights=volumes)
+            centres = [shape.placement[:3, 3] for shape in shapes]
+            weights = [shape.volume for shape in shapes]
+            centre = np.average(centres, axis=0, weights=weights)
 
         inertial = self.inertial(element)
-        files = [self.attribute(mesh, "filename") for mesh in element.iter("mesh")]
+        files = []
+        scales = {}
+        for mesh in element.iter("mesh"):
+            files.append(self.attribute(mesh, "filename"))
+            if "scale" in mesh.attrib:
+                scales[files[-1]] = tuple(_floats(mesh.attrib["scale"]))
         return UrdfLink(
             name=self.attribute(element, "name"),
             mass=inertial.mass,
@@ -239,6 +285,7 @@ class _Reader:
             shape_centre=centre,
             meshes=tuple(shape.file for shape in shapes if shape.file),
             files=tuple(files),
+            scales=scales,
         )
 
     def inertial(self, link: ET.Element) -> _Inertial:
@@ -267,9 +314,15 @@ class _Reader:
         )
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
-    # --- shapes
+    def shapes(self, link: ET.Element, tag: str) -> list[UrdfShape]:
+        """The ``<visual>`` or ``<collision>`` elements of a link."""
+        name = self.attribute(link, "name")
+        shapes = []
+        for index, element in enumerate(link.findall(tag)):
+            shapes.append(self.shape(element, name, index))
+        return shapes
 
-    def geometry(self, element: ET.Element) -> _Geometry:
+    def shape(self, element: ET.Element, link: str, index: int) -> UrdfShape:
         shape = element.find("geometry/*")
         if shape is None:
             raise self.fail(element, f"<{element.tag}> has no geometry")
@@ -278,24 +331,16 @@ class _Reader:
         size: list[float] = []
         for name, count in _SIZES[shape.tag].items():
             size += self.numbers(shape, name, count)
-        file = self.attribute(shape, "filename") if shape.tag == "mesh" else ""
-        return _Geometry(kind=shape.tag, size=tuple(size), file=file)
-
-    def shapes(self, element: str) -> Iterator[UrdfShape]:
-        for link in self.top.findall("link"):
-            for index, item in enumerate(link.findall(element)):
-                geometry = self.geometry(item)
-                color = item.find("material/color")
-                rgba = [] if color is None else self.numbers(color, "rgba", 4)
-                yield UrdfShape(
-                    link=self.attribute(link, "name"),
-                    index=index,
-                    kind=geometry.kind,
-                    size=geometry.size,
-                    file=geometry.file,
-                    placement=self.pose(item),
-                    color=tuple(rgba),
-                )
+        color = element.find("material/color")
+        return UrdfShape(
+            link=link,
+            index=index,
+            kind=shape.tag,
+            size=tuple(size),
+            file=self.attribute(shape, "filename") if shape.tag == "mesh" else "",
+            placement=self.pose(element),
+            color=() if color is None else tuple(self.numbers(color, "rgba", 4)),
+        )
 
     # --- joints
 
@@ -304,23 +349,24 @@ class _Reader:
         kind = self.attribute(element, "type")
         if kind not in JOINT_TYPES:
             raise self.fail(element, f"joint {name!r}: unknown type {kind!r}")
-        parent = self.end_of_joint(element, name, "parent")
-        child = self.end_of_joint(element, name, "child")
-        axis = self.axis(element, name, kind)
+        limit = element.find("limit")
         optional: dict[str, Any] = {
             **self.limits(element, kind),
             **self.mimic(element),
         }
         origin = element.find("origin")
         if origin is not None:
-            optional["printed"] = (origin.get("xyz", ""), origin.get("rpy", ""))
+            rpy = "" if self.has_quaternion(origin) else origin.get("rpy", "")
+            optional["printed"] = (origin.get("xyz", ""), rpy)
         return UrdfJoint(
             name=name,
             kind=kind,
-            parent=parent,
-            child=child,
+            parent=self.end_of_joint(element, name, "parent"),
+            child=self.end_of_joint(element, name, "child"),
             transform=self.pose(element),
-            axis=axis,
+            axis=self.axis(element, name, kind),
+            limit=None if limit is None else limit.attrib,
+            dynamics=self.dynamics(element),
             **optional,
         )
 
@@ -348,13 +394,23 @@ class _Reader:
         element = joint.find("limit")
         if element is None:
             return {}
-        names = ("velocity", "effort") if kind == "continuous" else LIMITS
+        names = LIMITS[2:] if kind == "continuous" else LIMITS
+        if self.version >= (1, 2):
+            names += LATER_LIMITS
         limits = {}
         for name in names:
             text = element.get(name)
             if text is not None and not NO_LIMIT.match(text):
                 limits[name] = self.number(element, name)
         return limits
+
+    def dynamics(self, joint: ET.Element) -> dict[str, float] | None:
+        """Damping and friction, if they are written."""
+        element = joint.find("dynamics")
+        if element is None:
+            return None
+        names = [name for name in ("damping", "friction") if name in element.attrib]
+        return {name: self.number(element, name) for name in names}
 
     def mimic(self, joint: ET.Element) -> dict[str, Any]:
         """The joint that this one follows, with multiplier and offset if given."""
@@ -369,6 +425,50 @@ class _Reader:
         return mimic
 
 
+def _version(text: str) -> tuple[int, ...]:
+    """The version of URDF; 1.0 if there is none, or none of the form ``1.0``."""
+    match = re.fullmatch(r"(\d{1,4})\.(\d{1,4})", text)
+    return tuple(map(int, match.groups())) if match else (1, 0)
+
+
+def _remarks_of(
+    element: ET.Element, is_part: bool
+) -> Iterator[tuple[str, str, ET.Element]]:
+    """Kind, text and place of what readers take differently in an element.
+
+    Args:
+        element: Any element.
+        is_part: Whether it belongs to a link or a joint.
+    """
+    if element.tag.startswith("xacro:"):
+        yield "macro", f"<{element.tag}>", element
+    for value in element.attrib.values():
+        if _is_macro(value):
+            yield "expression", value, element
+    if not is_part:
+        return
+
+    for tag in _ONCE.get(element.tag, ()):
+        for again in element.findall(tag)[1:]:
+            yield "doubled", tag, again
+    if element.tag in _SCALARS:
+        for name, value in element.attrib.items():
+            unread = value != value.rstrip() or "inf" in value.lower()
+            if unread and _floats(value):
+                yield "number", f"<{element.tag} {name}={value!r}>", element
+    if element.tag == "capsule":
+        yield "capsule", "capsule", element
+    if element.tag == "origin":
+        *axis, _ = _floats(element.get("quat_xyzw", "")) or [0.0]
+        if any(axis):
+            yield "quaternion", element.get("quat_xyzw", ""), element
+
+
+def _is_macro(text: str) -> bool:
+    """Whether a text has an expression of xacro."""
+    return "${" in text or "$(" in text
+
+
 def _floats(text: str) -> list[float]:
     """The numbers of a text; none if one of them is not a number for URDF readers."""
     # Python also reads digits of other scripts, and 1_000.
@@ -376,16 +476,3 @@ def _floats(text: str) -> list[float]:
         with suppress(ValueError):
             return [float(part) for part in text.split()]
     return []
-
-
-def _volume(kind: str, size: Sequence[float]) -> float:
-    """Volume of a shape with these sizes; 0 for a mesh, whose file is not read."""
-    if kind == "box":
-        return math.prod(size)
-    if kind == "mesh":
-        return 0.0
-    radius = size[0]
-    length = size[1] if kind in ("cylinder", "capsule") else 0.0
-    tube = math.pi * (radius * radius) * length
-    ball = 4 / 3 * math.pi * (radius * radius * radius)
-    return tube if kind == "cylinder" else tube + ball

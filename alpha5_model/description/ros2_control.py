@@ -26,29 +26,23 @@ _LEVELS = 8
 _EXPECTED = "a YAML file of a ros2_control layout"
 
 
-def hardware_argument(hardware: str, gripper: str) -> str:
+def hardware_argument(hardware: str) -> str:
     """What xacro receives for a layout: its name, or the absolute path of a file.
+
+    xacro checks what is in a layout, and whether it fits the gripper.
 
     Args:
         hardware: Name in ``xacro/ros2_control_hardware.yaml``, or a YAML file.
-        gripper: ``locked`` or ``jaws``.
 
     Raises:
         UnknownNameError: No layout of this name.
-        InputError: The layout moves the jaws, which are locked.
         MissingFileError, FileFormatError: The file is not there, or is no YAML.
     """
     if hardware.endswith(_SUFFIXES):
         _check_file(hardware)
         return str(Path(hardware).resolve())
-    if hardware == MOCK:
-        return hardware
-
-    layouts = _layouts()
-    choice("ros2_control hardware", hardware, tuple(layouts))
-    if gripper == "locked" and "axis_a" in layouts[hardware].get("joints", ()):
-        expected = f"jaws with ros2_control hardware {hardware}, which moves axis_a"
-        raise InputError("gripper", gripper, expected)
+    if hardware != MOCK:
+        choice("ros2_control hardware", hardware, _layouts())
     return hardware
 
 
@@ -72,11 +66,11 @@ def parameter_argument(parameters: Any) -> str:
 
 
 @cache
-def _layouts() -> dict[str, dict[str, Any]]:
+def _layouts() -> tuple[str, ...]:
+    """The names of the layouts."""
     import yaml
 
-    layouts: dict[str, dict[str, Any]] = yaml.safe_load(_LAYOUTS.read_bytes())
-    return layouts
+    return tuple(yaml.safe_load(_LAYOUTS.read_bytes()))
 
 
 def _check_file(path: str) -> None:

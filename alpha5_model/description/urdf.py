@@ -25,7 +25,8 @@ from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
-COLLISIONS = ("primitives", "none")
+COLLISIONS = ("primitives", "capsules", "none")
+VERSIONS = ("1.0", "1.1", "1.2")
 #: xacro would evaluate ``${...}`` and ``$(...)``; the others would need escapes in XML.
 _FORBIDDEN = set("${}<>&\"'")
 
@@ -41,8 +42,11 @@ class Variant:
         parent: Name of a new link that base_link is mounted on; empty for none.
         xyz: Position of base_link in the parent [m].
         rpy: Its roll, pitch, yaw [rad].
-        mesh_prefix: Prefix of the file name of every mesh.
-        collision: ``primitives`` or ``none``.
+        mesh_prefix: Folder or URI of the meshes; empty for names without one.
+        collision: ``primitives``, ``none``, or ``capsules``: one for each link, which
+            URDF has since version 1.1, and only with locked jaws.
+        urdf_version: ``1.0``, ``1.1`` or ``1.2``. The last has limits of acceleration
+            and jerk, which are written if the arm has them.
         dh_frames: Adds the massless DH frames ``dh_1`` to ``dh_5``.
         ros2_control: Adds hardware interfaces and device ids.
         ros2_control_hardware: Layout of these, with its plugin: ``mock``,
@@ -63,6 +67,7 @@ class Variant:
     rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
     mesh_prefix: str = "../meshes/"
     collision: str = "primitives"
+    urdf_version: str = "1.0"
     dh_frames: bool = False
     ros2_control: bool = False
     ros2_control_hardware: str = MOCK
@@ -74,6 +79,9 @@ class Variant:
     def __post_init__(self) -> None:
         choice("gripper", self.gripper, GRIPPERS)
         choice("collision", self.collision, COLLISIONS)
+        choice("urdf_version", self.urdf_version, VERSIONS)
+        if self.collision == "capsules":
+            self._check_capsules()
         flag("dh_frames", self.dh_frames)
         flag("ros2_control", self.ros2_control)
         self._check_mount("xyz", self.xyz)
@@ -85,13 +93,20 @@ class Variant:
         if self.arm is not None:
             chosen_arm(self.arm, self.corrections)
 
+    def _check_capsules(self) -> None:
+        if self.gripper == "jaws":
+            raise InputError("collision", "capsules", "primitives or none, with jaws")
+        if self.urdf_version == VERSIONS[0]:
+            expected = "1.1 or 1.2 with capsules"
+            raise InputError("urdf_version", self.urdf_version, expected)
+
     def _check_ros2_control(self) -> None:
         _check_text("ros2_control_plugin", self.ros2_control_plugin)
         _check_text("ros2_control_hardware", self.ros2_control_hardware)
         pairs = parameter_argument(self.ros2_control_parameters)
         _check_text("ros2_control_parameters", pairs)
         if self.ros2_control:
-            hardware_argument(self.ros2_control_hardware, self.gripper)
+            hardware_argument(self.ros2_control_hardware)
             return
         given = {
             "ros2_control_hardware": self.ros2_control_hardware != MOCK,
@@ -155,9 +170,7 @@ def _xacro_arguments(variant: Variant, parameter_file: Path) -> dict[str, str]:
     """Arguments of ``xacro/alpha5.urdf.xacro``, which have the names of the fields."""
     arguments = {
         "parameters": str(parameter_file),
-        "ros2_control_hardware": hardware_argument(
-            variant.ros2_control_hardware, variant.gripper
-        ),
+        "ros2_control_hardware": hardware_argument(variant.ros2_control_hardware),
         "ros2_control_parameters": parameter_argument(variant.ros2_control_parameters),
     }
     for name, value in vars(variant).items():

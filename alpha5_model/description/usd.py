@@ -20,9 +20,9 @@ from typing import Any
 from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.bodies import arm_bodies
-from alpha5_model.description.origin import provenance
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.water_table import WaterOptions, water_files
+from alpha5_model.description.xml import provenance
 from alpha5_model.errors import needing
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import SEA_WATER

@@ -19,7 +19,7 @@ from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.digits import rounded
-from alpha5_model.description.origin import provenance
+from alpha5_model.description.xml import provenance
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import (

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import importlib
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from alpha5_model._support.files import read_named
@@ -70,23 +72,39 @@ def _process_file() -> Callable[..., Any]:
 def _packages_found(packages: Mapping[str, str]) -> Iterator[None]:
     """Let xacro's ``$(find NAME)`` look into ``packages`` before ROS' own index.
 
-    That index need not exist, so the library's function is replaced for the time being.
+    xacro asks ``ament_index_python``, which is not there without ROS, so another module
+    takes its place for the time being.
     """
-    module: Any = importlib.import_module("xacro.substitution_args")
-    find_in_ros = module._eval_find
+    in_ros = _index_of_ros()
 
-    def find(name: str) -> str:
+    def get_package_share_directory(name: str) -> str:
         if name in packages:
             return str(Path(packages[name]).resolve())
         try:
-            return str(find_in_ros(name))
+            return str(in_ros(name))
         except Exception:
             raise LookupError(f"no folder for package {name}") from None
 
-    module._eval_find = find
-    module._eval_dict["find"] = find
+    names = ("ament_index_python", "ament_index_python.packages")
+    before = {name: sys.modules.get(name) for name in names}
+    for name in names:
+        module: Any = ModuleType(name)
+        module.get_package_share_directory = get_package_share_directory
+        sys.modules[name] = module
     try:
         yield
     finally:
-        module._eval_find = find_in_ros
-        module._eval_dict["find"] = find_in_ros
+        for name, kept in before.items():
+            del sys.modules[name]
+            if kept is not None:
+                sys.modules[name] = kept
+
+
+def _index_of_ros() -> Callable[[str], Any]:
+    """The function by which ROS finds packages; one that finds none without ROS."""
+    try:
+        index = importlib.import_module("ament_index_python.packages")
+    except ImportError:
+        return {}.__getitem__
+    find: Callable[[str], Any] = index.get_package_share_directory
+    return find

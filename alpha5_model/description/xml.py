@@ -1,12 +1,13 @@
-"""Writing XML: numbers as text, elements, documents."""
+"""Writing XML: numbers as text, elements, documents with their sources."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 
-from alpha5_model.description.origin import provenance
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model import __version__
+from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
+from alpha5_model.numbers.printed import published
 
 #: Type of an attribute: a text, a number, or numbers; None is left out.
 Value = str | float | Iterable[float] | None
@@ -46,6 +47,20 @@ def fill(parent: ET.Element, /, **content: Nested) -> None:
             fill(child, **value)
         else:
             child.text = text_of(value)
+
+
+def provenance(parameters: Alpha5Parameters) -> dict[str, str]:
+    """Document, package and corrections that the parameters come from."""
+    source = published().table_2.source
+    edition = f"version {source.version}, {source.date}"
+    document = f"{source.publisher}, {source.document}, {edition}"
+    if not is_catalogue(parameters):
+        document += f"; changed for the arm {parameters.name}"
+    return {
+        "document": document,
+        "package": f"alpha5_model {__version__}",
+        "corrections": ", ".join(parameters.corrections) or "none",
+    }
 
 
 def document(

@@ -12,8 +12,18 @@ from alpha5_model.errors import FileFormatError
 #: Limits that no robot description needs. The largest public ones have 1 MB, 20 levels.
 MOST_BYTES = 64 * 2**20
 MOST_LEVELS = 100
-#: Attributes that name something. They are printed, and could pose as other lines.
-_NAMES = ("name", "link", "joint", "filename")
+#: What may come before the first element: blank lines and a byte order mark.
+_BLANK = "\ufeff \t\r\n"
+#: How the answers of ROS tools begin that hold a robot description.
+_ANSWERS = {
+    "String value is:": "the answer of `ros2 param get`",
+    "data:": "the output of `ros2 topic echo`",
+    "robot_description:": "a YAML file of ROS parameters",
+}
+_REMEDY = (
+    "save the description alone, by "
+    "`ros2 param get --hide-type /robot_state_publisher robot_description`"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,28 +44,23 @@ def parse_xml(text: str | bytes, origin: str) -> XmlTree:
 
     Args:
         text: The text, or its bytes in an encoding that expat knows, or in UTF-16 with
-            a byte order mark.
+            a byte order mark. Blank lines may come first.
         origin: Name of the text in errors.
 
     Raises:
-        FileFormatError: Not XML, too large or too deep, a name with a line end, or with
-            a document type, which could declare entities or name other files. The
-            message names the line.
+        FileFormatError: Not XML, too large or too deep, or with a document type, which
+            could declare entities or name other files. The message names the line.
     """
     if len(text) > MOST_BYTES:
         most = MOST_BYTES // 2**20
         problem = f"expected at most {most} MiB, got {len(text) / 2**20:.0f} MiB"
         raise FileFormatError(origin, problem)
+    builder = _Builder(origin)
     try:
-        if isinstance(text, bytes) and text[:2] in (
-            codecs.BOM_UTF16_LE,
-            codecs.BOM_UTF16_BE,
-        ):
-            text = text.decode("utf-16")  # whatever its declaration says
-        return _Builder(origin).parse(text)
+        return builder.parse(text)
     except expat.ExpatError as error:
         problem = f"not XML: {expat.errors.messages[error.code]}"
-        raise FileFormatError(origin, problem, f"line {error.lineno}") from None
+        raise builder.fail(problem, error.lineno) from None
     except FileFormatError:
         raise
     except (ValueError, AssertionError, LookupError) as error:
@@ -68,6 +73,7 @@ class _Builder:
     def __init__(self, origin: str) -> None:
         self.origin = origin
         self.depth = 0
+        self.blank_lines = 0
         self.lines: dict[ET.Element, int] = {}
         self.elements = ET.TreeBuilder()
         self.parser = expat.ParserCreate()
@@ -77,30 +83,46 @@ class _Builder:
         self.parser.StartDoctypeDeclHandler = self.document_type
 
     def parse(self, text: str | bytes) -> XmlTree:
-        self.parser.Parse(text, True)
+        if text[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+            text = bytes(text).decode("utf-16")  # whatever its declaration says
+        stripped: str | bytes
+        if isinstance(text, str):
+            stripped = text.lstrip(_BLANK)
+            self.blank_lines = text.count("\n", 0, len(text) - len(stripped))
+            self.check_start(stripped[:80])
+        else:
+            stripped = text.lstrip(_BLANK.encode())
+            self.blank_lines = text.count(b"\n", 0, len(text) - len(stripped))
+            self.check_start(stripped[:80].decode("latin-1"))
+        self.parser.Parse(stripped, True)
         return XmlTree(top=self.elements.close(), lines=self.lines)
+
+    def check_start(self, start: str) -> None:
+        """Say what a text is that holds a description but is none."""
+        for words, kind in _ANSWERS.items():
+            if start.startswith(words):
+                raise self.fail(f"not XML, but {kind}: {_REMEDY}", 1)
+        if start and not start.startswith("<"):
+            shown = start.partition("<")[0][:40]
+            raise self.fail(f"not XML: begins with {shown!r}, not with <", 1)
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         self.depth += 1
         if self.depth > MOST_LEVELS:
-            raise self.fail(f"expected at most {MOST_LEVELS} levels of elements")
-        for key in _NAMES:
-            value = attributes.get(key, "")
-            if "".join(value.splitlines()) != value:
-                raise self.fail(f"<{tag[:40]} {key}>: {value[:80]!r} has a line end")
+            line = self.parser.CurrentLineNumber
+            raise self.fail(f"expected at most {MOST_LEVELS} levels of elements", line)
         element = self.elements.start(tag, attributes)
-        self.lines[element] = self.parser.CurrentLineNumber
+        self.lines[element] = self.parser.CurrentLineNumber + self.blank_lines
 
     def end(self, tag: str) -> None:
         self.depth -= 1
         self.elements.end(tag)
 
     def document_type(self, name: str, *_: object) -> None:
-        raise self.fail(
-            f"<!DOCTYPE {name[:40]}>: entities and other files are not read; "
-            "remove the document type"
-        )
+        problem = f"<!DOCTYPE {name[:40]}>: entities and other files are not read; "
+        line = self.parser.CurrentLineNumber
+        raise self.fail(problem + "remove the document type", line)
 
-    def fail(self, problem: str) -> FileFormatError:
-        place = f"line {self.parser.CurrentLineNumber}"
-        return FileFormatError(self.origin, problem, place)
+    def fail(self, problem: str, line: int) -> FileFormatError:
+        """An error at a line, counted from the first that is not blank."""
+        return FileFormatError(self.origin, problem, f"line {line + self.blank_lines}")

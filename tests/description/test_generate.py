@@ -129,10 +129,10 @@ def test_a_mount_is_three_numbers_and_a_flag_one_truth():
 
 def test_corrections_turn_the_base_and_are_named():
     printed = urdf(Variant(corrections=()))
-    assert "Corrections to the document: none" in printed
+    assert "corrections to the document (none)" in printed
     base = ET.fromstring(printed).find("joint[@name='link_0_fixed']/origin")
     assert base.get("rpy") == "0.0 0.0 3.141592653589793"
-    assert "Corrections to the document: base_frame" in urdf()
+    assert "corrections to the document (base_frame)" in urdf()
 
 
 def test_the_file_names_document_version_and_package():

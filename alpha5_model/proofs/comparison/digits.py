@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
-from alpha5_model.proofs.comparison.poses import origin_of
 
 #: Angles that people write as fractions of pi: multiples of 15 deg, up to a full turn.
 MULTIPLES = np.arange(1, 25)[:, None] / 12
 #: The multiples of 90 deg among them.
 QUARTERS = MULTIPLES[5::6]
-#: The least digits and the most that pi is cut or rounded to.
-PI_DIGITS = range(2, 16)
+#: Pi, cut and rounded to 2 to 15 decimals.
+SHORT_PIS = np.array(
+    [cut(math.pi * 10**n) / 10**n for n in range(2, 16) for cut in (math.floor, round)]
+)
 
 
 class Rounding(NamedTuple):
@@ -41,9 +41,10 @@ def as_meant(robot: UrdfRobot) -> UrdfRobot:
     """The robot with exact multiples of pi in the rpy of its joints."""
     joints = dict(robot.joints)
     for name, joint in robot.joints.items():
-        angles = [meant_angle(text) for text in joint.printed[1].split()]
-        if angles:
-            meant = pose(origin_of(joint.transform), angles)
+        texts = joint.printed[1].split()
+        angles = [meant_angle(text) for text in texts]
+        if angles != [float(text) for text in texts]:
+            meant = pose(joint.transform[:3, 3], angles)
             joints[name] = replace(joint, transform=meant)
     return replace(robot, joints=joints)
 
@@ -62,27 +63,16 @@ def meant_angle(text: str) -> float:
     # Two decimals are too few to tell thirds of pi from any other angle.
     multiples = MULTIPLES if unit < 5e-3 else QUARTERS
 
-    # An angle computed from a short pi is not exact. The slack must stay below the
+    # An angle computed from a short pi is not exact. The tolerance must stay below the
     # error of 3.14, or other angles would count.
     error_of_short_pi = (math.pi - 3.14) * abs(angle) / 3
-    slack = min(1.01 * unit + 1e-12, error_of_short_pi)
-    off = np.abs(multiples * _short_pis() - abs(angle))
-    close = (off <= slack).any(axis=1)
+    tolerance = min(1.01 * unit + 1e-12, error_of_short_pi)
+    off = np.abs(multiples * SHORT_PIS - abs(angle))
+    close = (off <= tolerance).any(axis=1)
     if not close.any():
         return angle
     multiple = float(multiples[close][0, 0])
     return math.copysign(multiple * math.pi, angle)
-
-
-@cache
-def _short_pis() -> FloatArray:
-    """Pi, cut and rounded to each number of `PI_DIGITS`."""
-    pis = []
-    for digits in PI_DIGITS:
-        scale = 10.0**digits
-        pis.append(math.floor(math.pi * scale) / scale)
-        pis.append(round(math.pi * scale) / scale)
-    return np.array(pis)
 
 
 def last_digits(joints: Sequence[UrdfJoint]) -> Rounding:
@@ -104,6 +94,33 @@ def last_digits(joints: Sequence[UrdfJoint]) -> Rounding:
     )
 
 
+def rounded_origins(joints: Sequence[UrdfJoint]) -> Iterator[UrdfJoint]:
+    """Each joint with one number of its origin off by half of the last decimal place.
+
+    For multiples of pi, and for numbers that are exact, there is none.
+    """
+    lengths = _finest(_fractions(joint.printed[0] for joint in joints))
+    angles = _finest(_fractions(joint.printed[1] for joint in joints))
+    for joint in joints:
+        texts = joint.printed[1].split()
+        rpy = [meant_angle(text) for text in texts]
+        for place, text in enumerate(joint.printed[0].split()):
+            if float(text) % 1:
+                shifted = joint.transform.copy()
+                shifted[place, 3] += lengths / 2
+                yield replace(joint, transform=shifted)
+        for place, text in enumerate(texts):
+            if float(text) % 1 and rpy[place] == float(text):
+                turned = [*rpy]
+                turned[place] += angles / 2
+                yield replace(joint, transform=pose(joint.transform[:3, 3], turned))
+
+
+def _finest(texts: Iterable[str]) -> float:
+    """One unit of the finest last place of printed numbers."""
+    return min(map(last_place, texts), default=0.0)
+
+
 def _fractions(printed: Iterable[str]) -> list[str]:
     """The numbers in some texts that are not integers."""
     texts = " ".join(printed).split()
@@ -112,8 +129,7 @@ def _fractions(printed: Iterable[str]) -> list[str]:
 
 def _half_last_place(texts: Sequence[str]) -> float:
     """Half of the finest last place of printed numbers, added in quadrature."""
-    finest = min(map(last_place, texts), default=0.0)
-    return 0.5 * finest * math.sqrt(len(texts))
+    return 0.5 * _finest(texts) * math.sqrt(len(texts))
 
 
 def last_place(text: str) -> float:

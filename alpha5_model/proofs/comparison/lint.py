@@ -1,0 +1,294 @@
+"""What programs refuse in a URDF, or read differently.
+
+Each finding names the programs that stumble: urdfdom, which ROS and Pinocchio use,
+Pinocchio, MuJoCo, Drake and yourdfpy. ``tests/proofs/test_lint.py`` runs those that are
+installed on a file for each finding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from types import MappingProxyType
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import rpy_from_rotation
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfLink, UrdfRobot
+from alpha5_model.description.xml import text_of
+from alpha5_model.numbers.inertia import combine
+from alpha5_model.numbers.motors import joint_losses
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointParameters
+from alpha5_model.proofs.comparison.corrections import token_inertial
+from alpha5_model.proofs.comparison.result import Correction, Finding, finding
+
+#: Versions of URDF that urdfdom 6 reads.
+VERSIONS = ("", "1.0", "1.1", "1.2")
+#: Plausible losses of a joint at its rated speed [N m]. The arm's weight needs at most
+#: 1.4 N m: with more friction it would hold itself up.
+LOSSES = 2.0
+#: Smallest mass [kg] and moment [kg m^2] of a moving body: MuJoCo's mjMINVAL.
+LEAST = 1e-15
+#: Plausible scales of a mesh: from micrometres to decametres.
+SCALES = (1e-6, 10.0)
+
+
+def lint(
+    robot: UrdfRobot,
+    joints: Sequence[UrdfJoint],
+    record: Alpha5Parameters,
+    advice: Mapping[str, Correction] = MappingProxyType({}),
+) -> Iterator[Finding]:
+    """What programs refuse in a URDF, or read differently.
+
+    Args:
+        robot: The URDF.
+        joints: The arm's joints in it, as ``axis_e`` to ``axis_b``; empty if unknown.
+        record: The arm's numbers.
+        advice: Name of one of these joints -> what to write in it, its range included.
+    """
+    yield from _file(robot)
+    names = [joint.name for joint in joints]
+    ours_of = dict(zip(names, record.joints, strict=False))
+    for joint in robot.joints.values():
+        ours = ours_of.get(joint.name)
+        where = joint.name if ours is None else ours.name
+        right = [advice[joint.name]] if joint.name in advice else []
+        if joint.kind in ("revolute", "prismatic"):
+            yield from _range(joint, where, right)
+        if joint.kind == "continuous":
+            yield from _ignored_range(joint, where)
+        if joint.limit is not None:
+            yield from _ratings(joint, where, ours, robot.version)
+        if joint.dynamics is not None:
+            yield from _dynamics(joint, where, ours, record)
+        if joint.mimic is not None and joint.mimic not in robot.joints:
+            yield finding("lint.mimic", where, leader=joint.mimic)
+    yield from _bodies(robot)
+    yield from _scales(robot)
+
+
+# --- the file -------------------------------------------------------------------------
+
+
+def _file(robot: UrdfRobot) -> Iterator[Finding]:
+    """Name and version of the robot, and elements that are out of place."""
+    if not robot.name:
+        yield finding("lint.no_name")
+    if robot.version not in VERSIONS:
+        yield finding("lint.version", version=robot.version)
+
+    is_first = robot.version in VERSIONS[:2]
+    for remark in robot.remarks:
+        if remark.kind in ("doubled", "number"):
+            yield finding(
+                f"lint.{remark.kind}",
+                remark.where,
+                written=remark.text,
+                line=remark.line,
+            )
+    for kind in ("macro", "expression", "quaternion", "capsule"):
+        remarks = [remark for remark in robot.remarks if remark.kind == kind]
+        if not remarks:
+            continue
+        subject = kind
+        if kind in ("quaternion", "capsule") and is_first:
+            subject = f"{kind}_1_0"
+        yield finding(
+            f"lint.{subject}",
+            written=remarks[0].text,
+            line=remarks[0].line,
+            count=len(remarks),
+        )
+
+
+def _scales(robot: UrdfRobot) -> Iterator[Finding]:
+    """Scales of meshes that are no unit of length, or not that of the others."""
+    scales: dict[str, tuple[float, ...]] = {}
+    for link in robot.links.values():
+        for file in link.files:
+            scales[file] = link.scales.get(file, (1.0, 1.0, 1.0))
+    for file, scale in scales.items():
+        if len(scale) != 3:
+            yield finding("lint.scale_unread", file)
+        elif not all(SCALES[0] <= abs(factor) <= SCALES[1] for factor in scale):
+            yield finding("lint.scale", file, scale=text_of(scale))
+
+    # A mesh in mm has a scale of 0.001. One without it among others that have it is a
+    # thousand times too large.
+    small = [file for file, scale in scales.items() if max(map(abs, scale)) < 0.1]
+    others = [file for file, scale in scales.items() if scale == (1.0, 1.0, 1.0)]
+    for file in others:
+        kind = file.rpartition(".")[2].lower()
+        if any(other.lower().endswith(f".{kind}") for other in small):
+            scale = text_of(scales[small[0]])
+            yield finding("lint.scale_missing", file, count=len(small), scale=scale)
+
+
+# --- joints ---------------------------------------------------------------------------
+
+
+def _range(
+    joint: UrdfJoint, where: str, right: Sequence[Correction]
+) -> Iterator[Finding]:
+    """A range that is missing, reversed or empty."""
+    if joint.limit is None:
+        yield finding("lint.no_limit", where, corrections=right)
+        return
+    missing = [name for name in ("lower", "upper") if name not in joint.limit]
+    if missing:
+        ends = " and ".join(missing)
+        yield finding("lint.no_range", where, missing=ends, corrections=right)
+    lower, upper = joint.lower, joint.upper
+    if lower is None or upper is None:
+        return
+    if lower > upper:
+        limit = {"lower": text_of(upper), "upper": text_of(lower)}
+        turned = Correction("joint", joint.name, {"limit": limit})
+        yield finding(
+            "lint.reversed", where, lower=lower, upper=upper, corrections=[turned]
+        )
+    if lower == upper:
+        fixed = right or [_fixed(joint, lower)]
+        yield finding("lint.equal", where, value=lower, corrections=fixed)
+
+
+def _fixed(joint: UrdfJoint, position: float) -> Correction:
+    """The joint as a fixed one at a position."""
+    elements = {"joint": {"type": "fixed"}}
+    if position:
+        pose = joint.transform @ joint.motion(position)
+        elements["origin"] = {
+            "xyz": text_of(pose[:3, 3]),
+            "rpy": text_of(rpy_from_rotation(pose[:3, :3])),
+        }
+    return Correction("joint", joint.name, elements)
+
+
+def _ignored_range(joint: UrdfJoint, where: str) -> Iterator[Finding]:
+    """The range of a continuous joint, if it is one that a joint can have."""
+    limit = joint.limit or {}
+    lower = _number(limit.get("lower", ""))
+    upper = _number(limit.get("upper", ""))
+    if 0 < upper - lower < 1e3:
+        turning = Correction("joint", joint.name, {"joint": {"type": "revolute"}})
+        yield finding(
+            "lint.continuous", where, lower=lower, upper=upper, corrections=[turning]
+        )
+
+
+def _ratings(
+    joint: UrdfJoint, where: str, ours: JointParameters | None, version: str
+) -> Iterator[Finding]:
+    """A velocity or effort that is missing, zero or negative."""
+    # Since URDF 1.2 a fixed joint needs neither.
+    if joint.kind == "fixed" and version == VERSIONS[-1]:
+        return
+    for name in ("velocity", "effort"):
+        right = []
+        if ours is not None:
+            limit = {"limit": {name: text_of(getattr(ours, name))}}
+            right = [Correction("joint", joint.name, limit)]
+        value = getattr(joint, name)
+        if name not in (joint.limit or {}):
+            yield finding(f"lint.no_{name}", where, corrections=right)
+        elif value is not None and value < 0:
+            yield finding(
+                "lint.negative", where, limit=name, value=value, corrections=right
+            )
+        elif value == 0 and joint.kind != "fixed":
+            yield finding(f"lint.{name}_zero", where, corrections=right)
+
+
+def _dynamics(
+    joint: UrdfJoint,
+    where: str,
+    ours: JointParameters | None,
+    record: Alpha5Parameters,
+) -> Iterator[Finding]:
+    """Friction and damping that no joint has, or none of this arm."""
+    written = joint.dynamics or {}
+    nothing = [Correction("joint", joint.name, {"dynamics": None})]
+    if not written:
+        yield finding("lint.no_dynamics", where, corrections=nothing)
+    for name, value in written.items():
+        if value < 0:
+            yield finding(
+                f"lint.negative_{name}", where, value=value, corrections=nothing
+            )
+    if ours is None:
+        return
+
+    friction = written.get("friction", 0.0)
+    damping = written.get("damping", 0.0)
+    lost = friction + damping * ours.velocity
+    most = LOSSES
+    own = joint_losses(record).get(ours.name)
+    if own is not None:
+        most = max(most, 2 * (own.friction + own.damping * ours.velocity))
+    if lost > most:
+        yield finding(
+            "lint.dynamics",
+            where,
+            friction=friction,
+            damping=damping,
+            lost=lost,
+            corrections=nothing,
+        )
+
+
+# --- bodies ---------------------------------------------------------------------------
+
+
+def _bodies(robot: UrdfRobot) -> Iterator[Finding]:
+    """Inertias that no body has, and moving bodies without any."""
+    for link in robot.links.values():
+        moments = np.linalg.eigvalsh(link.inertia)
+        if moments.any() and (moments[0] <= 0 or moments[2] > moments[0] + moments[1]):
+            yield finding("lint.impossible", link.name, moments=moments)
+
+    for first, links in _moving(robot).items():
+        massive = [(link, at) for link, at in links if link.mass]
+        mass = sum(link.mass or 0.0 for link, _ in massive)
+        smallest = 0.0
+        if mass > LEAST:
+            _, _, tensor = combine(
+                [link.mass for link, _ in massive],
+                [at[:3, :3] @ link.com + at[:3, 3] for link, at in massive],
+                [at[:3, :3] @ link.inertia @ at[:3, :3].T for link, at in massive],
+            )
+            smallest = np.linalg.eigvalsh(tensor)[0]
+        if abs(smallest) <= LEAST:
+            names = ", ".join(link.name for link, _ in links)
+            yield finding(
+                "lint.no_inertia",
+                first,
+                links=names,
+                mass=mass,
+                corrections=[token_inertial(first, mass)],
+            )
+
+
+def _moving(robot: UrdfRobot) -> dict[str, list[tuple[UrdfLink, FloatArray]]]:
+    """First link of each moving body -> its links, and their poses in the first."""
+    bodies: dict[str, list[tuple[UrdfLink, FloatArray]]] = {}
+    places = {robot.root: (robot.root, np.eye(4))}
+    for joint in robot.joints.values():
+        place = (joint.child, np.eye(4))
+        if joint.kind == "fixed":
+            first, pose = places[joint.parent]
+            place = (first, pose @ joint.transform)
+        places[joint.child] = place
+        first, pose = place
+        bodies.setdefault(first, []).append((robot.links[joint.child], pose))
+    bodies.pop(robot.root, None)
+    return bodies
+
+
+def _number(text: str) -> float:
+    """The number of a text; NaN if it is none."""
+    with suppress(ValueError):
+        return float(text)
+    return math.nan
