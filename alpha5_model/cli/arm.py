@@ -17,7 +17,7 @@ from alpha5_model.cli.units import LITRE, MILLIMETRE
 from alpha5_model.errors import InputError, OutputError
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.arm_file import arm_file
-from alpha5_model.numbers.arm_writing import new_arm_file
+from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.tables import JOINT_NAMES
@@ -70,7 +70,7 @@ def _new(path: Path, as_json: bool) -> None:
     """Write a file with every key."""
     if str(path) != STDOUT and path.exists():
         raise OutputError(path, "it exists; name another file")
-    atomic_write(path, new_arm_file())
+    atomic_write(path, arm_file_text(parameters(), every_key=True))
     printing.show(as_json, {"written": str(path)}, (), path)
 
 

@@ -61,6 +61,10 @@ KINDS = {
         "[joint_limits.axis_c]\nmax_velocity = 0.12",
         f"limits trajectory viewer {_ROBOTS}",
     ),
+    # So far only the record has them.
+    "max_acceleration": ("[joint_limits.axis_c]\nmax_acceleration = 0.5", ""),
+    "max_jerk": ("[joint_limits.axis_c]\nmax_jerk = 5", ""),
+    "signs": ("[signs]\naxis_c = -1", "devices recordings"),
     "max_effort": (
         "[joint_limits.axis_c]\nmax_effort = 1.5",
         f"limits trajectory sweep viewer {_ROBOTS}",
@@ -130,7 +134,8 @@ def plain(value: Any) -> Any:
 
 
 def record(arm: Alpha5Parameters) -> Any:
-    return {**vars(arm), "measurements": ()}
+    names = [field.name for field in dataclasses.fields(arm)]
+    return {name: getattr(arm, name) for name in names if name != "measurements"}
 
 
 def written(arm: Alpha5Parameters) -> Any:
@@ -139,6 +144,20 @@ def written(arm: Alpha5Parameters) -> Any:
 
 def limits(arm: Alpha5Parameters) -> Any:
     return a5.load(arm=arm).limits
+
+
+def devices(arm: Alpha5Parameters) -> Any:
+    return a5.devices_from_q(Q, arm)
+
+
+def recordings(arm: Alpha5Parameters) -> Any:
+    lines = ["time_secs," + ",".join(f"axis_{x}_pos" for x in "edcb")]
+    lines += [f"{k / 10},{2 + k / 100},1.1,1.7,2.0" for k in range(9)]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "motion.csv")
+        file.write_text("\n".join(lines), encoding="utf-8")
+        # The driver of a joint with another sign is out of range, which is a warning.
+        return a5.trajectory.read_motion(file, arm=arm).position
 
 
 def inverse_kinematics(arm: Alpha5Parameters) -> Any:
@@ -259,7 +278,7 @@ def viewer(arm: Alpha5Parameters) -> Any:
 
 
 #: Products that need no URDF, and no more than 20 ms an arm.
-QUICK = (record, written, inverse_kinematics, motors, sdf)
+QUICK = (record, written, devices, recordings, inverse_kinematics, motors, sdf)
 OTHERS = (
     limits,
     kinematics,

@@ -20,7 +20,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, transform, wrap
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
-from alpha5_model.numbers import arm_schema as schema
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.arm_checks import FARTHEST_TOOL
 from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.jaws import split_link_4
@@ -49,8 +49,6 @@ _ROUNDING = 1e-12
 _LEFT_OUT = 1e-7
 #: A base_link whose d_0 differs by more is another frame [m].
 _OTHER_BASE = 0.1
-#: What a file takes as limits of a turning joint.
-_LIMITS = schema.JOINT_LIMITS["axis_e"]
 #: Names that a parent of base_link cannot have.
 _TAKEN = ("base_link", "tcp", *BODY_NAMES)
 
@@ -342,7 +340,7 @@ def _rows(
         if length * printed <= 0:
             text = f"{field}_{i} is {length:.3g} m, which has not the sign of Table 1"
             left_out.append(text)
-        elif not schema.LENGTHS[f"{field}_{i}"].takes(length):
+        elif not plausibility.POSITION.holds(abs(length)):
             left_out.append(f"{field}_{i} is {length:.3g} m: the printed one is kept")
         elif abs(length - printed) > _ROUNDING:
             own: dict[str, Any] = {field: length}
@@ -438,7 +436,7 @@ def _problem_of_range(ends: list[float]) -> str:
     width = ends[1] - ends[0]
     if not 0 < width < math.tau:
         return f"of {math.degrees(width):.4g} deg"
-    if not all(_LIMITS["min_position"].takes(end) for end in ends):
+    if not all(plausibility.ANGLE.holds(abs(end)) for end in ends):
         return f"from {ends[0]:.4g} to {ends[1]:.4g} rad"
     return ""
 
@@ -452,7 +450,7 @@ def _largest(
         text = f"{ours.name} has no largest {field}: the catalogue's is kept"
         left_out.append(text)
         return printed
-    if not _LIMITS[f"max_{field}"].takes(value):
+    if not plausibility.JOINT[field].holds(value):
         text = f"{ours.name} has a largest {field} of {value:.4g}"
         left_out.append(f"{text}: the catalogue's is kept")
         return printed

@@ -10,7 +10,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import InputError
-from alpha5_model.numbers import arm_schema as schema
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.inertia import inconsistencies, point_mass_tensor
 from alpha5_model.numbers.parameters import LinkParameters
 from alpha5_model.numbers.rigid_body import AttachedBody
@@ -68,10 +68,10 @@ def _problem(mass: float, com: FloatArray, inertia: FloatArray) -> str:
     wrong = inconsistencies(mass, com, inertia) if mass else ["no mass"]
     if wrong:
         return f"is no possible body ({wrong[0]})"
-    if not schema.ATTACHED["mass"].takes(mass):
+    if not plausibility.MASS.holds(mass):
         return f"has {mass:.4g} kg"
     farthest = float(np.abs(com).max())
-    if not schema.ATTACHED["com"].takes(farthest):
+    if not plausibility.POSITION.holds(farthest):
         return f"has its COM {farthest:.4g} m off"
     return ""
 
