@@ -18,16 +18,11 @@ from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.units import GRAM, MILLIMETRE
 from alpha5_model.cli.words import WORDS
 from alpha5_model.errors import InputError, OutputError
-from alpha5_model.proofs.comparison import measure
-from alpha5_model.proofs.comparison.arm_of_model import (
-    ArmOfModel,
-    arm_of_robot,
-    arm_text,
-)
-from alpha5_model.proofs.comparison.findings import explanation
+from alpha5_model.proofs.comparison import compare_robots
+from alpha5_model.proofs.comparison.as_arm import ArmOfModel, arm_of_robot, arm_text
 from alpha5_model.proofs.comparison.junit import junit_report
-from alpha5_model.proofs.comparison.model_file import read_model
-from alpha5_model.proofs.comparison.records import Comparison, Finding
+from alpha5_model.proofs.comparison.model import read_model
+from alpha5_model.proofs.comparison.result import Comparison, explanation
 from alpha5_model.viewer.comparison_plot import plot_comparison
 from alpha5_model.viewer.figures import FORMATS
 
@@ -75,8 +70,9 @@ def compare(
     as an arm file, and lists what such a file cannot say. Findings end with their
     id in round brackets; --explain ID says what it means.
 
-    Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot
-    be read.
+    Exit status: 0 joints and bodies agree, 1 something differs or it is another
+    arm, 2 it cannot be read. A tool frame at another point of the gripper is no
+    difference; the verdict says how far it is off.
 
     Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
     """  # noqa: E501 (a line of the help)
@@ -97,9 +93,7 @@ def compare(
     with printing.spinner("comparing"):
         # Read once: a xacro file is a program.
         model = read_model(other, packages, arguments, xacro)
-        comparison = measure.compare_robots(
-            model, names, samples, other.parent, base, arm=own
-        )
+        comparison = compare_robots(model, names, samples, other.parent, base, arm=own)
         described = None
         if write_arm is not None:
             described = arm_of_robot(model, names, base)
@@ -236,33 +230,9 @@ def _largest(comparison: Comparison) -> str:
 
 
 def _findings(comparison: Comparison) -> printing.Lines:
-    for found, more in _alike(comparison.findings):
+    for found in comparison.findings:
         mark = "✗" if found.serious else "·"
         cost = f" [{found.cost:.3g} N m]" if found.cost > 0 else ""
-        where = f"{found.where} and {more} more" if more else found.where
-        yield f"{mark} {where}: {found.text}{cost} ({found.id})"
+        yield f"{mark} {found.where}: {found.text}{cost} ({found.id})"
         if found.instead:
             yield f"  write {found.instead}"
-
-
-def _alike(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
-    """The findings, each with the number of remarks after it that say the same."""
-    shown: list[tuple[Finding, int]] = []
-    for found in findings:
-        if shown and _repeats(found, shown[-1][0]):
-            first, more = shown.pop()
-            shown.append((first, more + 1))
-        else:
-            shown.append((found, 0))
-    return shown
-
-
-def _repeats(found: Finding, before: Finding) -> bool:
-    """Whether a finding is a remark that says the same as the one before."""
-    remark = not found.serious and not found.instead
-    return remark and _said(found) == _said(before)
-
-
-def _said(found: Finding) -> tuple[object, ...]:
-    """What a finding says, wherever it was found."""
-    return found.text, found.serious, found.instead, found.cost

@@ -114,7 +114,7 @@ def check_tool(tool: Pose, printed: Pose, spacer: float) -> None:
 
 
 def check_inside(name: str, com: FloatArray, bounds: FloatArray) -> None:
-    """Check that a COM is inside a body.
+    """Warn of a COM outside a body, and refuse one that no body of the arm can have.
 
     Args:
         name: Of the COM, for the message.
@@ -122,7 +122,11 @@ def check_inside(name: str, com: FloatArray, bounds: FloatArray) -> None:
         bounds: Outer bounds of the body, (3, 2) [m].
 
     Raises:
-        InputError: It is outside; the message suggests mm if that would be inside.
+        InputError: It is farther off than any body is long; the message suggests mm if
+            it would be inside then.
+
+    Warns:
+        ImplausibleWarning: It is outside. Models of real arms have such COMs.
     """
 
     def is_inside(point: FloatArray) -> bool:
@@ -131,7 +135,10 @@ def check_inside(name: str, com: FloatArray, bounds: FloatArray) -> None:
     if is_inside(com):
         return
     expected = f"a point inside the body's bounds, {bounds.tolist()} m"
-    if np.abs(com).max() > _LONGEST_BODY and is_inside(com / 1000):
+    if np.abs(com).max() <= _LONGEST_BODY:
+        warn(f"{name}: expected {expected}, got {com.tolist()}")
+        return
+    if is_inside(com / 1000):
         expected += "; is it in mm?"
     raise InputError(name, com.tolist(), expected)
 

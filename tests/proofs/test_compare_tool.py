@@ -16,12 +16,12 @@ import pinocchio as pin
 import pytest
 import reference
 import shared_recordings as recordings
+from compared_models import AXES, advised, compared, text_of, tools
 from model_defects import (
-    AXES,
     DEFECTS,
     damaged,
     limits,
-    rotation,
+    put,
     shift,
     turn,
     vector,
@@ -29,35 +29,10 @@ from model_defects import (
 )
 from urdf_edits import OWN
 
-from alpha5_model.description.reading import parse_urdf
-from alpha5_model.proofs.comparison.measure import compare_robots
-from alpha5_model.proofs.comparison.records import Comparison, Finding
-from alpha5_model.proofs.comparison.tool_findings import _axes_are_a_choice
+from alpha5_model.cli import main
 
 MODELS = recordings.RECORDINGS / "models"
 SAMPLES = 40
-
-
-# --- the truth, by Pinocchio
-
-
-def tools(
-    text: str, q: np.ndarray, frame: str, base: str, joints: Iterable[str]
-) -> list[pin.SE3]:
-    model = pin.buildModelFromXML(text)
-    data = model.createData()
-    columns = [model.joints[model.getJointId(name)].idx_q for name in joints]
-    out = []
-    for row in q:
-        position = pin.neutral(model)
-        position[columns] = row
-        pin.framesForwardKinematics(model, data, position)
-        at, tool = (
-            data.oMf[model.getFrameId(name, pin.FrameType.BODY)]
-            for name in (base, frame)
-        )
-        out.append(at.inverse() * tool)
-    return out
 
 
 def truth(text: str, count: int, frame: str, base: str, joints: Iterable[str] = AXES):
@@ -75,61 +50,10 @@ def truth(text: str, count: int, frame: str, base: str, joints: Iterable[str] = 
     )
 
 
-# --- what is advised
-
-
-def remove_inertials(root: ET.Element, names: str) -> None:
-    """Remove the inertials of the links whose names are listed."""
-    for name in names.split(", "):
-        link = root.find(f"link[@name='{name}']")
-        for inertial_element in link.findall("inertial"):
-            link.remove(inertial_element)
-
-
-def element_to_correct(root: ET.Element, name: str) -> ET.Element:
-    """The joint of this name, or else the inertial of the link."""
-    joint = root.find(f"joint[@name='{name}']")
-    if joint is not None:
-        return joint
-    link = root.find(f"link[@name='{name}']")
-    body = link.find("inertial")
-    return ET.SubElement(link, "inertial") if body is None else body
-
-
-def write_elements(node: ET.Element, elements: str) -> None:
-    for element in ET.fromstring(f"<x>{elements}</x>"):
-        old = node.find(element.tag)
-        old = ET.SubElement(node, element.tag) if old is None else old
-        old.attrib.update(element.attrib)
-
-
-def follow(root: ET.Element, findings: Iterable[Finding]) -> None:
-    """Write what every finding says."""
-    lines = [line for finding in findings for line in finding.instead.split("; ")]
-    for line in filter(None, lines):
-        if line.startswith("no <inertial> in "):
-            remove_inertials(root, line.removeprefix("no <inertial> in "))
-            continue
-        pattern = r"(\S+): ((?:<[^>]+/> ?)+)(?:\(nothing in (.+)\))?"
-        name, elements, empty = re.fullmatch(pattern, line).groups()
-        write_elements(element_to_correct(root, name), elements)
-        if empty:
-            remove_inertials(root, empty)
-
-
-def text_of(root: ET.Element) -> str:
-    return ET.tostring(root, encoding="unicode")
-
-
-def mend(root: ET.Element, comparison: Comparison) -> Comparison:
-    follow(root, comparison.findings)
-    return compare_robots(parse_urdf(text_of(root)), comparison.joints, samples=SAMPLES)
-
-
 def check(*names: str) -> None:
     """The tool is where Pinocchio says, and with all advice where ours is."""
     root = damaged(*names)
-    comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
+    comparison = compared(root, samples=SAMPLES)
     frame = "lamp" if "no tool" in names else "tcp"
     if frame == "tcp":
         distances, angles = truth(text_of(root), SAMPLES, frame, "base_link")
@@ -140,11 +64,12 @@ def check(*names: str) -> None:
             np.sin(comparison.tool.angle / 2), np.sin(angles / 2), atol=1e-6
         )
 
-    after = mend(root, comparison)
+    mended = advised(root, comparison)
+    after = compared(mended, joints=comparison.joints, samples=SAMPLES)
     assert after.agrees, [f.text for f in after.findings]
     assert after.tip_error < 1e-5
     if frame == "tcp":
-        distances, angles = truth(text_of(root), SAMPLES, frame, "base_link")
+        distances, angles = truth(mended, SAMPLES, frame, "base_link")
         assert distances.max() < 1e-5
         assert angles.max() < 1e-4
 
@@ -184,7 +109,7 @@ def test_pairs_of_defects(part):
 
 def test_a_short_pi_says_how_far_it_moves_the_tip():
     root = damaged("short pi")
-    comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
+    comparison = compared(root, samples=SAMPLES)
     distances, _ = truth(text_of(root), SAMPLES, "tcp", "base_link")
     (found,) = [f for f in comparison.findings if "pi are cut short" in f.text]
     assert f"the tip is up to {1e3 * distances.max():.2f} mm off" in found.text
@@ -199,28 +124,43 @@ def test_a_small_zero_of_axis_e_may_be_the_base(zero, sure, reversed_too):
     com = root.find("link[@name='link_0']/inertial/origin")
     moved_com = vector(com.get("xyz")) + np.array([0.0, 0.0, 0.002])
     com.set("xyz", written(moved_com))
-    comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
+    comparison = compared(root, samples=SAMPLES)
     (found,) = [f for f in comparison.findings if "zero is shifted" in f.text]
     assert ("or else the base" not in found.text) == sure
 
 
-def test_a_tool_along_the_wrist_may_have_any_axes():
-    for roll in (-180, -30, 0, 60, 90):
-        for axes in itertools.permutations(range(3)):
-            chosen = np.eye(4)
-            chosen[:3, :3] = rotation([0, 0, math.radians(roll)]) @ np.eye(3)[:, axes]
-            assert _axes_are_a_choice(chosen, 0.01)
-            for rpy in ([0, 0, 0.2], [0.2, 0, 0], [0, -0.2, 0]):
-                turned = chosen.copy()
-                turned[:3, :3] = rotation(rpy) @ chosen[:3, :3]
-                assert not _axes_are_a_choice(turned, 0.01)
+def test_a_tool_elsewhere_in_the_gripper_is_in_the_verdict(tmp_path, capsys) -> None:
+    """30 mm stood in a remark, below a verdict that said nothing of them."""
+    root = ET.fromstring(OWN)
+    put("tcp_fixed", xyz="0 0 -0.15")(root)
+    comparison = compared(root)
+    assert comparison.agrees
+    assert comparison.tool.offset == pytest.approx(0.03)
+    assert "but its tcp is 30 mm from ours, turned by 0 deg" in comparison.verdict
+    path = tmp_path / "other.urdf"
+    path.write_text(text_of(root))
+    assert main(["compare", str(path), "--samples", "5"]) == 0
+    assert "30 mm from ours" in capsys.readouterr().out
+    assert compared(advised(root, comparison)).findings == ()
+
+
+@pytest.mark.parametrize(
+    ("rpy", "askew"),
+    [((0.0, 0.0, 0.5), False), ((0.3, 0.0, 0.0), True), ((0.0, 0.2, 0.0), True)],
+)
+def test_a_tool_askew_differs(rpy: tuple[float, float, float], askew: bool) -> None:
+    root = ET.fromstring(OWN)
+    put("tcp_fixed", rpy=written(rpy))(root)
+    comparison = compared(root)
+    assert comparison.agrees != askew
+    assert [f.id for f in comparison.findings] == ["tool" if askew else "tool.choice"]
 
 
 @pytest.mark.parametrize("degrees", [5, 100, 170])
 def test_a_tilted_base_says_by_how_much(degrees):
     root = ET.fromstring(OWN)
     turn("axis_e", math.radians(degrees), 0, 0)(root)
-    comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
+    comparison = compared(root, samples=SAMPLES)
     (found,) = [f for f in comparison.findings if "tilted by" in f.text]
     assert f"tilted by {degrees:.3f} deg" in found.text
 
@@ -230,7 +170,7 @@ def test_rounding_of_the_base_is_no_mount():
     root = ET.fromstring(text)
     turn("link_0_fixed", 0, 0, 1e-9)(root)
     shift("link_0_fixed", 1e-9, 0, 0)(root)
-    comparison = compare_robots(parse_urdf(text_of(root)), samples=SAMPLES)
+    comparison = compared(root, samples=SAMPLES)
     assert [f for f in comparison.findings if f.where == "base"] == []
 
 
@@ -259,7 +199,7 @@ def test_the_tool_of_public_models(name):
     joints, frame, base, away = PUBLIC[name]
     text = (MODELS / f"{name}.urdf").read_text()
     mapped = dict(zip(AXES, joints, strict=True))
-    comparison = compare_robots(parse_urdf(text), mapped, samples=SAMPLES)
+    comparison = compared(text, joints=mapped, samples=SAMPLES)
     tool = comparison.tool
     assert tool.frame == frame
     if frame:
@@ -269,12 +209,12 @@ def test_the_tool_of_public_models(name):
         assert not said.serious
         assert f"{away:.2f} mm from Table 1's frame {{5}}" in said.text
 
-    root = ET.fromstring(text)
-    after = mend(root, comparison)
+    mended_text = advised(text, comparison)
+    after = compared(mended_text, joints=mapped, samples=SAMPLES)
     assert after.agrees, [f.text for f in after.findings]
     assert after.tip_error < 1e-4
     if frame:
-        distances, angles = truth(text_of(root), SAMPLES, frame, base, joints)
+        distances, angles = truth(mended_text, SAMPLES, frame, base, joints)
         assert distances.max() < 1e-4
         assert angles.max() < 1e-3
 
@@ -308,9 +248,9 @@ def test_a_public_model_that_lacks_a_turn_of_the_forearm(turn, median):
     limit = '"/><limit lower="0" upper="3" effort="9" velocity="1"/></joint>'
     text = WITHOUT_TURN.format(turn=turn)
     text = re.sub(r'(<axis[^>]*)"/></joint>', rf"\1{limit}", text)
-    comparison = compare_robots(parse_urdf(text), samples=2000)
+    comparison = compared(text, samples=2000)
     distances, _ = truth(text, 200, "alpha_tcp", "base_link", JOINTS)
-    measured = compare_robots(parse_urdf(text), samples=200).tool
+    measured = compared(text, samples=200).tool
     np.testing.assert_allclose(measured.distance, distances, atol=1e-6)
     assert np.median(comparison.tool.distance) * 1e3 == pytest.approx(median, abs=0.5)
     serious = {
@@ -328,7 +268,7 @@ def test_a_public_model_that_lacks_a_turn_of_the_forearm(turn, median):
 
 def test_limits_in_degrees_are_called_that():
     root = damaged("limits in degrees")
-    comparison = compare_robots(parse_urdf(text_of(root)), samples=5)
+    comparison = compared(root, samples=5)
     said = [f for f in comparison.findings if f.where == "axis_e"]
     assert [f.serious for f in said] == [True, True]
     assert "velocity 30 is in degrees per second" in said[0].text
@@ -344,6 +284,6 @@ def test_limits_in_degrees_are_called_that():
 def test_other_limits_are_not(values):
     root = ET.fromstring(OWN)
     limits("axis_e", **values)(root)
-    comparison = compare_robots(parse_urdf(text_of(root)), samples=5)
+    comparison = compared(root, samples=5)
     assert not any("degrees" in f.text for f in comparison.findings)
     assert comparison.agrees

@@ -24,6 +24,9 @@ LEVER = 0.4
 WRITTEN_TO = 1e-6  # [m]
 #: Limits are printed to a tenth of a degree.
 LIMIT_TOLERANCE = math.radians(0.1)
+#: Mass [kg] and radius of gyration [m] of a link that moves and has no body. MuJoCo
+#: wants an inertia there; this one changes no body of the arm beyond its tolerance.
+TOKEN_MASS, TOKEN_RADIUS = 1e-8, 0.003
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +157,19 @@ def seems_in_degrees(written: float | None, ours: float) -> bool:
     if written is None or abs(written) < 3 * abs(ours) + math.tau / 2:
         return False
     return abs(math.radians(written) - ours) < 0.5 * abs(ours)
+
+
+def token_inertial(link: str, mass: float = 0.0) -> Correction:
+    """The inertial of a link that moves and has no body, or only a mass [kg]."""
+    moment = f"{(mass or TOKEN_MASS) * TOKEN_RADIUS**2:.6g}"
+    tensor = dict.fromkeys(("ixx", "iyy", "izz"), moment)
+    tensor |= dict.fromkeys(("ixy", "ixz", "iyz"), "0")
+    elements = {
+        "mass": {"value": f"{mass or TOKEN_MASS:.9g}"},
+        "origin": {"xyz": "0 0 0", "rpy": "0 0 0"},
+        "inertia": tensor,
+    }
+    return Correction("link", link, elements)
 
 
 def origin_attributes(pose: FloatArray) -> dict[str, str]:

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -38,6 +38,8 @@ SAME_FRAME = 0.05  # [m]
 SAME_COM = 0.02  # [m]
 #: A smaller zero counts as ours.
 SAME_ZERO = 0.005  # [rad]
+#: A smaller error of a dimension is rounding [m, rad].
+ROUNDING = 1e-9
 #: From this distance on, a misplaced body, tool or shape counts in full.
 FULL_SCORE_AT = 0.05  # [m]
 #: The wrist is taken as rolled if its body then fits this many times better.
@@ -63,6 +65,9 @@ class Described:
             is an error of the dimensions, and does not count here.
         coms: Of the bodies in our link frames, (5, 3) [m].
         inertias: At the COMs, in our link frames, (5, 3, 3) [kg m^2].
+        senses: How its axes and common normals were read: +1 or -1 of the four axes, of
+            the normal before axis_d, and of that before axis_b, (6,).
+        rolled: Whether the last body shows a roll, which is then a zero of axis_b.
     """
 
     sign: FloatArray
@@ -77,10 +82,27 @@ class Described:
     placed: FloatArray
     coms: FloatArray
     inertias: FloatArray
+    senses: FloatArray
+    rolled: bool = False
 
     def theirs(self, q: FloatArray) -> FloatArray:
         """The other model's joint positions for ours."""
         return self.sign * q + self.zero
+
+    def as_dict(self) -> dict[str, Any]:
+        """Base, signs, zeros and dimensions, for JSON."""
+        return {
+            "base": self.base,
+            "base_link": self.base_link,
+            "sign": self.sign,
+            "zero_rad": self.zero,
+            "dimensions": self.dimensions._asdict(),
+            "dimension_error": {
+                name: change
+                for name, change in self.changes._asdict().items()
+                if abs(change) > ROUNDING
+            },
+        }
 
 
 def describe(theirs: Reduced, record: Alpha5Parameters) -> Described:
@@ -95,10 +117,48 @@ def describe(theirs: Reduced, record: Alpha5Parameters) -> Described:
     for signs in itertools.product((1.0, -1.0), repeat=6):
         readings.append(_read(theirs, record, lines, np.array(signs)))
     best = min(readings, key=lambda reading: _oddity(reading, theirs, record))
-    rolled = _with_roll(best, theirs)
-    error = _wrist_error(best, theirs, record)
+    return _rolled_or_not(best, theirs, record)
+
+
+def describe_as_table(theirs: Reduced, record: Alpha5Parameters) -> Described:
+    """Describe another model with lengths and twists of the signs of Table 1.
+
+    An arm file can say no others. A joint may have to turn the other way for that.
+
+    Args:
+        theirs: The other arm.
+        record: Ours.
+    """
+    best = describe(theirs, record)
+    lines = _lines(theirs)
+    ours = dimensions_of(record)
+    for signs in itertools.product((1.0, -1.0), repeat=5):
+        senses = np.array([best.sign[0], *signs])
+        reading = _read(theirs, record, lines, senses)
+        own = reading.dimensions
+        lengths = own.a_0 * ours.a_0 >= 0 and own.a_2 * ours.a_2 >= 0
+        twists = np.abs(reading.changes[4:7]).max() <= math.pi / 2
+        if lengths and twists:
+            return _rolled_or_not(reading, theirs, record)
+    return best
+
+
+def describe_like(
+    theirs: Reduced, record: Alpha5Parameters, like: Described
+) -> Described:
+    """Describe another model with the senses of an earlier description of it."""
+    reading = _read(theirs, record, _lines(theirs), like.senses)
+    return _with_roll(reading, theirs) if like.rolled else reading
+
+
+def _rolled_or_not(
+    reading: Described, theirs: Reduced, record: Alpha5Parameters
+) -> Described:
+    """The description, with a roll of the wrist if its body shows one."""
+    rolled = _with_roll(reading, theirs)
+    error = _wrist_error(reading, theirs, record)
     fits_rolled = BETTER * _wrist_error(rolled, theirs, record) < error
-    return rolled if fits_rolled else best
+    return rolled if fits_rolled else reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,6 +301,7 @@ def _read(
         placed=placed,
         coms=moved(placed, theirs.com),
         inertias=rotate_tensor(placed[:, :3, :3], theirs.inertia),
+        senses=signs,
     )
 
 
@@ -383,6 +444,7 @@ def _with_roll(reading: Described, theirs: Reduced) -> Described:
         placed=placed,
         coms=moved(placed, theirs.com),
         inertias=rotate_tensor(placed[:, :3, :3], theirs.inertia),
+        rolled=True,
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
@@ -94,6 +94,33 @@ def last_digits(joints: Sequence[UrdfJoint]) -> Rounding:
     )
 
 
+def rounded_origins(joints: Sequence[UrdfJoint]) -> Iterator[UrdfJoint]:
+    """Each joint with one number of its origin off by half of the last decimal place.
+
+    For multiples of pi, and for numbers that are exact, there is none.
+    """
+    lengths = _finest(_fractions(joint.printed[0] for joint in joints))
+    angles = _finest(_fractions(joint.printed[1] for joint in joints))
+    for joint in joints:
+        texts = joint.printed[1].split()
+        rpy = [meant_angle(text) for text in texts]
+        for place, text in enumerate(joint.printed[0].split()):
+            if float(text) % 1:
+                shifted = joint.transform.copy()
+                shifted[place, 3] += lengths / 2
+                yield replace(joint, transform=shifted)
+        for place, text in enumerate(texts):
+            if float(text) % 1 and rpy[place] == float(text):
+                turned = [*rpy]
+                turned[place] += angles / 2
+                yield replace(joint, transform=pose(joint.transform[:3, 3], turned))
+
+
+def _finest(texts: Iterable[str]) -> float:
+    """One unit of the finest last place of printed numbers."""
+    return min(map(last_place, texts), default=0.0)
+
+
 def _fractions(printed: Iterable[str]) -> list[str]:
     """The numbers in some texts that are not integers."""
     texts = " ".join(printed).split()
@@ -102,8 +129,7 @@ def _fractions(printed: Iterable[str]) -> list[str]:
 
 def _half_last_place(texts: Sequence[str]) -> float:
     """Half of the finest last place of printed numbers, added in quadrature."""
-    finest = min(map(last_place, texts), default=0.0)
-    return 0.5 * finest * math.sqrt(len(texts))
+    return 0.5 * _finest(texts) * math.sqrt(len(texts))
 
 
 def last_place(text: str) -> float:

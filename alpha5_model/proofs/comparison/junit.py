@@ -6,7 +6,7 @@ import re
 import xml.etree.ElementTree as ET
 
 from alpha5_model.numbers.tables import BODY_NAMES
-from alpha5_model.proofs.comparison.records import Comparison, Finding
+from alpha5_model.proofs.comparison.result import Comparison, Finding
 
 #: What passes if nothing serious is found there.
 _PARTS = (*BODY_NAMES, "axis_e", "axis_d", "axis_c", "axis_b", "base", "tool")

@@ -21,6 +21,7 @@ from alpha5_model.description.xml import text_of
 from alpha5_model.numbers.inertia import combine
 from alpha5_model.numbers.motors import joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointParameters
+from alpha5_model.proofs.comparison.corrections import token_inertial
 from alpha5_model.proofs.comparison.result import Correction, Finding, finding
 
 #: Versions of URDF that urdfdom 6 reads.
@@ -261,7 +262,13 @@ def _bodies(robot: UrdfRobot) -> Iterator[Finding]:
             smallest = np.linalg.eigvalsh(tensor)[0]
         if abs(smallest) <= LEAST:
             names = ", ".join(link.name for link, _ in links)
-            yield finding("lint.no_inertia", first, links=names, mass=mass)
+            yield finding(
+                "lint.no_inertia",
+                first,
+                links=names,
+                mass=mass,
+                corrections=[token_inertial(first, mass)],
+            )
 
 
 def _moving(robot: UrdfRobot) -> dict[str, list[tuple[UrdfLink, FloatArray]]]:

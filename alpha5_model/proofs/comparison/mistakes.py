@@ -30,8 +30,7 @@ from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import FRESH_WATER
 from alpha5_model.numbers.inertia import flip_products, inconsistencies
-from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.jaws import loaded_links
+from alpha5_model.numbers.jaws import loaded_links, split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.proofs.comparison.document_revisions import Revision, revisions
@@ -521,7 +520,9 @@ def wrong_numbers(
     ours = _body_of(loaded_links(record)[index])
     arm = _Arm(record, index)
     heaviest = sorted(parts, key=lambda part: -abs(part.body.mass))
-    if len(parts) == 1:
+    solid = [part for part in heaviest if part.body.mass or part.body.inertia.any()]
+    heaviest = solid or heaviest[:1]  # frames without a body are no parts
+    if len(heaviest) == 1:
         return _wrong_in_link(arm, ours, heaviest, 0, digits)
 
     options = []
@@ -693,7 +694,8 @@ class _Tolerance:
         half = np.minimum(
             self._precision.half_digit(written), MOST[self.quantity] * unit
         )
-        least = (LEAST[self.quantity] + self._slack) * unit
+        # The slack follows from written numbers, so it is in their unit already.
+        least = LEAST[self.quantity] * unit + self._slack
         return bool((np.abs(computed - written) <= half + least).all())
 
 

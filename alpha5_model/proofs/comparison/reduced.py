@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.spatial import moved, rotation_about, transform
-from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfLink, UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.inertia import combine, rotate_tensor, tensor_at_origin
@@ -27,6 +27,8 @@ X, Y, Z = np.eye(3)
 #: A link before the arm's base that is lighter than this is a dummy and belongs to the
 #: base; a heavier one is foreign.
 LEAST_FOREIGN_MASS = 0.02  # [kg], a tenth of link_0
+#: A link whose grams are the base's to this is no vehicle of as many kilograms.
+SAME_MASS = 5e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +206,8 @@ class Reduced(FourJoints):
             0 is the root.
         base_path: Links from the root to the one that axis_e turns in.
         foreign: Links that do not move against the root and are not the arm's.
-        digits: Rounding of the joint origins from the arm's base to the wrist.
+        way: The joints from the arm's base to the wrist.
+        digits: Rounding of their origins.
         tool: Link fixed to the last body that is named like a tool; empty if none.
         volume: Of the collision primitives of the arm [m^3].
         shape_centres: Their centroid in each body's frame, (5, 3) [m]; NaN without any.
@@ -215,6 +218,7 @@ class Reduced(FourJoints):
     link_poses: dict[str, FloatArray]
     base_path: tuple[str, ...]
     foreign: tuple[str, ...]
+    way: tuple[UrdfJoint, ...]
     digits: Rounding
     tool: str
     volume: float
@@ -265,7 +269,9 @@ def reduce(
         choice("link on the way to axis_e", first_link, base_path)
         base = _hanging_on({first_link}, _joints_to(robot, still))
     else:
-        base = _base_links(robot, base_path, set(still), record)
+        moving = [name for name in robot.links if body[name] > 0]
+        unit = _unit_of_mass(robot, moving, record)
+        base = _base_links(robot, base_path, set(still), record, unit)
 
     groups: list[list[str]] = [[] for _ in range(5)]
     for name in robot.links:
@@ -276,7 +282,7 @@ def reduce(
 
     way = path_to(robot, joints[-1].child)
     first = next((name for name in base_path if name in base), base_path[-1])
-    behind_first = way[way.index(first) + 1 :]
+    behind_first = _joints_to(robot, way[way.index(first) + 1 :])
     return Reduced(
         placements=np.array(placements),
         axes=np.array([joint.axis for joint in joints]),
@@ -288,7 +294,8 @@ def reduce(
         link_poses=pose,
         base_path=base_path,
         foreign=tuple(name for name in still if name not in base),
-        digits=last_digits(_joints_to(robot, behind_first)),
+        way=tuple(behind_first),
+        digits=last_digits(behind_first),
         tool=_tool_link(robot, joints[-1].child),
         volume=sum(robot.links[name].volume for name in itertools.chain(*groups)),
         shape_centres=np.array(centres),
@@ -325,11 +332,21 @@ def _shape_centre(
 # --- Base and tool --------------------------------------------------------------------
 
 
+def _unit_of_mass(
+    robot: UrdfRobot, moving: Iterable[str], record: Alpha5Parameters
+) -> float:
+    """1000 if the masses that move are in grams, else 1."""
+    theirs = sum(robot.links[name].mass or 0.0 for name in moving)
+    ours = sum(link.mass for link in record.links[1:])
+    return 1e3 if theirs > 100 * ours else 1.0
+
+
 def _base_links(
     robot: UrdfRobot,
     base_path: Sequence[str],
     still: set[str],
     record: Alpha5Parameters,
+    unit: float,
 ) -> set[str]:
     """Links of the arm's own base, among those that do not move against it.
 
@@ -337,26 +354,40 @@ def _base_links(
     hangs on it, comes closest to the mass of link_0. All that hangs on this link
     belongs to the base, except vehicles: a link heavier than the whole arm is one. If
     axis_e turns in a vehicle, the base has no links.
+
+    Args:
+        robot: The other model.
+        base_path: Links from the root to the one that axis_e turns in.
+        still: All links that do not move against the root.
+        record: Our arm.
+        unit: How many of their masses' units are 1 kg.
     """
     whole_arm = sum(link.mass for link in record.links)
-    turned_in = robot.links[base_path[-1]]
-    if (turned_in.mass or 0.0) > whole_arm:
+    base_mass = record.links[0].mass
+    weight = {name: _weight(robot.links[name], base_mass, unit) for name in still}
+    if weight[base_path[-1]] > whole_arm:
         return set()
 
     joints = _joints_to(robot, still)
-    weight = {name: robot.links[name].mass or 0.0 for name in still}
     for joint in reversed(joints):
         weight[joint.parent] += weight[joint.child]
 
     first = base_path[0]
     for name in base_path[1:]:
-        off = abs(weight[name] - record.links[0].mass)
-        least_off = abs(weight[first] - record.links[0].mass)
+        off = abs(weight[name] - base_mass)
+        least_off = abs(weight[first] - base_mass)
         if off < least_off and weight[first] - weight[name] > LEAST_FOREIGN_MASS:
             first = name
     aside = still.difference(base_path)
     vehicles = {name for name in aside if weight[name] > whole_arm}
     return _hanging_on({first}, joints) - _hanging_on(vehicles, joints)
+
+
+def _weight(link: UrdfLink, base_mass: float, unit: float) -> float:
+    """Mass of a link [kg], read in grams if it then is that of the arm's base."""
+    mass = link.mass or 0.0
+    in_grams = math.isclose(mass, 1e3 * base_mass, rel_tol=SAME_MASS)
+    return mass / 1e3 if in_grams else mass / unit
 
 
 def _joints_to(robot: UrdfRobot, links: Iterable[str]) -> list[UrdfJoint]:

@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.text import plain
 from alpha5_model.numbers.inertia import principal_moments
 from alpha5_model.numbers.parameters import LinkParameters
+
+if TYPE_CHECKING:
+    from alpha5_model.proofs.comparison.described import Described
 
 #: Topic -> its texts, and those of its subjects.
 FINDINGS: dict[str, dict[str, Any]] = tomllib.loads(
@@ -66,6 +69,8 @@ class Finding:
         cost: Largest gravity torque in air that it causes alone, over the sampled
             positions [N m]; 0 if it causes none.
         corrections: What to write in the file instead.
+        mistake: Id of the mistake that explains it, of `mistakes` or `joint_mistakes`,
+            such as ``i_link``; empty if none does.
     """
 
     id: str
@@ -74,6 +79,7 @@ class Finding:
     serious: bool = True
     cost: float = 0.0
     corrections: tuple[Correction, ...] = ()
+    mistake: str = ""
 
     @property
     def instead(self) -> str:
@@ -86,6 +92,7 @@ class Finding:
             "id": self.id,
             "where": self.where,
             "text": self.text,
+            "mistake": self.mistake,
             "serious": self.serious,
             "cost_Nm": self.cost,
             "instead": self.instead,
@@ -102,6 +109,7 @@ def finding(
     *,
     cost: float = 0.0,
     corrections: Sequence[Correction | None] = (),
+    mistake: str = "",
     **values: Any,
 ) -> Finding:
     """A finding in the words of ``findings.toml``.
@@ -111,6 +119,7 @@ def finding(
         where: The link, joint or file that it is about, unless the texts name it.
         cost: Gravity torque that it causes alone [N m].
         corrections: What to write in the file; those that are None are left out.
+        mistake: Id of the mistake that explains it.
         values: Names in the text -> what is put there.
     """
     topic, _, subject = key.partition(".")
@@ -123,6 +132,7 @@ def finding(
         serious=entry.get("serious", True),
         cost=cost,
         corrections=tuple(one for one in corrections if one is not None),
+        mistake=mistake,
     )
 
 
@@ -214,3 +224,136 @@ def _side(body: BodyDifference | LinkParameters) -> dict[str, Any]:
         "inertia_kgm2": body.inertia,
         "principal_moments_kgm2": principal_moments(body.inertia),
     }
+
+
+@dataclass(frozen=True, eq=False)
+class ToolDifference:
+    """How far the other model's tool is from ours, in base_link, at random positions.
+
+    Attributes:
+        frame: Name of their tool link. Empty if they have none: then the point of their
+            wrist was measured where Table 1's {5} would be.
+        base: Name of their link that was taken for base_link. Empty if none was meant
+            to be: then the joint axes place the base.
+        offset, turned: How far their frame is from ours in link_4 [m] and [rad]; 0 if
+            they have none.
+        distance: At the same joint positions, (N,) [m].
+        angle: At the same joint positions, (N,) [rad].
+        matched_distance: At corresponding joint positions, with signs and zeros
+            matched, (N,) [m].
+        matched_angle: At corresponding joint positions, (N,) [rad].
+    """
+
+    frame: str
+    base: str
+    offset: float
+    turned: float
+    distance: FloatArray
+    angle: FloatArray
+    matched_distance: FloatArray
+    matched_angle: FloatArray
+
+    def as_dict(self) -> dict[str, Any]:
+        """The largest values, and the median of the distance, for JSON."""
+        return {
+            "frame": self.frame,
+            "base": self.base,
+            "offset_m": self.offset,
+            "turned_rad": self.turned,
+            "distance_m": self.distance.max(),
+            "median_distance_m": np.median(self.distance),
+            "angle_rad": self.angle.max(),
+            "matched_distance_m": self.matched_distance.max(),
+            "matched_angle_rad": self.matched_angle.max(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Another model of this arm, compared with ours.
+
+    Attributes:
+        name: Its name.
+        findings: The costliest first, then base to tip; empty if the models agree.
+        joints: Ours -> theirs.
+        alignment: Base, signs, zeros and dimensions; None for another arm.
+        bodies: Base to tip.
+        tool: How far the tool is from ours, which frame of theirs it is, and in which
+            of their frames it was measured; None for another arm.
+        gravity_error: Largest difference of the gravity torque in air, per joint, (4,)
+            [N m].
+        mass_matrix_error: Largest difference of an entry of the mass matrix [kg m^2].
+        volume: Volume of its collision primitives [m^3]; NaN if it has none.
+        carried: Links that move with the base and are not the arm's -> mass [kg].
+        against: Name of the arm of your own that it was compared with; empty for the
+            catalogue's.
+
+    Another arm has no joints and no bodies, its errors are NaN, and its one finding
+    says why.
+    """
+
+    name: str
+    findings: tuple[Finding, ...]
+    joints: dict[str, str] = field(default_factory=dict)
+    alignment: Described | None = None
+    bodies: tuple[BodyDifference, ...] = ()
+    tool: ToolDifference | None = None
+    gravity_error: FloatArray = field(default_factory=lambda: np.full(4, math.nan))
+    mass_matrix_error: float = math.nan
+    volume: float = math.nan
+    carried: dict[str, float] = field(default_factory=dict)
+    against: str = ""
+
+    @property
+    def tip_error(self) -> float:
+        """Largest distance of the tools at the same joint positions [m]; see `tool`."""
+        return math.nan if self.tool is None else float(self.tool.distance.max())
+
+    @property
+    def agrees(self) -> bool:
+        """Nothing serious was found: joints and bodies are ours.
+
+        A tool frame at another point of the gripper is a choice, and part of the
+        verdict.
+        """
+        return not any(one.serious for one in self.findings)
+
+    @property
+    def verdict(self) -> str:
+        """How the comparison ends, in one line."""
+        if not self.joints:
+            return self.findings[0].text
+        serious = sum(one.serious for one in self.findings)
+        if serious:
+            return f"The model differs: {serious} finding{'s' * (serious > 1)}."
+        agrees = f"The model agrees with {self.against or 'the tables'}"
+        if self.tool and any(one.id == "tool.choice" for one in self.findings):
+            off = f"{round(self.tool.offset * 1e3, 2):g} mm"
+            turned = f"{round(math.degrees(self.tool.turned), 2):g} deg"
+            frame = self.tool.frame
+            return f"{agrees}, but its {frame} is {off} from ours, turned by {turned}."
+        return f"{agrees}."
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as plain numbers and texts, for JSON."""
+        own = {"against": self.against} if self.against else {}
+        alignment = {} if self.alignment is None else self.alignment.as_dict()
+        record: dict[str, Any] = plain(
+            {
+                "name": self.name,
+                **own,
+                "agrees": self.agrees,
+                "verdict": self.verdict,
+                "joints": self.joints,
+                **alignment,
+                "carried_kg": self.carried,
+                "tip_error_m": self.tip_error,
+                "tool": None if self.tool is None else self.tool.as_dict(),
+                "gravity_error_Nm": self.gravity_error,
+                "mass_matrix_error_kgm2": self.mass_matrix_error,
+                "volume_m3": self.volume,
+                "bodies": [body.as_dict() for body in self.bodies],
+                "findings": [one.as_dict() for one in self.findings],
+            }
+        )
+        return record

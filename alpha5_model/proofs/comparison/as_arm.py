@@ -1,0 +1,479 @@
+"""The record of an arm of your own that another model of this arm describes.
+
+Lengths and zeros are those of `described`, at the other model's zero: positions of the
+record are those of the model, unless a joint turns the other way. Each body is placed
+by its own axis.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import moved, wrap
+from alpha5_model.description.urdf_robot import UrdfRobot
+from alpha5_model.errors import InputError
+from alpha5_model.numbers import arm_schema as schema
+from alpha5_model.numbers.arm_checks import FARTHEST_TOOL
+from alpha5_model.numbers.arm_writing import arm_file_text
+from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
+from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    DHParameters,
+    JointParameters,
+    LinkParameters,
+    chosen_arm,
+)
+from alpha5_model.numbers.pose import Pose, printed_tool
+from alpha5_model.numbers.tables import BODY_NAMES
+from alpha5_model.proofs.comparison.comparing import reduce_and_describe
+from alpha5_model.proofs.comparison.described import (
+    SAME_ZERO,
+    Described,
+    describe_as_table,
+)
+from alpha5_model.proofs.comparison.digits import as_meant
+from alpha5_model.proofs.comparison.joint_mistakes import without_joint_mistakes
+from alpha5_model.proofs.comparison.model import AXES, find_chains, read_model
+from alpha5_model.proofs.comparison.reduced import Reduced
+
+#: Smaller differences from the catalogue's numbers are rounding [m, rad].
+ROUNDING = 1e-12
+#: Larger twists and offsets of axes are said to be left out [rad, m].
+LEFT_OUT = 1e-7
+#: A base_link whose d_0 differs by more is another frame [m].
+OTHER_BASE = 0.1
+#: What a file takes as limits of a turning joint.
+LIMITS = schema.JOINT_LIMITS["axis_e"]
+#: Names that a parent of base_link cannot have.
+TAKEN = ("base_link", "tcp", *BODY_NAMES)
+
+
+class ArmOfModel(NamedTuple):
+    """What an arm file can say of another model.
+
+    Attributes:
+        record: The arm.
+        left_out: What no arm file can say, a text for each.
+    """
+
+    record: Alpha5Parameters
+    left_out: tuple[str, ...]
+
+
+def arm_of_model(
+    path: str | Path,
+    joints: Mapping[str, str] | None = None,
+    base: str | None = None,
+    packages: Mapping[str, str] | None = None,
+    arguments: Mapping[str, str] | None = None,
+    xacro: bool = False,
+) -> ArmOfModel:
+    """The record of an arm that another model of this arm describes.
+
+    Its lengths, zeros, limits, masses, COMs, inertias, tool and mount are those of the
+    model; what the model does not say is the catalogue's. `alpha5_model.arm_file_text`
+    writes it to an arm file.
+
+    Args:
+        path, joints, base, packages, arguments, xacro: As of
+            `alpha5_model.compare`.
+
+    Raises:
+        MissingFileError, FileFormatError, UnknownNameError, InputError: As of
+            `alpha5_model.compare`; also a model of another arm.
+    """
+    other = read_model(path, packages, arguments, xacro)
+    return arm_of_robot(other, joints, base)
+
+
+def arm_of_robot(
+    other: UrdfRobot, names: Mapping[str, str] | None = None, base: str | None = None
+) -> ArmOfModel:
+    """`arm_of_model` of a model that has been read.
+
+    An arm whose joints are named as ours, or by the caller, may have any lengths.
+    """
+    catalogue = chosen_arm(None)
+    mended, slips = without_joint_mistakes(other, catalogue, names)
+    meant = as_meant(mended)
+    chains = find_chains(meant, catalogue, names)
+    is_named = chains and (chains[0].named_as_ours == 4 or len(names or {}) == 4)
+    if not chains or not (is_named or chains[0].is_ours):
+        expected = "a model of the Reach Alpha 5; compare says why it is none"
+        raise InputError("model", other.name, expected)
+
+    theirs = reduce_and_describe(meant, chains[0], catalogue, base).reduced
+    described = describe_as_table(theirs, catalogue)
+    origin, d_0 = _base(catalogue, theirs, described)
+    zeros = _zeros(described)
+    links = _links(catalogue, theirs, described, origin)
+    record = replace(
+        catalogue,
+        dh=_rows(catalogue, described, d_0, zeros),
+        links=links,
+        joints=_joints(catalogue, theirs, described, zeros),
+        name=_plain(other.name, "arm"),
+    )
+    left_out = [f"warning: {one.written.name} was mended: {one.id}" for one in slips]
+    left_out += _notes_on_axes(catalogue, described, d_0)
+    left_out += _notes_on_bodies(catalogue, theirs, described, links)
+    left_out += _notes_on_limits(catalogue, theirs, described)
+    if _has_no_wrist(record):
+        left_out.append(_note_on_wrist(record.links[4]))
+        record = replace(record, links=(*links[:4], catalogue.links[4]))
+    tool = _tool(record, theirs, described)
+    mount = _mount(other, described, origin)
+    left_out += _notes_on_frames(other, theirs, tool, mount, record, described)
+    return ArmOfModel(
+        record=replace(record, tool=tool, mount=mount), left_out=tuple(left_out)
+    )
+
+
+def arm_text(described: ArmOfModel, source: str) -> str:
+    """The text of the arm file of a model, with what it cannot say in its head.
+
+    Args:
+        described: From `arm_of_model`.
+        source: Name of the model's file.
+    """
+    notes = [f"An arm file of {source}. Not said here:"]
+    notes += [f"- {text}" for text in described.left_out]
+    return arm_file_text(described.record, notes)
+
+
+# --- Lengths, zeros and frames --------------------------------------------------------
+
+
+def _base(
+    catalogue: Alpha5Parameters, theirs: Reduced, described: Described
+) -> tuple[FloatArray, float]:
+    """Pose of base_link in the model's root, (4, 4), and the length d_0 [m].
+
+    The model's own base_link is kept if its origin is near ours on the first axis.
+    """
+    base = described.frames[0]
+    d_0 = catalogue.dh[0].d
+    if not described.same_base:
+        return base, d_0
+    own = theirs.link_poses[described.base_link]
+    z = base[:3, 2]
+    up = float((own[:3, 3] - base[:3, 3]) @ z)
+    if up < d_0 and abs(up) < OTHER_BASE:
+        moved_up = base.copy()
+        moved_up[:3, 3] += up * z
+        return moved_up, d_0 - up
+    return base, d_0
+
+
+def _zeros(described: Described) -> FloatArray:
+    """What to add to our zeros so that positions are the model's, (4,) [rad]."""
+    zeros = -described.sign * described.zero
+    smallest = [ROUNDING, ROUNDING, ROUNDING, SAME_ZERO]
+    return np.where(np.abs(zeros) > smallest, zeros, 0.0)
+
+
+def _lengths(described: Described, d_0: float) -> dict[str, tuple[int, str, float]]:
+    """Name of a length -> its row of Table 1, its field, and the model's value [m]."""
+    own = described.dimensions
+    return {
+        "a_0": (0, "a", own.a_0),
+        "d_0": (0, "d", d_0),
+        "a_1": (1, "a", own.a_1),
+        "a_2": (2, "a", own.a_2),
+    }
+
+
+def _problem_of_length(name: str, length: float, printed: float) -> str:
+    """Why an arm file cannot say a length; empty if it can."""
+    if length * printed <= 0:
+        return "which has not the sign of Table 1: the printed one is kept"
+    if not schema.LENGTHS[name].takes(length):
+        return "which no arm file takes: the printed one is kept"
+    return ""
+
+
+def _rows(
+    catalogue: Alpha5Parameters, described: Described, d_0: float, zeros: FloatArray
+) -> tuple[DHParameters, ...]:
+    """The rows of Table 1 with the model's lengths and zeros."""
+    rows = list(catalogue.dh)
+    for name, (i, field, length) in _lengths(described, d_0).items():
+        printed = getattr(rows[i], field)
+        changed = abs(length - printed) > ROUNDING
+        if changed and not _problem_of_length(name, length, printed):
+            own: dict[str, Any] = {field: length}
+            rows[i] = replace(rows[i], **own)
+    for i, zero in enumerate(wrap(zeros).tolist()):
+        if zero:
+            rows[i] = replace(rows[i], theta_offset=rows[i].theta_offset + zero)
+    return tuple(rows)
+
+
+def _notes_on_axes(
+    catalogue: Alpha5Parameters, described: Described, d_0: float
+) -> Iterator[str]:
+    """Twists, offsets, reversed joints and lengths that no arm file says."""
+    changes = described.changes
+    twists = (changes.alpha_0, math.hypot(changes.alpha_1, changes.beta_1))
+    for axis, twist in zip(AXES[1:], (*twists, changes.alpha_2), strict=True):
+        if abs(twist) > LEFT_OUT:
+            degrees = abs(math.degrees(twist))
+            yield f"{axis} is twisted by {degrees:.3g} deg against the axis before it"
+    if abs(changes.d_1) > LEFT_OUT:
+        beside = abs(changes.d_1) * 1e3
+        yield f"axis_b stands {beside:.3g} mm beside the plane of the arm"
+    for axis, sign in zip(AXES, described.sign, strict=True):
+        if sign < 0:
+            yield f"{axis} turns the other way: its position is minus the model's"
+    for name, (i, field, length) in _lengths(described, d_0).items():
+        problem = _problem_of_length(name, length, getattr(catalogue.dh[i], field))
+        if problem:
+            yield f"{name} is {length:.3g} m, {problem}"
+
+
+# --- Bodies ---------------------------------------------------------------------------
+
+
+def _links(
+    catalogue: Alpha5Parameters,
+    theirs: Reduced,
+    described: Described,
+    base: FloatArray,
+) -> tuple[LinkParameters, ...]:
+    """The links with the model's bodies, those that an arm file can say.
+
+    Args:
+        catalogue: The catalogue's arm.
+        theirs: The model.
+        described: It in our terms.
+        base: Pose of base_link in its root, (4, 4).
+    """
+    frames = described.frames.copy()
+    frames[0] = base
+    frames[1, :3, 3] = base[:3, 3]
+    placed = np.linalg.inv(frames) @ theirs.zero_poses()
+    coms = moved(placed, theirs.com)
+    inertias = rotate_tensor(placed[:, :3, :3], theirs.inertia)
+    links = []
+    for k, link in enumerate(catalogue.links):
+        mass = float(theirs.mass[k])
+        inertia = (inertias[k] + inertias[k].T) / 2
+        if _problem_of_body(mass, coms[k], inertia):
+            links.append(link)
+        else:
+            links.append(_link(link, mass, coms[k], inertia))
+    return tuple(links)
+
+
+def _link(
+    link: LinkParameters, mass: float, com: FloatArray, inertia: FloatArray
+) -> LinkParameters:
+    """A link with another body; printed numbers stay if only rounding differs.
+
+    A COM may be outside the bounds of the printed link: that is worth a warning, and
+    no reason to write another body.
+    """
+    changes: dict[str, Any] = {}
+    if abs(mass - link.mass) > ROUNDING * link.mass:
+        changes["mass"] = mass
+    if np.abs(com - link.com).max() > ROUNDING:
+        changes["com"] = com
+    if np.abs(inertia - link.inertia).max() > ROUNDING * np.abs(link.inertia).max():
+        changes["inertia"] = inertia
+    return replace(link, **changes) if changes else link
+
+
+def _problem_of_body(mass: float, com: FloatArray, inertia: FloatArray) -> str:
+    """Why an arm file cannot say a body; empty if it can."""
+    wrong = inconsistencies(mass, com, inertia) if mass else ["no mass"]
+    if wrong:
+        return f"is no possible body ({wrong[0]})"
+    if not schema.ATTACHED["mass"].takes(mass):
+        return f"has {mass:.4g} kg"
+    farthest = float(np.abs(com).max())
+    if not schema.ATTACHED["com"].takes(farthest):
+        return f"has its COM {farthest:.4g} m off"
+    return ""
+
+
+def _notes_on_bodies(
+    catalogue: Alpha5Parameters,
+    theirs: Reduced,
+    described: Described,
+    links: Sequence[LinkParameters],
+) -> Iterator[str]:
+    """Bodies that no arm file says, and those whose COM is outside of their link."""
+    for k, link in enumerate(links):
+        mass = float(theirs.mass[k])
+        inertia = (described.inertias[k] + described.inertias[k].T) / 2
+        problem = _problem_of_body(mass, described.coms[k], inertia)
+        if problem:
+            yield f"{link.name} {problem}: the printed one is kept"
+            continue
+        bounds = catalogue.links[k].bounds
+        outside = (link.com < bounds[:, 0]) | (link.com > bounds[:, 1])
+        if outside.any():
+            at = ", ".join(f"{x * 1e3:.1f}" for x in link.com)
+            yield f"warning: {link.name} has its COM outside the link, at ({at}) mm"
+
+
+def _has_no_wrist(record: Alpha5Parameters) -> bool:
+    """Whether link_4 less rod and fingers is no possible body: arms have jaws."""
+    try:
+        split_link_4(record)
+    except InputError:
+        return True
+    return False
+
+
+def _note_on_wrist(link: LinkParameters) -> str:
+    """What the model says of such a link_4."""
+    at = ", ".join(f"{x * 1e3:.1f}" for x in link.com)
+    text = f"link_4 has {link.mass:.4g} kg with its COM at ({at}) mm"
+    return f"{text}, which leaves no wrist beside the jaws: the printed one is kept"
+
+
+# --- Limits ---------------------------------------------------------------------------
+
+
+def _joints(
+    catalogue: Alpha5Parameters,
+    theirs: Reduced,
+    described: Described,
+    zeros: FloatArray,
+) -> tuple[JointParameters, ...]:
+    """The joints with the model's limits, in positions of the record."""
+    joints = list(catalogue.joints)
+    for i, (ours, model) in enumerate(zip(joints[:4], theirs.joints, strict=True)):
+        ends = [ours.lower - zeros[i], ours.upper - zeros[i]]
+        if model.lower is not None and model.upper is not None:
+            sign = described.sign[i]
+            given = sorted([sign * model.lower, sign * model.upper])
+            if not _problem_of_range(given):
+                ends = given
+        velocity = model.velocity or 0.0
+        effort = model.effort or 0.0
+        joints[i] = replace(
+            ours,
+            lower=float(ends[0]),
+            upper=float(ends[1]),
+            velocity=velocity if _takes("velocity", velocity) else ours.velocity,
+            effort=effort if _takes("effort", effort) else ours.effort,
+        )
+    return tuple(joints)
+
+
+def _takes(field: str, value: float) -> bool:
+    """Whether an arm file takes a largest velocity or effort."""
+    return value > 0 and LIMITS[f"max_{field}"].takes(value)
+
+
+def _problem_of_range(ends: Sequence[float]) -> str:
+    """Why an arm file cannot say a range of positions; empty if it can."""
+    width = ends[1] - ends[0]
+    if not 0 < width < math.tau:
+        return f"of {math.degrees(width):.4g} deg"
+    if not all(LIMITS["min_position"].takes(end) for end in ends):
+        return f"from {ends[0]:.4g} to {ends[1]:.4g} rad"
+    return ""
+
+
+def _notes_on_limits(
+    catalogue: Alpha5Parameters, theirs: Reduced, described: Described
+) -> Iterator[str]:
+    """Limits of the model that no arm file says."""
+    for i, (ours, model) in enumerate(
+        zip(catalogue.joints[:4], theirs.joints, strict=True)
+    ):
+        if model.lower is None or model.upper is None:
+            yield f"{ours.name} has no limits: the catalogue's are kept"
+        else:
+            sign = described.sign[i]
+            problem = _problem_of_range(
+                sorted([sign * model.lower, sign * model.upper])
+            )
+            if problem:
+                yield f"{ours.name} has a range {problem}: the catalogue's is kept"
+        for field in ("velocity", "effort"):
+            value = getattr(model, field)
+            if not value or value <= 0:
+                yield f"{ours.name} has no largest {field}: the catalogue's is kept"
+            elif not _takes(field, value):
+                text = f"{ours.name} has a largest {field} of {value:.4g}"
+                yield f"{text}: the catalogue's is kept"
+
+
+# --- Tool, mount and the rest ---------------------------------------------------------
+
+
+def _tool(
+    record: Alpha5Parameters, theirs: Reduced, described: Described
+) -> Pose | None:
+    """The model's tool; None for Table 1's."""
+    if not theirs.tool:
+        return None
+    pose = described.placed[4] @ theirs.link_poses[theirs.tool]
+    printed = printed_tool(record.dh[3], record.dh[4])
+    off = pose[:3, 3] - printed.position
+    turned = np.abs(pose[:3, :3] - printed.rotation).max()
+    is_printed = np.abs(off).max() < ROUNDING and turned < ROUNDING
+    if is_printed or np.linalg.norm(off) > FARTHEST_TOOL:
+        return None
+    return Pose(position=pose[:3, 3], rotation=pose[:3, :3])
+
+
+def _mount(other: UrdfRobot, described: Described, base: FloatArray) -> Pose | None:
+    """Where base_link is in the model's root; None if it is the root."""
+    if np.abs(base - np.eye(4)).max() < ROUNDING:
+        return None
+    parent = _plain(other.root, "root")
+    if parent in TAKEN:
+        parent = f"{parent}_of_model"
+    return Pose(position=base[:3, 3], rotation=base[:3, :3], parent=parent)
+
+
+def _notes_on_frames(
+    other: UrdfRobot,
+    theirs: Reduced,
+    tool: Pose | None,
+    mount: Pose | None,
+    record: Alpha5Parameters,
+    described: Described,
+) -> Iterator[str]:
+    """Tool and mount that no arm file says, and what a URDF and a file never share."""
+    if not theirs.tool:
+        yield "it has no tool frame: Table 1's is kept"
+    elif tool is None:
+        pose = described.placed[4] @ theirs.link_poses[theirs.tool]
+        printed = printed_tool(record.dh[3], record.dh[4]).position
+        if np.linalg.norm(pose[:3, 3] - printed) > FARTHEST_TOOL:
+            yield f"its tool frame {theirs.tool} is more than {FARTHEST_TOOL} m off"
+    if mount is not None and mount.parent != other.root:
+        yield f"its root is named {other.root}: the mount's is {mount.parent}"
+
+    yield "volumes and centres of buoyancy, which no URDF has: Table 3's are kept"
+    foreign = [name for name in theirs.foreign if other.links[name].mass]
+    if foreign:
+        yield f"links that are not the arm's: {', '.join(foreign)}"
+    four = {joint.name for joint in theirs.joints}
+    moving = [joint.name for joint in other.joints.values() if joint.kind != "fixed"]
+    others = [name for name in moving if name not in four]
+    if others:
+        yield f"the joints {', '.join(others)}, which are frozen with jaws shut"
+    if any(link.files or link.volume for link in other.links.values()):
+        yield "shapes and meshes"
+
+
+def _plain(name: str, fallback: str) -> str:
+    """A name of letters, digits and underscores."""
+    plain = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:64]
+    return plain if re.match(r"[A-Za-z]", plain) else f"{fallback}_{plain}".strip("_")

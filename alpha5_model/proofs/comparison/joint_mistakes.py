@@ -1,0 +1,160 @@
+"""Mistakes in joints that hide the arm: millimetres, degrees, another axis.
+
+They are mended before the axes are compared, because an arm of 150 m has no likeness to
+this one.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.spatial import pose
+from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.proofs.comparison.model import Chain, find_chains
+
+#: No origin of this arm's joints is so far from the one before it [m].
+FARTHEST = 1.0
+#: An angle beyond this is in degrees [rad].
+LARGEST_ANGLE = math.tau + 0.01
+#: Axes that differ by more than the first may have been exchanged. They have been if
+#: less than the second is left, and a quarter of what it was [m]; see `Chain.misfit`.
+MISFIT = (1e-3, 5e-3)
+#: Most axes that are exchanged at once; with three, any four joints would fit.
+MOST_EXCHANGED = 2
+
+
+class JointMistake(NamedTuple):
+    """A joint that was mended.
+
+    Attributes:
+        id: ``millimetres``, ``degrees`` or ``exchanged_axis``.
+        written: The joint as it is written.
+        right: The joint as it was meant.
+    """
+
+    id: str
+    written: UrdfJoint
+    right: UrdfJoint
+
+
+def without_joint_mistakes(
+    robot: UrdfRobot,
+    record: Alpha5Parameters,
+    names: Mapping[str, str] | None = None,
+) -> tuple[UrdfRobot, list[JointMistake]]:
+    """Mend the mistakes in joints that hide the arm.
+
+    A unit is only changed if no arm can have the number: an origin more than 1 m away,
+    an angle of more than a full turn. Axes are only exchanged if the shape of the arm
+    is right afterwards. The origins of what carries the arm are left as they are.
+
+    Args:
+        robot: As it is written.
+        record: Our arm.
+        names: Our joint name -> theirs, for joints that the user names.
+
+    Returns:
+        The robot as it was meant, and what was mended, from the root outwards.
+    """
+    everywhere = _with_joints(robot, map(_in_si, robot.joints.values()))
+    chains = find_chains(everywhere, record, names)
+    if not chains:
+        return robot, []
+    chain = chains[0]
+    carried = {joint.name for joint in _behind(robot, chain.joints[0])}
+    mended = everywhere
+    for name, joint in robot.joints.items():
+        if name not in carried:
+            in_radians = _in_si(joint, lengths=False)
+            mended = _with_joints(mended, [in_radians])
+    if chain.misfit > MISFIT[0]:
+        mended = _with_right_axes(mended, chain, record) or mended
+
+    found = []
+    for name, right in mended.joints.items():
+        found += _mistakes(robot.joints[name], right)
+    return mended, found
+
+
+def _behind(robot: UrdfRobot, first: UrdfJoint) -> list[UrdfJoint]:
+    """A joint and all that move with it, and those fixed to its parent."""
+    links = {first.parent}
+    joints = []
+    for joint in robot.joints.values():  # each after the joint before it
+        if joint.parent in links:
+            links.add(joint.child)
+            joints.append(joint)
+    return joints
+
+
+def _with_joints(robot: UrdfRobot, joints: Iterable[UrdfJoint]) -> UrdfRobot:
+    """The robot with other joints of the same names."""
+    changed = {joint.name: joint for joint in joints}
+    return replace(robot, joints={**robot.joints, **changed})
+
+
+def _in_si(joint: UrdfJoint, *, lengths: bool = True) -> UrdfJoint:
+    """The joint with its origin in m and rad; the same one if it is.
+
+    Args:
+        joint: As it is written.
+        lengths: Whether its origin may be in mm.
+    """
+    distance = np.linalg.norm(joint.transform[:3, 3])
+    in_mm = lengths and bool(distance > FARTHEST)
+    texts = joint.printed[1].split()
+    in_degrees = any(abs(float(text)) > LARGEST_ANGLE for text in texts)
+    if not (in_mm or in_degrees):
+        return joint
+
+    transform = joint.transform.copy()
+    xyz, rpy = joint.printed
+    if in_mm:
+        transform[:3, 3] /= 1e3
+        xyz = " ".join(repr(x) for x in transform[:3, 3].tolist())
+    if in_degrees:
+        angles = [math.radians(float(text)) for text in rpy.split()]
+        transform = pose(transform[:3, 3], angles)
+        rpy = " ".join(map(repr, angles))
+    return replace(joint, transform=transform, printed=(xyz, rpy))
+
+
+def _with_right_axes(
+    robot: UrdfRobot, chain: Chain, record: Alpha5Parameters
+) -> UrdfRobot | None:
+    """The robot with one or two axes exchanged, if its arm then has our shape."""
+    choices = {joint.name: list(_other_axes(joint)) for joint in chain.joints}
+    for count in range(1, MOST_EXCHANGED + 1):
+        for places in itertools.combinations(chain.names, count):
+            for joints in itertools.product(*(choices[name] for name in places)):
+                changed = _with_joints(robot, joints)
+                left = find_chains(changed, record, chain.mapping)[0].misfit
+                if left < min(MISFIT[1], chain.misfit / 4):
+                    return changed
+    return None
+
+
+def _other_axes(joint: UrdfJoint) -> Iterator[UrdfJoint]:
+    """The joint with each coordinate axis of its frame that it does not turn about."""
+    for axis in np.eye(3):
+        if abs(axis @ joint.axis) < 0.9:
+            yield replace(joint, axis=axis)
+
+
+def _mistakes(written: UrdfJoint, right: UrdfJoint) -> list[JointMistake]:
+    """How a joint differs from what was meant."""
+    found = []
+    if right.printed[0] != written.printed[0]:
+        found.append(JointMistake("millimetres", written, right))
+    if right.printed[1] != written.printed[1]:
+        found.append(JointMistake("degrees", written, right))
+    if right.axis is not written.axis:
+        found.append(JointMistake("exchanged_axis", written, right))
+    return found
