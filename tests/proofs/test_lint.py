@@ -26,6 +26,13 @@ from alpha5_model.proofs.comparison.result import Finding, finding_ids
 mujoco = Lazy("mujoco")
 yourdfpy = Lazy("yourdfpy")
 
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo writes its warnings into a file of the folder that it is called in."""
+    monkeypatch.chdir(tmp_path)
+
+
 LIMIT = '<limit lower="0" upper="1" velocity="1" effort="1"/>'
 ORIGIN = '<origin xyz="0.1 0 0" rpy="0.1 0.2 0.3"/>'
 QUATERNION = '<origin xyz="0.1 0 0" quat_xyzw="0.6 0 0 0.8"/>'
