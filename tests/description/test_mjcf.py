@@ -26,10 +26,10 @@ from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError, NonFiniteError, UnknownNameError
 from alpha5_model.geometry.collision_capsules import Capsule, collision_capsules
-from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.rigid_body import AttachedBody
 
 mujoco = Lazy("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
 

@@ -79,20 +79,6 @@ def test_plain_xacro_mounts_on_another_parent_where_it_is_given(tmp_path: Path) 
     assert 'xyz="0.1 0.0 0.0"' in text
 
 
-def test_a_mount_named_as_a_link_of_the_arm_is_refused() -> None:
-    record = RECORDS[9]
-    assert record.mount is not None
-    taken = Pose(record.mount.position, record.mount.rotation, "tcp")
-    with pytest.raises(InputError, match="parent: expected a name that no link"):
-        urdf(Variant(arm=dataclasses.replace(record, mount=taken)))
-
-
-def test_the_catalogues_parameters_name_no_robot_and_no_mount() -> None:
-    text = parameter_yaml(parameters())
-    assert "\nname:" not in text
-    assert "\nmount:" not in text
-
-
 def test_ros2_control_has_the_limits_of_the_record() -> None:
     record = RECORDS[1]
     variant = Variant(arm=record, gripper="jaws", ros2_control=True)
@@ -333,16 +319,20 @@ def test_libsdformat_accepts_model_and_world(
 
 
 @pytest.mark.parametrize("parent", ["link_2", "base_link"])
-def test_a_carrier_named_as_the_arm_is_refused(parent: str) -> None:
+@pytest.mark.parametrize(
+    "write",
+    [
+        lambda arm: urdf(Variant(arm=arm)),
+        lambda arm: mjcf(MjcfOptions(arm=arm)),
+        lambda arm: sdf(SdfOptions(arm=arm)),
+    ],
+)
+def test_a_carrier_named_as_the_arm_is_refused(write: Any, parent: str) -> None:
     mount = own.random_mount(3)
     taken = Pose(mount.position, mount.rotation, parent)
-    record = dataclasses.replace(RECORDS[2], mount=taken)
-    for write in (
-        lambda: mjcf(MjcfOptions(arm=record)),
-        lambda: sdf(SdfOptions(arm=record)),
-    ):
-        with pytest.raises(InputError, match=r"mount\.parent: expected a name that no"):
-            write()
+    with pytest.raises(InputError) as caught:
+        write(dataclasses.replace(RECORDS[2], mount=taken))
+    assert "parent" in caught.value.name
 
 
 # --- names, poses and pairs -----------------------------------------------------------
@@ -372,15 +362,6 @@ def test_named_poses_lie_within_the_limits(record: Alpha5Parameters) -> None:
     rod = record.joints[4]
     assert states["closed"] == {"axis_a": rod.lower}
     assert states["open"] == {"axis_a": rod.upper}
-
-
-def test_own_limits_cut_a_named_pose() -> None:
-    record = RECORDS[0]
-    narrow = dataclasses.replace(record.joints[1], lower=0.9, upper=1.2)
-    joints = (record.joints[0], narrow, *record.joints[2:])
-    cut = dataclasses.replace(record, joints=joints)
-    assert states_of(srdf(arm=cut))["home"]["axis_d"] == 0.9
-    assert states_of(srdf(arm=cut))["reach"]["axis_d"] == 1.2
 
 
 def test_the_sea_bed_is_below_a_mount() -> None:
