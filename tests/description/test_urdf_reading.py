@@ -356,7 +356,7 @@ def test_quaternions_that_urdfdom_refuses_are_refused() -> None:
             if is_read:
                 read(text)
             else:
-                with pytest.raises(ValueError):  # noqa: PT011
+                with pytest.raises(ValueError):
                     read(text)
     # Pinocchio reads four zeros as no rotation; nobody can have meant that.
     with pytest.raises(FileFormatError):

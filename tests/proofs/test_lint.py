@@ -6,6 +6,7 @@ the finding's text read the file here.
 
 from __future__ import annotations
 
+import itertools
 import subprocess
 import sys
 from collections.abc import Callable
@@ -25,6 +26,13 @@ from alpha5_model.proofs.comparison.result import Finding, finding_ids
 
 mujoco = Lazy("mujoco")
 yourdfpy = Lazy("yourdfpy")
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo writes its warnings into a file of the folder that it is called in."""
+    monkeypatch.chdir(tmp_path)
+
 
 LIMIT = '<limit lower="0" upper="1" velocity="1" effort="1"/>'
 ORIGIN = '<origin xyz="0.1 0 0" rpy="0.1 0.2 0.3"/>'
@@ -199,7 +207,7 @@ GOOD = (
     document("", "continuous"),
     document(limits(lower="0", upper="0"), "continuous"),
     document("", "fixed"),
-    document(limits(velocity="-"), "fixed", robot=version("1.2")),
+    document(limits(velocity="-", effort="-"), robot=version("1.2")),
     document(LIMIT + '<dynamics damping="0" friction="9"/>'),
     document(body=drawn('filename="a.stl" scale="0.001 -0.001 0.001"')),
     document(
@@ -371,6 +379,42 @@ def test_limits_as_the_programs_read_them() -> None:
     assert in_pinocchio(document(LIMIT, "continuous")).nq == 2
     assert in_pinocchio(document(limits(velocity="0"))).velocityLimit[0] == 0
     assert in_pinocchio(document(limits(effort="0"))).upperEffortLimit[0] == 0
+
+
+def agree(text: str, kind: str) -> bool:
+    """Whether Pinocchio and MuJoCo read one joint with the same limits."""
+    try:
+        here, there = in_pinocchio(text), in_mujoco(text)
+    except ValueError:
+        return False
+    if kind == "fixed":
+        return bool(here.nv == there.nv == 0)
+    moved = here.velocityLimit[0] > 0 and here.upperEffortLimit[0] > 0
+    pushed = there.jnt_actfrcrange[0, 1] == here.upperEffortLimit[0]
+    if here.upperEffortLimit[0] == np.inf:
+        pushed = not there.jnt_actfrclimited[0]
+    if kind == "continuous":
+        return bool(moved and pushed and not there.jnt_limited[0])
+    ends = [here.lowerPositionLimit[0], here.upperPositionLimit[0]]
+    same = bool(there.jnt_limited[0]) and there.jnt_range[0].tolist() == ends
+    return bool(moved and pushed and same)
+
+
+@pytest.mark.tools
+@pytest.mark.parametrize("kind", ["revolute", "prismatic", "continuous", "fixed"])
+@pytest.mark.parametrize("number", ["1.0", "1.2"])
+def test_any_limits_are_found_or_read_alike(kind: str, number: str) -> None:
+    """Every combination of numbers that are there, and that are not."""
+    seen = set()
+    for ends in itertools.product(("-", "0", "1"), repeat=2):
+        for ratings in itertools.product(("-", "-1", "0", "1"), repeat=2):
+            names = ("lower", "upper", "velocity", "effort")
+            limit = limits(**dict(zip(names, ends + ratings, strict=True)))
+            text = document(limit, kind, robot=version(number))
+            ids = {one.id for one in found(text)} - {"lint.continuous"}
+            assert (ids == set()) is agree(text, kind), limit
+            seen.add(frozenset(ids))
+    assert len(seen) > 1
 
 
 @pytest.mark.tools
