@@ -394,7 +394,8 @@ def _signed_axes() -> Iterator[tuple[str, FloatArray]]:
                 ("-" if s < 0 else "") + "xyz"[k]
                 for k, s in zip(order, signs, strict=True)
             ]
-            yield ", ".join(names), np.diag(signs) @ np.eye(3)[list(order)]
+            words = f"in the wrong axes ({', '.join(names)})"
+            yield words, np.diag(signs) @ np.eye(3)[list(order)]
 
 
 def _orders() -> Iterator[tuple[str, tuple[int, ...]]]:
@@ -793,8 +794,9 @@ def _attempts(
     for count, prefix, case in cases:
         if count:
             yield prefix, case, MISTAKES
-    for _, prefix, case in cases:
-        yield prefix, case, FITTED
+    for count, prefix, case in cases:
+        if count < 2:
+            yield prefix, case, FITTED
 
 
 def _of_revision(revision: Revision, k: int) -> Body:
