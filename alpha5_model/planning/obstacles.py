@@ -18,9 +18,11 @@ from alpha5_model._support.checks import (
     listed,
     real,
 )
-from alpha5_model._support.spatial import moved, pose
+from alpha5_model._support.spatial import moved, pose, rotation_from_rpy
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.geometry.primitives import Primitive
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.plausibility import POSITION
 
 _ORIGIN = (0.0, 0.0, 0.0)
 
@@ -48,6 +50,10 @@ class Obstacle:
     Attributes:
         name: For messages.
         shape: In base_link.
+
+    Warns:
+        ImplausibleWarning: It is nowhere thinner than 2 m, or all of it is more than
+            2 m away from base_link.
     """
 
     name: str
@@ -59,6 +65,7 @@ class Obstacle:
         if not isinstance(self.shape, Primitive | Mesh):
             expected = "a shape from Obstacle.box, cylinder, sphere or mesh"
             raise InputError("shape", self.shape, expected)
+        _warn_of_millimetres(self.name, self.shape)
 
     @classmethod
     def box(
@@ -180,6 +187,35 @@ def seen_from(frame: FloatArray, shape: Primitive | Mesh) -> Primitive | Mesh:
         return shape.moved(inverse)
     vertices = frozen(moved(inverse, shape.vertices))
     return Mesh(vertices=vertices, triangles=shape.triangles)
+
+
+def _warn_of_millimetres(name: str, shape: Primitive | Mesh) -> None:
+    """Warn of a body that is too thick, or too far away, to be meant in metres.
+
+    The sea bed is wide, and its middle may be far away: what counts is its thickness
+    and its distance.
+    """
+    if isinstance(shape, Mesh):
+        low = shape.vertices.min(axis=0)
+        high = shape.vertices.max(axis=0)
+        half = (high - low) / 2
+        beside = -(low + high) / 2
+    else:
+        half = np.array(_half_edges(shape))
+        beside = -rotation_from_rpy(shape.rpy).T @ np.array(shape.xyz)
+    away = float(np.linalg.norm(np.maximum(np.abs(beside) - half, 0.0)))
+    plausibility.check(f"thickness of {name}", 2 * float(half.min()), POSITION)
+    plausibility.check(f"distance of {name} from base_link", away, POSITION)
+
+
+def _half_edges(shape: Primitive) -> tuple[float, ...]:
+    """Half the edges of the box around a shape, in its own frame [m]."""
+    if shape.kind == "box":
+        return tuple(edge / 2 for edge in shape.size)
+    radius = shape.size[0]
+    if shape.kind == "sphere":
+        return (radius, radius, radius)
+    return (radius, radius, shape.size[1] / 2)
 
 
 def _primitive(

@@ -58,7 +58,7 @@ _LEAST_RATE = 0.1
 #: A day: longer motions are not meant [s].
 _LONGEST = 86_400.0
 #: The motion along a route, within limits of the joints.
-_Samples = Callable[[JointLimits], Samples]
+_Samples = Callable[..., Samples]
 
 
 class _Drive(NamedTuple):

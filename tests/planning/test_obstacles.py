@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from typing import Any
@@ -18,7 +19,7 @@ from scipy.spatial import ConvexHull
 import alpha5_model as a5
 from alpha5_model._support.spatial import moved, pose
 from alpha5_model.collision import self_collision
-from alpha5_model.errors import Alpha5Error, InputError
+from alpha5_model.errors import Alpha5Error, ImplausibleWarning, InputError
 from alpha5_model.kernels import numpy_kernels
 from alpha5_model.planning import Mesh, Obstacle
 from alpha5_model.planning.broad_phase import SHORTEST
@@ -286,3 +287,27 @@ def test_bad_obstacles(make: object, message: str) -> None:
     with pytest.raises(InputError, match=message) as caught:
         make()  # type: ignore[operator]
     assert isinstance(caught.value, Alpha5Error)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda mm: Obstacle.box("hull", (457 * mm, 338 * mm, 254 * mm)),
+        lambda mm: Obstacle.box("hull", (0.4, 0.3, 0.2), xyz=(200 * mm, 0, -140 * mm)),
+        lambda mm: Obstacle.cylinder("post", 30 * mm, 1000 * mm, (220 * mm, 0, 0)),
+        lambda mm: Obstacle.sphere("buoy", 80 * mm),
+        lambda mm: Obstacle.mesh("tent", np.eye(3) * 500 * mm + 200 * mm, [[0, 1, 2]]),
+    ],
+)
+def test_millimetres_are_warned_of(make: Callable[[float], Obstacle]) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        make(1e-3)
+    with pytest.warns(ImplausibleWarning, match="hull|post|buoy|tent"):
+        make(1.0)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_wide_sea_bed_is_plausible() -> None:
+    Obstacle.box("sea bed", (50.0, 50.0, 0.1), xyz=(20.0, 0.0, -1.0))
+    Obstacle.mesh("hull", [[0, 0, 0], [0, 0, -9], [0, 9, 0]], [[0, 1, 2]])
