@@ -93,6 +93,8 @@ VEHICLE_MASS = Plausible("kg", ((0.0, 2e4),), _GRAMS)
 VEHICLE_VOLUME = Plausible("m^3", ((0.0, 20.0),), _LITRES)
 VEHICLE_DENSITY = Plausible("kg/m^3", ((100.0, 1e4),))
 VEHICLE_POSITION = Plausible("m", ((0.0, 5.0),), _MM)
+#: Smallest extent of a mesh around the arm: most test tanks are shallower.
+POOL = Plausible("m", ((0.0, 20.0),), _MM)
 #: The jaws are 0.1 m long.
 JAW_LENGTH = Plausible("m", ((0.0, 0.5),), _MM)
 #: Two turns either way.

@@ -22,7 +22,7 @@ from alpha5_model._support.spatial import moved, pose, rotation_from_rpy
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.plausibility import POSITION
+from alpha5_model.numbers.plausibility import POOL, POSITION
 
 _ORIGIN = (0.0, 0.0, 0.0)
 
@@ -52,8 +52,8 @@ class Obstacle:
         shape: In base_link.
 
     Warns:
-        ImplausibleWarning: It is nowhere thinner than 2 m, or all of it is more than
-            2 m away from base_link.
+        ImplausibleWarning: It is nowhere thinner than 2 m, a mesh 20 m, or all of it is
+            more than 2 m away from base_link.
     """
 
     name: str
@@ -193,18 +193,20 @@ def _warn_of_millimetres(name: str, shape: Primitive | Mesh) -> None:
     """Warn of a body that is too thick, or too far away, to be meant in metres.
 
     The sea bed is wide, and its middle may be far away: what counts is its thickness
-    and its distance.
+    and its distance. A mesh may be a pool around the arm.
     """
+    thickness = POSITION
     if isinstance(shape, Mesh):
         low = shape.vertices.min(axis=0)
         high = shape.vertices.max(axis=0)
         half = (high - low) / 2
         beside = -(low + high) / 2
+        thickness = POOL
     else:
         half = np.array(_half_edges(shape))
         beside = -rotation_from_rpy(shape.rpy).T @ np.array(shape.xyz)
     away = float(np.linalg.norm(np.maximum(np.abs(beside) - half, 0.0)))
-    plausibility.check(f"thickness of {name}", 2 * float(half.min()), POSITION)
+    plausibility.check(f"thickness of {name}", 2 * float(half.min()), thickness)
     plausibility.check(f"distance of {name} from base_link", away, POSITION)
 
 

@@ -240,9 +240,11 @@ def test_threads_may_share_surroundings() -> None:
 
 def test_meshes_are_placed_like_their_points() -> None:
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
-    mesh = Obstacle.mesh("m", points, [[0, 1, 2]], (1, 2, 3), (0, 0, math.pi / 2)).shape
+    turn = (0, 0, math.pi / 2)
+    mesh = Obstacle.mesh("m", points, [[0, 1, 2]], (0.1, 0.2, 0.3), turn).shape
     assert isinstance(mesh, Mesh)
-    assert mesh.vertices == pytest.approx(np.array([[1, 2, 3], [1, 3, 3], [0, 2, 3]]))
+    expected = [[0.1, 0.2, 0.3], [0.1, 1.2, 0.3], [-0.9, 0.2, 0.3]]
+    assert mesh.vertices == pytest.approx(np.array(expected))
     assert not mesh.vertices.flags.writeable
 
 
@@ -296,7 +298,11 @@ def test_bad_obstacles(make: object, message: str) -> None:
         lambda mm: Obstacle.box("hull", (0.4, 0.3, 0.2), xyz=(200 * mm, 0, -140 * mm)),
         lambda mm: Obstacle.cylinder("post", 30 * mm, 1000 * mm, (220 * mm, 0, 0)),
         lambda mm: Obstacle.sphere("buoy", 80 * mm),
-        lambda mm: Obstacle.mesh("tent", np.eye(3) * 500 * mm + 200 * mm, [[0, 1, 2]]),
+        lambda mm: Obstacle.mesh(
+            "tent",
+            np.vstack([np.eye(3), -np.eye(3)]) * 500 * mm,
+            [[0, 1, 2], [3, 4, 5]],
+        ),
     ],
 )
 def test_millimetres_are_warned_of(make: Callable[[float], Obstacle]) -> None:
