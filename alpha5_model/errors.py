@@ -242,7 +242,9 @@ class BlockedMotionError(Alpha5Error, ValueError):
         self.distance = distance
         self.needed = needed
         angles = ", ".join(f"{angle:.4g}" for angle in q)
-        gap = f"{distance * 1e3:.3g} mm apart, less than {needed * 1e3:.3g} mm,"
+        gap = f"{distance * 1e3:.3g} mm apart"
+        if distance < needed:
+            gap += f", less than {needed * 1e3:.3g} mm,"
         if distance <= 0.0:
             gap = f"{-distance * 1e3:.3g} mm deep in each other"
         super().__init__(

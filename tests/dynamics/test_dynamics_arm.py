@@ -214,13 +214,9 @@ def test_masks_and_units_are_not_lost(kind, method, count):
     clean = inputs(arm, count)
     for which, x in enumerate(clean):
         given = list(clean)
-        for bad in (
-            np.ma.masked_array(x),
-            np.ma.masked_less(x, 0.0),
-            x.view(np.matrix)[0],
-        ):
+        for bad in (np.ma.masked_array(x), np.ma.masked_less(x, 0.0)):
             given[which] = bad
-            with pytest.raises(InputError, match=r"without mask or unit|shape"):
+            with pytest.raises(InputError, match="without mask or unit"):
                 getattr(arm, method)(*given)
 
 
