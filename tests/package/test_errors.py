@@ -174,7 +174,7 @@ ENDLESS.append(ENDLESS)
 
 def test_arrays_of_other_packages_are_read() -> None:
     array = np.array([1.0, 2.0]).view(Tracked)
-    checked = float_array("x", array, (2,))
+    checked = checks.float_array("x", array, (2,))
     assert type(checked) is np.ndarray
     assert checked.tolist() == [1.0, 2.0]
 
