@@ -14,6 +14,7 @@ MOST_BYTES = 64 * 2**20
 MOST_LEVELS = 100
 #: What may come before the first element: blank lines and a byte order mark.
 _BLANK = "\ufeff \t\r\n"
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 #: How the answers of ROS tools begin that hold a robot description.
 _ANSWERS = {
     "String value is:": "the answer of `ros2 param get`",
@@ -83,8 +84,8 @@ class _Builder:
         self.parser.StartDoctypeDeclHandler = self.document_type
 
     def parse(self, text: str | bytes) -> XmlTree:
-        if text[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
-            text = bytes(text).decode("utf-16")  # whatever its declaration says
+        if isinstance(text, bytes) and text[:2] in _UTF_16:
+            text = text.decode("utf-16")  # whatever its declaration says
         stripped: str | bytes
         if isinstance(text, str):
             stripped = text.lstrip(_BLANK)
