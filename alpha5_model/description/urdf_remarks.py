@@ -15,8 +15,9 @@ from alpha5_model.description.urdf_robot import Remark
 _ONCE = {
     "link": ("inertial",),
     "inertial": ("origin", "mass", "inertia"),
-    "visual": ("origin", "geometry"),
+    "visual": ("origin", "geometry", "material"),
     "collision": ("origin", "geometry"),
+    "material": ("color",),
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
 }
 #: Elements whose attributes are single numbers.
@@ -64,6 +65,9 @@ def _of_element(
             unread = value != value.rstrip() or "inf" in value.lower()
             if unread and floats(value):
                 yield "number", f"<{element.tag} {name}={value!r}>", element
+    if element.tag == "geometry":
+        for again in element[1:]:
+            yield "shapes", again.tag, again
     if element.tag == "capsule":
         yield "capsule", "capsule", element
     if element.tag == "origin":

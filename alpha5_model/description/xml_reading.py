@@ -14,6 +14,7 @@ MOST_BYTES = 64 * 2**20
 MOST_LEVELS = 100
 #: What may come before the first element: blank lines and a byte order mark.
 _BLANK = "\ufeff \t\r\n"
+_JUNK = expat.errors.codes[expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT]
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 #: How the answers of ROS tools begin that hold a robot description.
 _ANSWERS = {
@@ -61,6 +62,8 @@ def parse_xml(text: str | bytes, origin: str) -> XmlTree:
         return builder.parse(text)
     except expat.ExpatError as error:
         problem = f"not XML: {expat.errors.messages[error.code]}"
+        if error.code == _JUNK:
+            problem += "; delete what follows the last element"
         raise builder.fail(problem, error.lineno) from None
     except FileFormatError:
         raise
@@ -100,12 +103,16 @@ class _Builder:
 
     def check_start(self, start: str) -> None:
         """Say what a text is that holds a description but is none."""
+        if not start or start.startswith("<"):
+            return
         for words, kind in _ANSWERS.items():
             if start.startswith(words):
                 raise self.fail(f"not XML, but {kind}: {_REMEDY}", 1)
-        if start and not start.startswith("<"):
-            shown = start.partition("<")[0][:40]
-            raise self.fail(f"not XML: begins with {shown!r}, not with <", 1)
+        before, found, _ = start.partition("<")
+        problem = f"not XML: begins with {before[:40]!r}, not with <"
+        if found:
+            problem += f"; delete what comes before it, or {_REMEDY}"
+        raise self.fail(problem, 1)
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         self.depth += 1

@@ -252,9 +252,9 @@ def test_the_answer_of_a_ros_tool_is_refused_as_that(before: str, tool: str) -> 
 
 
 def test_other_text_before_the_xml_is_refused() -> None:
-    for before in ("# a comment\n", '"', "\n<>", "\u2028"):
-        with pytest.raises(FileFormatError):
-            parse_urdf(before + OWN)
+    for text in (f"# a comment\n{OWN}", f'"{OWN}"', f"\u2028{OWN}", f"{OWN}---\n"):
+        with pytest.raises(FileFormatError, match="delete"):
+            parse_urdf(text)
 
 
 # --- URDF 1.1 and 1.2, and other readers

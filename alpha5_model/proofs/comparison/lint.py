@@ -80,7 +80,7 @@ def _file(robot: UrdfRobot) -> Iterator[Finding]:
 
     has_none_of_1_1 = robot.version in VERSIONS[:2]
     for remark in robot.remarks:
-        if remark.kind in ("doubled", "number"):
+        if remark.kind in ("doubled", "number", "shapes"):
             yield finding(
                 f"lint.{remark.kind}",
                 remark.where,
