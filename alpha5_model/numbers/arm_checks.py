@@ -108,7 +108,7 @@ def check_tool(tool: Pose, printed: Pose, spacer: float) -> None:
         moved = ", ".join(f"{x:g}" for x in printed.position - [0.0, 0.0, spacer])
         expected = (
             f"a point beyond the spacer of {spacer:g} m, which moves Table 1's to "
-            f"({moved}); tool=None takes that"
+            f"({moved}); that is the tool if none is given"
         )
         raise InputError("tool.position", tool.position.tolist(), expected)
 

@@ -94,7 +94,7 @@ def _vector(unit: str, about: str) -> Key:
     return Key(unit, about, shape=(3,))
 
 
-def _limits(length: str, effort: str) -> Mapping[str, Key]:
+def _limits(length: str, effort: str, of_effort: str) -> Mapping[str, Key]:
     """Of a joint whose positions have the unit ``length``."""
     return MappingProxyType(
         {
@@ -103,7 +103,7 @@ def _limits(length: str, effort: str) -> Mapping[str, Key]:
             "max_velocity": _size(f"{length}/s", "largest speed"),
             "max_acceleration": _size(f"{length}/s^2", "largest acceleration"),
             "max_jerk": _size(f"{length}/s^3", "largest jerk"),
-            "max_effort": _size(effort, "largest torque, of the jaw rod force"),
+            "max_effort": _size(effort, of_effort),
         }
     )
 
@@ -126,8 +126,8 @@ ZEROS: Mapping[str, Key] = {
     name: Key("rad", "added to the joint's angle") for name in JOINT_NAMES[:4]
 }
 JOINT_LIMITS: Mapping[str, Mapping[str, Key]] = {
-    **dict.fromkeys(JOINT_NAMES[:4], _limits("rad", "N m")),
-    JOINT_NAMES[4]: _limits("m", "N"),
+    **dict.fromkeys(JOINT_NAMES[:4], _limits("rad", "N m", "largest torque")),
+    JOINT_NAMES[4]: _limits("m", "N", "largest force"),
 }
 LINKS: Mapping[str, Mapping[str, Key]] = dict.fromkeys(BODY_NAMES, _BODY)
 ATTACHED: Mapping[str, Key] = {

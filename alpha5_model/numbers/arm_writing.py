@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from alpha5_model._support.checks import flag, instance
+from alpha5_model._support.checks import FloatArray, flag, instance
 from alpha5_model.numbers import arm_schema as schema
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.arm_schema import Key
@@ -21,13 +21,15 @@ from alpha5_model.numbers.parameters import (
     Measurement,
     parameters,
 )
-from alpha5_model.numbers.pose import has_own_tool_point, printed_tool, tool_of
+from alpha5_model.numbers.pose import Pose, has_own_tool_point, printed_tool, tool_of
 from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Key -> value, of one table of a file.
 _Table: TypeAlias = Mapping[str, Any]
 _NOTHING: _Table = MappingProxyType({})
+#: Angles that are smaller are zeros [rad].
+_ROUNDING = 1e-15
 _HEAD = """\
 # An arm of your own: the catalogue's arm, with every key. Change what you have measured, and delete the rest:
 # what is left out is as printed. A number is in SI units, or a table with its own unit; it may have a source and
@@ -148,7 +150,7 @@ class _Writer:
         mount = self.arm.mount
         if mount is None:
             return self._remark("mount")
-        own = {"parent": mount.parent, "xyz": mount.position, "rpy": mount.rpy}
+        own = {"parent": mount.parent, "xyz": mount.position, "rpy": _rpy(mount)}
         return self._table("mount", own, keys=schema.MOUNT)
 
     def _lengths(self) -> list[str]:
@@ -206,7 +208,7 @@ class _Writer:
         if not self.arm.spacer or has_own_tool_point(self.arm):
             own["xyz"] = tool.position
         if self.every_key or not np.array_equal(tool.rotation, printed.rotation):
-            own["rpy"] = tool.rpy
+            own["rpy"] = _rpy(tool)
         return self._table("tool", own, {"xyz": printed.position}, schema.TOOL)
 
     def _motors(self) -> list[str]:
@@ -262,7 +264,8 @@ class _Writer:
             return ["", f"[{name}]", *lines]
         for i, key in enumerate(shown):
             if key in keys:
-                lines[i] += f"  # {keys[key].about} ({keys[key].unit})"
+                unit = f" ({keys[key].unit})".removesuffix(" (1)")
+                lines[i] += f"  # {keys[key].about}{unit}"
         return [*(self._remark(name) or [""]), f"[{name}]", *lines]
 
     def _remark(self, name: str) -> list[str]:
@@ -293,12 +296,17 @@ def _attached(body: AttachedBody) -> dict[str, Any]:
         "name": body.name,
         "link": body.link,
         "at": body.position,
-        "rpy": body.pose.rpy,
+        "rpy": _rpy(body.pose),
         **_fields(body, ("mass", "com", "inertia", "volume", "cob")),
     }
     if body.spacer:
         table["spacer"] = body.spacer
     return table
+
+
+def _rpy(pose: Pose) -> FloatArray:
+    """Roll, pitch, yaw, without what only rounding makes of zeros."""
+    return np.where(np.abs(pose.rpy) < _ROUNDING, 0.0, pose.rpy)
 
 
 def _fields(record: Any, names: Iterable[str]) -> _Table:

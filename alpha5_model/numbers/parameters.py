@@ -133,14 +133,15 @@ class JointRange:
         name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod),
             ``finger_1_joint``, ``finger_2_joint``.
         lower, upper: Ends of the range.
-        velocity: Largest speed.
+        velocity: Largest speed; 0 for a joint that does not move.
         effort: A placeholder that every public model copies; no rating is published.
         acceleration, jerk: Largest ones [rad/s^2, rad/s^3], of the jaw rod [m/s^2,
             m/s^3]; None if they are not known. None is published.
 
     Raises:
         InputError: A range that ends before it starts, a range of a full turn, in which
-            a pose would have two joint positions, or another limit not above 0.
+            a pose would have two joint positions, a negative speed, or another limit
+            not above 0.
 
     Warns:
         ImplausibleWarning: A limit that seems to be in degrees or mm.
@@ -158,9 +159,12 @@ class JointRange:
         lower = real(f"{self.name}.lower", self.lower)
         upper = real(f"{self.name}.upper", self.upper)
         fill(self, lower=lower, upper=upper)
-        for name in ("velocity", "effort", "acceleration", "jerk"):
+        velocity = real(f"{self.name}.velocity", self.velocity, minimum=0.0)
+        effort = real(f"{self.name}.effort", self.effort, minimum=0.0, strict=True)
+        fill(self, velocity=velocity, effort=effort)
+        for name in ("acceleration", "jerk"):
             given = getattr(self, name)
-            if given is not None or name in ("velocity", "effort"):
+            if given is not None:
                 number = real(f"{self.name}.{name}", given, minimum=0.0, strict=True)
                 fill(self, **{name: number})
 

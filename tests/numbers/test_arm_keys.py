@@ -46,7 +46,8 @@ _WATER = f"{_DYNAMICS} mjcf sdf water"
 #: Kind of key -> what is written, and the products that it changes. Every key changes
 #: the record and the arm file that is written of it.
 KINDS = {
-    "name": ('name = "other"', f"{_ROBOTS} srdf"),
+    # The parameters for xacro have it in a comment only.
+    "name": ('name = "other"', "urdf mjcf sdf srdf"),
     "corrections": ("corrections = []", f"{_DYNAMICS} {_ROBOTS} srdf"),
     "mount.parent": ('[mount]\nparent = "rov"', _ROBOTS),
     "mount.xyz": ("[mount]\nxyz = [0.1, 0, 0]", _ROBOTS),
@@ -305,7 +306,9 @@ def arms(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Alpha5Parameters
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", a5.errors.ImplausibleWarning)
         for kind, text in {**texts, "nothing": "", "attached": BODY}.items():
-            file.write_text(f"format = 1\n{text}", encoding="utf-8")
+            # Products name an arm that is not the catalogue's.
+            own = "" if kind == "name" else 'name = "mine"'
+            file.write_text(f"format = 1\n{own}\n{text}", encoding="utf-8")
             read[kind] = a5.arm_file(file)
     return read
 
