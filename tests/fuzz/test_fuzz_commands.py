@@ -58,7 +58,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     "--explain": ("body.mass", "tool.offset", ""),
     "--fluid": ("sea", "fresh", "air", "1025", "0", "1.025", "1e5", "-3"),
     "--format": (
-        *("urdf", "srdf", "xacro", "mjcf", "sdf", "usd", "c", "water", "lighthill"),
+        *("urdf", "srdf", "xacro", "mjcf", "sdf", "usd", "c", "water"),
         *("text", "json", "junit"),
     ),
     "--frame": ("link_2", "tcp"),
