@@ -97,7 +97,7 @@ def compared(text: str, record: Alpha5Parameters | None, folder: Path) -> Compar
 
 def place_in_ours(where: str) -> str:
     """Where `compare` reports a link of ours: opened jaws are parts of link_4."""
-    return "link_4" if where.startswith(("jaw", "finger")) else where
+    return "link_4" if where in ("jaw_rod", "finger_1", "finger_2") else where
 
 
 def faults(one: Arm, damages: list[dm.Damage], folder: Path) -> list[str]:

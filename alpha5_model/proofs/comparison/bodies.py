@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from alpha5_model._support.spatial import moved
 from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
 from alpha5_model.proofs.comparison.corrections import (
     LEVER,
-    TOKEN_MASS,
     TOKEN_RADIUS,
     angle_between,
     token_inertial,
@@ -21,6 +20,7 @@ from alpha5_model.proofs.comparison.described import describe_like
 from alpha5_model.proofs.comparison.differences import Evidence
 from alpha5_model.proofs.comparison.digits import rounded_origins
 from alpha5_model.proofs.comparison.mistakes import (
+    MOST,
     Body,
     Digits,
     Part,
@@ -140,28 +140,26 @@ def _findings_of_body(
     parts = _parts(evidence, k, body.links)
     joints = evidence.other.joints.values()
     moving = {joint.child for joint in joints if joint.kind != "fixed"}
-    yield from _dummies(body.name, parts, moving)
-    parts = _without_dummies(parts, moving)
     bare = _bare_links(evidence, body)
     if not sum(part.body.mass for part in parts):
-        yield _without_mass(evidence, k, body, bare, missing_cost)
+        yield _without_mass(evidence, k, body, digits, missing_cost)
         return
     if bare:
         yield finding("body.partly", where=body.name, links=", ".join(bare))
 
     wrong = wrong_numbers(evidence.arm, k, parts, digits)
-    if wrong and wrong[0].emptied:
-        emptied = wrong[0].emptied
-        parts = _with_tokens(parts, emptied, moving)
-        wrong = [
-            number._replace(emptied=emptied)
-            for number in wrong_numbers(evidence.arm, k, parts, digits)
-        ]
+    if _dummies_of(parts) and not all(number.mistake for number in wrong):
+        # A single mistake may look like a dummy, such as a mass divided by 1000 twice.
+        written = parts
+        parts = _without_dummies(parts, moving)
+        wrong = wrong_numbers(evidence.arm, k, parts, digits)
+        emptied = {name for number in wrong for name in number.emptied}
+        yield from _dummies(body.name, written, moving, emptied)
     by_link = {part.link: part for part in parts}
     several = sum(part.body.mass > 0 for part in parts) > 1
     for number in wrong:
         part = by_link[number.link]
-        yield _wrong(body, number, part, several, moving, cost)
+        yield _wrong(body, number, part, several, moving, digits, cost)
     if not all(number.mistake for number in wrong):
         yield from _impossible(body)
 
@@ -198,7 +196,7 @@ def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
 
 
 def _dummies_of(parts: Sequence[Part]) -> list[str]:
-    """Links of hardly any mass with the inertia of something large, beside real ones."""
+    """Links of hardly any mass, but with a large inertia, beside real ones."""
     dummies = []
     real = []
     for part in parts:
@@ -223,27 +221,26 @@ def _without_dummies(parts: Sequence[Part], moving: set[str]) -> list[Part]:
     return kept
 
 
-def _with_tokens(
-    parts: Sequence[Part], emptied: Sequence[str], moving: set[str]
-) -> list[Part]:
-    """The parts as they are after some have been emptied."""
-    kept = []
-    for part in parts:
-        if part.link not in emptied:
-            kept.append(part)
-        elif part.link in moving:
-            kept.append(_token(part, TOKEN_MASS))
-    return kept
-
-
 def _token(part: Part, mass: float) -> Part:
     """A part with the inertial that `token_inertial` writes."""
     tensor = mass * TOKEN_RADIUS**2 * np.eye(3)
     return part._replace(body=Body(mass=mass, com=np.zeros(3), inertia=tensor))
 
 
-def _dummies(name: str, parts: Sequence[Part], moving: set[str]) -> Iterator[Finding]:
-    """Links whose inertia is far too large for their mass, equal ones together."""
+def _dummies(
+    name: str,
+    parts: Sequence[Part],
+    moving: set[str],
+    emptied: Collection[str] = (),
+) -> Iterator[Finding]:
+    """Links whose inertia is far too large for their mass, equal ones together.
+
+    Args:
+        name: Of the body.
+        parts: Its links as they are written.
+        moving: Links that a joint moves.
+        emptied: Links that lose their mass anyway.
+    """
     equal: dict[tuple[float, float], list[str]] = {}
     dummies = _dummies_of(parts)
     for part in parts:
@@ -262,7 +259,10 @@ def _dummies(name: str, parts: Sequence[Part], moving: set[str]) -> Iterator[Fin
             grams=mass * 1e3,
             inertia=largest,
             radius=math.sqrt(largest / mass),
-            corrections=[_emptied(link, link in moving, mass) for link in links],
+            corrections=[
+                _emptied(link, link in moving, 0.0 if link in emptied else mass)
+                for link in links
+            ],
         )
 
 
@@ -275,6 +275,7 @@ def _wrong(
     part: Part,
     is_part: bool,
     moving: set[str],
+    digits: Digits,
     cost: Cost,
 ) -> Finding:
     """The finding of one wrong number.
@@ -285,13 +286,14 @@ def _wrong(
         part: Its link as it is written.
         is_part: Whether other links belong to the body, too.
         moving: Links that a joint moves.
+        digits: Of the file.
         cost: Gravity torque of errors of mass and first moment.
     """
     right = number.right
     written = part.body
     reason = f": {number.mistake.words}" if number.mistake else ""
     link = f" of {number.link}" if is_part else ""
-    corrections = [right_inertial(number.link, right, number.quantity)]
+    corrections = [_right_inertial(number.link, right, digits, number.quantity)]
     corrections += [_emptied(name, name in moving) for name in number.emptied]
     common = {
         "where": body.name,
@@ -330,7 +332,9 @@ def _wrong(
     )
 
 
-def right_inertial(link: str, right: Body, quantity: str = "") -> Correction:
+def _right_inertial(
+    link: str, right: Body, digits: Digits, quantity: str = ""
+) -> Correction:
     """A link's inertial, or its mass, or COM with tensor, to write in its place.
 
     COM and tensor come together, since the axes of the origin turn the tensor.
@@ -338,14 +342,16 @@ def right_inertial(link: str, right: Body, quantity: str = "") -> Correction:
     Args:
         link: Its name.
         right: In its own frame.
+        digits: Of the file, to which the numbers are rounded.
         quantity: ``mass``, ``com`` or ``inertia``; everything if empty.
     """
     elements: dict[str, Mapping[str, str] | None] = {}
     if quantity in ("", "mass"):
-        elements["mass"] = {"value": f"{right.mass:.9g}"}
+        mass = digits.mass.rounded(right.mass, MOST["mass"])
+        elements["mass"] = {"value": f"{mass:.9g}"}
     if quantity != "mass":
-        com = right.com.round(9) + 0.0
-        tensor = right.inertia.round(14) + 0.0
+        com = digits.com.rounded(right.com, MOST["com"])
+        tensor = digits.inertia.rounded(right.inertia, MOST["inertia"])
         xyz = " ".join(f"{x:.9g}" for x in com)
         elements["origin"] = {"xyz": xyz, "rpy": "0 0 0"}
         upper_half = zip(*np.triu_indices(3), strict=True)
@@ -366,10 +372,12 @@ def _without_mass(
     evidence: Evidence,
     k: int,
     body: BodyDifference,
-    bare: Sequence[str],
+    digits: Digits,
     cost: float,
 ) -> Finding:
     """A body without mass, or without any inertial."""
+    links = evidence.other.links
+    is_bare = all(links[name].mass is None for name in body.links)
     ours = body.ours
     moved_by_joint = evidence.meant.joints[k - 1].child if k else ""
     turned_in = evidence.meant.base_path[-1]
@@ -383,12 +391,12 @@ def _without_mass(
         inertia=rotate_tensor(to_link[:3, :3], ours.inertia),
     )
     return finding(
-        "body.without_inertial" if bare else "body.without_mass",
+        "body.without_inertial" if is_bare else "body.without_mass",
         where=body.name,
         cost=cost,
-        links=", ".join(bare),
+        links=", ".join(body.links),
         ours=ours.mass,
-        corrections=[right_inertial(link, right)],
+        corrections=[_right_inertial(link, right, digits)],
     )
 
 

@@ -153,6 +153,8 @@ class Mistake(NamedTuple):
 LEAST = {"mass": 1e-6, "com": 5e-7, "inertia": 5e-10}  # [kg], [m], [kg m^2]
 #: Files with fewer digits are compared as closely as this: they would hide mistakes.
 MOST = {"mass": 5e-4, "com": 5e-4, "inertia": 1e-6}
+#: A lighter link only has an inertial because some program wants one [kg].
+TOKEN = 1e-6
 #: A frame whose pose differs by less in every entry was meant to be ours [m, rad].
 SAME_FRAME = 2e-3
 
@@ -180,6 +182,20 @@ class Precision(NamedTuple):
             0.5 * np.maximum(self.place, 10.0 ** (decades + 1 - self.figures))
         )
 
+    def rounded(self, numbers: ArrayLike, most: float) -> FloatArray:
+        """The numbers with as many digits as the file has.
+
+        More digits would make the file look more precise than its other numbers are.
+
+        Args:
+            numbers: Any shape.
+            most: The largest error that rounding may make.
+        """
+        half = np.clip(self.half_digit(numbers), 1e-15, most)
+        decimals = -np.floor(np.log10(2 * half) + 1e-9)
+        scale = 10.0**decimals
+        return np.asarray(np.rint(np.asarray(numbers) * scale) / scale + 0.0)
+
 
 class Digits(NamedTuple):
     """The digits of a file's inertials, the same for every link.
@@ -199,7 +215,7 @@ class Digits(NamedTuple):
 
 def digits_of(robot: UrdfRobot) -> Digits:
     """The digits that a file writes in its inertials."""
-    links = [link for link in robot.links.values() if link.mass]
+    links = [link for link in robot.links.values() if (link.mass or 0) > TOKEN]
     return Digits(
         mass=_precision(link.mass for link in links if link.mass),
         com=_precision(itertools.chain.from_iterable(link.com for link in links)),
@@ -536,7 +552,7 @@ def wrong_numbers(
         found = []
         for place, right in enumerate(nominal):
             found += _wrong_in_link(arm, right, heaviest, place, digits)
-        options.append(found)
+        options.insert(0, found)
     if options:
         return min(options, key=_unlikely)
 
@@ -546,8 +562,17 @@ def wrong_numbers(
 
 
 def _unlikely(wrong: Sequence[WrongNumber]) -> int:
-    """The wrong numbers, those without an explanation counted twice."""
-    return sum(1 if number.mistake else 2 for number in wrong)
+    """A count of wrong numbers: those that no mistake explains count twice.
+
+    A fitted mistake fits more than one link, so it counts as one and a half.
+    """
+    fitted = [mistake.id for mistake in FITTED]
+    score = 0
+    for number in wrong:
+        score += 4
+        if number.mistake:
+            score -= 1 if number.mistake.id.split(".")[-1] in fitted else 2
+    return score
 
 
 def _body_of(link: RigidBody) -> Body:
