@@ -13,7 +13,7 @@ from alpha5_model.errors import FileFormatError
 MOST_BYTES = 64 * 2**20
 MOST_LEVELS = 100
 #: What may come before the first element: blank lines and a byte order mark.
-_BLANK = "\ufeff \t\r\n"
+_BLANK = "\ufeff \t\r\n".encode()
 _JUNK = expat.errors.codes[expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT]
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 #: How the answers of ROS tools begin that hold a robot description.
@@ -80,24 +80,20 @@ class _Builder:
         self.blank_lines = 0
         self.lines: dict[ET.Element, int] = {}
         self.elements = ET.TreeBuilder()
-        self.parser = expat.ParserCreate()
-        self.parser.StartElementHandler = self.start
-        self.parser.EndElementHandler = self.end
-        self.parser.CharacterDataHandler = self.elements.data
-        self.parser.StartDoctypeDeclHandler = self.document_type
 
     def parse(self, text: str | bytes) -> XmlTree:
         if isinstance(text, bytes) and text[:2] in _UTF_16:
             text = text.decode("utf-16")  # whatever its declaration says
-        stripped: str | bytes
-        if isinstance(text, str):
-            stripped = text.lstrip(_BLANK)
-            self.blank_lines = text.count("\n", 0, len(text) - len(stripped))
-            self.check_start(stripped[:80])
-        else:
-            stripped = text.lstrip(_BLANK.encode())
-            self.blank_lines = text.count(b"\n", 0, len(text) - len(stripped))
-            self.check_start(stripped[:80].decode("latin-1"))
+        content = text.encode() if isinstance(text, str) else text
+        stripped = content.lstrip(_BLANK)
+        self.blank_lines = content.count(b"\n", 0, len(content) - len(stripped))
+        self.check_start(stripped[:80].decode(errors="replace"))
+
+        self.parser = expat.ParserCreate("utf-8" if isinstance(text, str) else None)
+        self.parser.StartElementHandler = self.start
+        self.parser.EndElementHandler = self.end
+        self.parser.CharacterDataHandler = self.elements.data
+        self.parser.StartDoctypeDeclHandler = self.document_type
         self.parser.Parse(stripped, True)
         return XmlTree(top=self.elements.close(), lines=self.lines)
 
@@ -105,13 +101,13 @@ class _Builder:
         """Say what a text is that holds a description but is none."""
         if not start or start.startswith("<"):
             return
-        for words, kind in _ANSWERS.items():
-            if start.startswith(words):
-                raise self.fail(f"not XML, but {kind}: {_REMEDY}", 1)
         before, found, _ = start.partition("<")
         problem = f"not XML: begins with {before[:40]!r}, not with <"
+        for words, kind in _ANSWERS.items():
+            if start.startswith(words):
+                problem = f"not XML, but {kind}"
         if found:
-            problem += f"; delete what comes before it, or {_REMEDY}"
+            problem += f": delete what comes before the first <, or {_REMEDY}"
         raise self.fail(problem, 1)
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
