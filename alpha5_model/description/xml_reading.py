@@ -87,7 +87,7 @@ class _Builder:
         content = text.encode() if isinstance(text, str) else text
         stripped = content.lstrip(_BLANK)
         self.blank_lines = content.count(b"\n", 0, len(content) - len(stripped))
-        self.check_start(stripped[:80].decode(errors="replace"))
+        self.check_start(stripped[:4000].decode(errors="replace"))
 
         self.parser = expat.ParserCreate("utf-8" if isinstance(text, str) else None)
         self.parser.StartElementHandler = self.start

@@ -241,11 +241,13 @@ def test_lines_are_counted_from_the_first_of_the_file() -> None:
         ("String value is: ", "ros2 param get"),
         ("data: '", "ros2 topic echo"),
         ("robot_description: |\n  ", "YAML"),
+        ("/robot_state_publisher:\n  ros__parameters:\n    robot_description: '", ""),
+        (f"response:\nGetParameters_Response(values=[{'x' * 300}string_value='", ""),
     ],
 )
 def test_the_answer_of_a_ros_tool_is_refused_as_that(before: str, tool: str) -> None:
     for text in (before + OWN, (before + OWN).encode()):
-        with pytest.raises(FileFormatError, match=tool) as caught:
+        with pytest.raises(FileFormatError, match=tool or "delete") as caught:
             parse_urdf(text)
         assert caught.value.place == "line 1"
         assert "--hide-type" in str(caught.value)
