@@ -481,7 +481,6 @@ def test_a_differing_document_is_not_a_failure(
     assert {row["file"] for row in content["files"]} == {
         "alpha5.urdf",
         "alpha5_jaws.urdf",
-        "generated files",
     }
 
 
