@@ -103,7 +103,7 @@ WRITTEN = {
 ARGUMENTS: dict[str, tuple[tuple[str, ...], ...]] = {
     "arm": (("check", "show", "new", "x"), VALUES["--arm"]),
     "calibrate": (("plan", "fit", "motors"), ("readings.toml", *RECORDINGS)),
-    "check": (),
+    "check": (ROBOTS,),
     "compare": (ROBOTS,),
     "dh": (),
     "fk": (NUMBERS,) * 4,
@@ -119,7 +119,6 @@ ARGUMENTS: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 #: Options that a command always has here: for speed, or because it would run for ever.
 ALWAYS = {
-    "check": ["--urdf"],
     "compare": ["--samples"],
     "sweep": ["--output"],
     "torque": ["--q"],
