@@ -199,7 +199,7 @@ def test_command_line_writes_file_and_meshes(tmp_path, capsys):
     ("arguments", "words"),
     [
         (["--gripper", "hook"], "unknown gripper 'hook'; choose from locked, jaws"),
-        (["--collision", "mesh"], "choose from primitives, none"),
+        (["--collision", "mesh"], "choose from primitives, capsules, none"),
         (["--mesh-uri", "http"], "choose from relative, package, file"),
         (["--corrections", "sign"], "choose from base_frame, link3_cob"),
         (["--xyz", "0 0"], "three numbers"),

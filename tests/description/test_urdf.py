@@ -18,6 +18,7 @@ from lazily import Lazy
 
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH, XACRO_PATH
+from alpha5_model.cli import main
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.geometry.collision_capsules import collision_capsules
@@ -246,6 +247,14 @@ def test_meshes_lie_in_the_folder_that_is_named(prefix, expected):
     assert f'<mesh filename="{expected}"/>' in text
 
 
+def test_the_command_takes_a_uri_of_meshes(capsys):
+    words = ["generate", "--collision", "none", "--mesh-uri"]
+    assert main([*words, "package://mine/meshes"]) == 0
+    assert '"package://mine/meshes/link_0.obj"' in capsys.readouterr().out
+    assert main([*words, "http"]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
 # --- URDF 1.1 and 1.2
 
 
@@ -272,6 +281,16 @@ def test_1_2_has_the_accelerations_of_an_arm_file():
     assert "acceleration" not in older
     assert 'version="1.1"' in older
     assert "version=" not in urdf().split("<link")[0].split("?>")[1]
+
+
+def test_the_command_writes_the_accelerations_of_a_file(tmp_path, capsys):
+    arm = tmp_path / "arm.toml"
+    arm.write_text("format = 1\n[joint_limits.axis_d]\nmax_acceleration = 0.5\n")
+    words = ["generate", "--arm", str(arm), "--collision", "none"]
+    assert main([*words, "--urdf-version", "1.2"]) == 0
+    limit = ET.fromstring(capsys.readouterr().out).find("joint[@name='axis_d']/limit")
+    assert limit.get("acceleration") == "0.5"
+    assert main([*words, "--urdf-version", "2.0"]) == 2
 
 
 def test_plain_xacro_takes_accelerations_of_a_file_of_limits(tmp_path):

@@ -41,6 +41,7 @@ MOMENTS = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
 INERTIAL = f'<inertial><mass value="1"/>{MOMENTS}</inertial>'
 BALL = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
 CAPSULE = BALL.replace("<sphere", '<capsule length="0.2"')
+TWO_SHAPES = BALL.replace("</geo", '<box size="1 1 1"/></geo')
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 
 
@@ -112,6 +113,7 @@ CASES = (
         document(body=INERTIAL + BALL.replace("<geo", ORIGIN * 2 + "<geo")),
         "mujoco",
     ),
+    Case("shapes", document(body=INERTIAL + TWO_SHAPES)),
     Case("number", document(limits(upper="inf")), "urdfdom pinocchio"),
     Case("number", document(limits(upper="1 ")), "urdfdom pinocchio"),
     Case("number", document(limits(effort="inf")), "urdfdom pinocchio"),
@@ -431,6 +433,17 @@ def test_bodies_and_friction_as_the_programs_read_them() -> None:
     torque = pin.rnea(model, model.createData(), *moving)
     smooth = in_pinocchio(document())
     assert torque == pin.rnea(smooth, smooth.createData(), *moving)
+
+
+@pytest.mark.tools
+def test_two_shapes_as_the_programs_read_them() -> None:
+    text = document(body=INERTIAL + TWO_SHAPES)
+    shapes = pin.GeometryModel()
+    model, kind = in_pinocchio(text), pin.GeometryType.COLLISION
+    pin.buildGeomFromUrdfString(model, text, kind, shapes)
+    (shape,) = shapes.geometryObjects
+    assert type(shape.geometry).__name__ == "Sphere"
+    assert in_mujoco(text).geom_type.tolist() == [mujoco.mjtGeom.mjGEOM_BOX]
 
 
 @pytest.mark.tools

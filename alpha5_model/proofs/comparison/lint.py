@@ -80,7 +80,7 @@ def _file(robot: UrdfRobot) -> Iterator[Finding]:
 
     has_none_of_1_1 = robot.version in VERSIONS[:2]
     for remark in robot.remarks:
-        if remark.kind in ("doubled", "number"):
+        if remark.kind in ("doubled", "number", "shapes"):
             yield finding(
                 f"lint.{remark.kind}",
                 remark.where,
@@ -121,8 +121,8 @@ def _scales(robot: UrdfRobot) -> Iterator[Finding]:
     for file in others:
         kind = file.rpartition(".")[2].lower()
         if any(other.lower().endswith(f".{kind}") for other in small):
-            scale = text_of(scales[small[0]])
-            yield finding("lint.scale_missing", file, count=len(small), scale=scale)
+            theirs = text_of(scales[small[0]])
+            yield finding("lint.scale_missing", file, count=len(small), scale=theirs)
 
 
 # --- joints ---------------------------------------------------------------------------
@@ -264,7 +264,7 @@ def _bodies(robot: UrdfRobot) -> Iterator[Finding]:
         smallest = 0.0
         if mass > LEAST:
             _, _, tensor = combine(
-                [link.mass for link, _ in massive],
+                [link.mass or 0.0 for link, _ in massive],
                 [at[:3, :3] @ link.com + at[:3, 3] for link, at in massive],
                 [at[:3, :3] @ link.inertia @ at[:3, :3].T for link, at in massive],
             )
