@@ -712,14 +712,22 @@ class _Tolerance:
         self._precision: Precision = getattr(digits, quantity)
         self._slack = slack
 
-    def holds(self, computed: ArrayLike, written: ArrayLike) -> bool:
-        """Whether a computed number is the written one, to its digits."""
+    def holds(
+        self, computed: ArrayLike, written: ArrayLike, *, any_digits: bool = False
+    ) -> bool:
+        """Whether a computed number is the written one, to its digits.
+
+        Args:
+            computed: The number.
+            written: As the file has it.
+            any_digits: Whether the digits may be too few to compare by, see `MOST`.
+        """
         computed = np.asarray(computed)
         # A number in another unit has its least difference in that unit.
         unit = float(np.abs(computed).max()) / self._size if self._size else 1.0
-        half = np.minimum(
-            self._precision.half_digit(written), MOST[self.quantity] * unit
-        )
+        half = self._precision.half_digit(written)
+        if not any_digits:
+            half = np.minimum(half, MOST[self.quantity] * unit)
         # The slack follows from written numbers, so it is in their unit already.
         least = LEAST[self.quantity] * unit + self._slack
         return bool((np.abs(computed - written) <= half + least).all())
@@ -730,6 +738,9 @@ def _explained(
 ) -> Mistake | None:
     """The first mistake that gives the written number; None if none does."""
     written = getattr(part.body, tolerance.quantity)
+    here = getattr(right.at(np.linalg.inv(part.pose)), tolerance.quantity)
+    if tolerance.holds(here, written, any_digits=True):
+        return ROUNDED
     for prefix, case, mistakes in _attempts(arm, right, part):
         unchanged = getattr(case.right, tolerance.quantity)
         for mistake in mistakes:
@@ -809,3 +820,5 @@ def _right(case: Case) -> list[Body]:
 
 #: No mistake.
 RIGHT = Mistake("", "", _right)
+#: The right number with fewer digits than `MOST` asks for.
+ROUNDED = Mistake("rounded", "rounded to too few digits", _right)
