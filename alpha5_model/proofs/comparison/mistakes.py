@@ -201,6 +201,13 @@ def _about_another_point(case: Case) -> list[Body]:
     return case.with_inertia(case.right.inertia + parallel_axis(1.0, point))
 
 
+def _in_other_axes(case: Case) -> list[Body]:
+    """The principal moments in the axes of the written tensor."""
+    moments = np.linalg.eigvalsh(case.right.inertia)
+    _, axes = np.linalg.eigh(case.written.inertia)
+    return case.with_inertia(axes @ np.diag(moments) @ axes.T)
+
+
 def _of_another_link(case: Case, k: int) -> list[Body]:
     """The numbers of link_k."""
     source = case.source
@@ -374,6 +381,9 @@ UNPAIRED = frozenset(
 FITTED: tuple[Mistake, ...] = (
     Mistake("order", "the six elements are in another order", _any_order),
     Mistake("scaled", "multiplied by a factor", _by_a_factor),
+    Mistake(
+        "other_axes", "the principal moments are right, not their axes", _in_other_axes
+    ),
     Mistake(
         "no_parallel_axis",
         "the parallel-axis terms of its parts are missing",
