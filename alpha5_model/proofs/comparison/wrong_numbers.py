@@ -55,6 +55,11 @@ class Part(NamedTuple):
     body: Body
     pose: FloatArray
 
+    @property
+    def to_link(self) -> FloatArray:
+        """transform_ours_to_link, (4, 4)."""
+        return np.asarray(np.linalg.inv(self.pose), np.float64)
+
 
 class WrongNumber(NamedTuple):
     """A number of a link that has to be changed.
@@ -104,7 +109,10 @@ def wrong_numbers(
         wrong = _wrong_in_link(arm, arm.body, heaviest[:1], 0, digits)
         for part in heaviest[1:]:
             wrong.append(WrongNumber(part.link, "mass", None, nothing))
-    return _explained_by_two(arm, heaviest, wrong, digits)
+    wrong = _explained_by_two(arm, heaviest, wrong, digits)
+    if len(heaviest) > 1 and not all(number.mistake for number in wrong):
+        wrong = _explained_as_whole(arm, heaviest, wrong, digits)
+    return wrong
 
 
 def _options(
@@ -114,14 +122,14 @@ def _options(
     nominal = _jaws(arm.record, parts) if arm.index == 4 else None
     if nominal:
         found = []
-        for place, right in enumerate(nominal):
-            found += _wrong_in_link(arm, right, parts, place, digits)
+        for place, body in enumerate(nominal):
+            found += _wrong_in_link(arm, body, parts, place, digits)
         yield found
     for place, part in enumerate(parts):
         others = [other.body.at(other.pose) for other in parts if other is not part]
-        right = _less(arm.body, others)
-        if right is not None:
-            yield _wrong_in_link(arm, right, parts, place, digits)
+        rest = _less(arm.body, others)
+        if rest is not None:
+            yield _wrong_in_link(arm, rest, parts, place, digits)
 
 
 def _unlikely(wrong: Sequence[WrongNumber]) -> int:
@@ -243,7 +251,7 @@ def _wrong_in_link(
         digits: Of the file.
     """
     part = parts[place]
-    here = right.at(np.linalg.inv(part.pose))
+    here = right.at(part.to_link)
     wrong: dict[Quantity, Tolerance] = {}
     for quantity, tolerance in _tolerances(here, parts, place, digits).items():
         written = getattr(part.body, quantity)
@@ -356,21 +364,20 @@ def _attempts(arm: _Arm, right: Body, part: Part) -> Iterator[_Attempt]:
 
     by_count: list[list[tuple[Mistake, Case]]] = [[], [], []]
     for source, tables, body in sources:
-        here = np.linalg.inv(part.pose)
         case = Case(
             index=arm.index,
             source=tables,
-            right=body.at(here),
+            right=body.at(part.to_link),
             in_ours=body,
-            to_link=here,
+            to_link=part.to_link,
             frames=arm.frames,
             written=part.body,
         )
-        before = int(source is not RIGHT)
-        by_count[before].append((source, case))
+        count = int(source is not RIGHT)
+        by_count[count].append((source, case))
         if elsewhere:
             unmoved = replace(case, right=body, to_link=np.eye(4))
-            by_count[before + 1].append((_joined(source, frame), unmoved))
+            by_count[count + 1].append((_joined(source, frame), unmoved))
 
     ours, one, two = by_count
     for before, case in ours:
@@ -408,6 +415,36 @@ def _double_attempts(arm: _Arm, right: Body, part: Part) -> Iterator[_Attempt]:
         for body in first.make(first_attempt.case):
             case = replace(first_attempt.case, right=body, in_ours=body.at(part.pose))
             yield _Attempt(first, case, PAIRED)
+
+
+def _explained_as_whole(
+    arm: _Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
+) -> list[WrongNumber]:
+    """The wrong numbers of the heaviest link, explained by those of all links together.
+
+    So a body is recognized whose author split another revision's.
+    """
+    bodies = [part.body.at(part.pose) for part in parts]
+    mass = sum(body.mass for body in bodies)
+    if not mass:
+        return list(wrong)
+    com = sum(body.mass * body.com for body in bodies) / mass
+    inertia = np.zeros((3, 3))
+    for body in bodies:
+        inertia += body.inertia + parallel_axis(body.mass, body.com - com)
+    whole = Part("", Body(mass=mass, com=com, inertia=inertia), np.eye(4))
+    mistakes = {}
+    for number in _wrong_in_link(arm, arm.body, [whole], 0, digits):
+        if number.mistake:
+            words = f"all its links together have {number.mistake.words}"
+            mistakes[number.quantity] = number.mistake._replace(words=words)
+    found = []
+    for number in wrong:
+        mistake = number.mistake
+        if mistake is None and number.link == parts[0].link:
+            mistake = mistakes.get(number.quantity)
+        found.append(number._replace(mistake=mistake))
+    return found
 
 
 def _joined(*mistakes: Mistake) -> Mistake:
