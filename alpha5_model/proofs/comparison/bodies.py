@@ -148,12 +148,13 @@ def _findings_of_body(
         yield finding("body.partly", where=body.name, links=", ".join(bare))
 
     wrong = wrong_numbers(evidence.arm, k, parts, digits)
-    if _dummies_of(parts) and not all(number.mistake for number in wrong):
+    is_explained = wrong and all(number.mistake for number in wrong)
+    if _dummies_of(parts) and not is_explained:
         # A single mistake may look like a dummy, such as a mass divided by 1000 twice.
         written = parts
         parts = _without_dummies(parts, moving)
         wrong = wrong_numbers(evidence.arm, k, parts, digits)
-        emptied = {name for number in wrong for name in number.emptied}
+        emptied = {number.link for number in wrong if not number.right.mass}
         yield from _dummies(body.name, written, moving, emptied)
     by_link = {part.link: part for part in parts}
     several = sum(part.body.mass > 0 for part in parts) > 1
@@ -293,23 +294,28 @@ def _wrong(
     written = part.body
     reason = f": {number.mistake.words}" if number.mistake else ""
     link = f" of {number.link}" if is_part else ""
-    corrections = [_right_inertial(number.link, right, digits, number.quantity)]
-    corrections += [_emptied(name, name in moving) for name in number.emptied]
+    if right.mass:
+        correction = _right_inertial(number.link, right, digits, number.quantity)
+    else:
+        correction = _emptied(number.link, number.link in moving)
     common = {
         "where": body.name,
-        "corrections": corrections,
+        "corrections": [correction],
         "mistake": number.mistake.id if number.mistake else "",
         "link": link,
     }
     if number.quantity == "mass":
         error = written.mass - right.mass
+        at = right.com if right.mass else written.com
+        if right.mass and not reason:
+            reason = f" ({written.mass / right.mass:.3g} times)"
         return finding(
             "body.mass",
             **common,
-            cost=cost(error, error * moved(part.pose, right.com)),
+            cost=cost(error, error * moved(part.pose, at)),
             mass=written.mass,
             ours=right.mass,
-            reason=reason or f" ({written.mass / right.mass:.3g} times)",
+            reason=reason,
         )
     if number.quantity == "com":
         shift = part.pose[:3, :3] @ (written.com - right.com)
@@ -376,8 +382,6 @@ def _without_mass(
     cost: float,
 ) -> Finding:
     """A body without mass, or without any inertial."""
-    links = evidence.other.links
-    is_bare = all(links[name].mass is None for name in body.links)
     ours = body.ours
     moved_by_joint = evidence.meant.joints[k - 1].child if k else ""
     turned_in = evidence.meant.base_path[-1]
@@ -390,11 +394,12 @@ def _without_mass(
         com=moved(to_link, ours.com),
         inertia=rotate_tensor(to_link[:3, :3], ours.inertia),
     )
+    is_bare = evidence.other.links[link].mass is None
     return finding(
         "body.without_inertial" if is_bare else "body.without_mass",
         where=body.name,
         cost=cost,
-        links=", ".join(body.links),
+        links=link,
         ours=ours.mass,
         corrections=[_right_inertial(link, right, digits)],
     )

@@ -92,15 +92,13 @@ class WrongNumber(NamedTuple):
         quantity: ``mass``, ``com`` or ``inertia``.
         mistake: What gives the written number; None if nothing in the table does.
         right: What the link should say, in its own frame: our body less the other
-            links that make it up.
-        emptied: Links whose inertial has to go, because ``right`` is the whole body.
+            links that make it up. A mass of 0 means that its inertial has to go.
     """
 
     link: str
     quantity: Quantity
     mistake: Mistake | None
     right: Body
-    emptied: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -556,9 +554,12 @@ def wrong_numbers(
     if options:
         return min(options, key=_unlikely)
 
-    emptied = tuple(part.link for part in heaviest[1:])
+    # Too much is there: the heaviest link is the body, and the others have no mass.
+    nothing = Body(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
     whole = _wrong_in_link(arm, ours, heaviest[:1], 0, digits)
-    return [wrong._replace(emptied=emptied) for wrong in whole]
+    for part in heaviest[1:]:
+        whole.append(WrongNumber(part.link, "mass", None, nothing))
+    return whole
 
 
 def _unlikely(wrong: Sequence[WrongNumber]) -> int:
