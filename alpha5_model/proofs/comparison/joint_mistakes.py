@@ -1,4 +1,4 @@
-"""Mistakes in joints that hide the arm: millimetres, degrees, another axis.
+"""Mistakes in joints that hide the arm: mm or cm, degrees, another axis.
 
 They are mended before the axes are compared, because an arm of 150 m has no likeness to
 this one.
@@ -21,6 +21,8 @@ from alpha5_model.proofs.comparison.model import Chain, find_chains
 
 #: No origin of this arm's joints is so far from the one before it [m].
 FARTHEST = 1.0
+#: Units that lengths are written in by mistake.
+PER_METRE = {"millimetres": 1e3, "centimetres": 1e2}
 #: An angle beyond this is in degrees [rad].
 LARGEST_ANGLE = math.tau + 0.01
 #: Axes that differ by more than the first may have been exchanged. They have been if
@@ -34,7 +36,7 @@ class JointMistake(NamedTuple):
     """A joint that was mended.
 
     Attributes:
-        id: ``millimetres``, ``degrees`` or ``exchanged_axis``.
+        id: ``millimetres``, ``centimetres``, ``degrees`` or ``exchanged_axis``.
         written: The joint as it is written.
         right: The joint as it was meant.
     """
@@ -63,23 +65,26 @@ def without_joint_mistakes(
     Returns:
         The robot as it was meant, and what was mended, from the root outwards.
     """
-    everywhere = _with_joints(robot, map(_in_si, robot.joints.values()))
-    chains = find_chains(everywhere, record, names)
-    if not chains:
+    best = None
+    for unit, per_metre in PER_METRE.items():
+        in_si = [_in_si(joint, per_metre) for joint in robot.joints.values()]
+        everywhere = _with_joints(robot, in_si)
+        chains = find_chains(everywhere, record, names)
+        if chains and (best is None or chains[0].misfit < best[0].misfit):
+            best = chains[0], unit, everywhere
+    if best is None:
         return robot, []
-    chain = chains[0]
+    chain, unit, mended = best
     carried = {joint.name for joint in _behind(robot, chain.joints[0])}
-    mended = everywhere
     for name, joint in robot.joints.items():
         if name not in carried:
-            in_radians = _in_si(joint, lengths=False)
-            mended = _with_joints(mended, [in_radians])
+            mended = _with_joints(mended, [_in_si(joint)])
     if chain.misfit > MISFIT[0]:
         mended = _with_right_axes(mended, chain, record) or mended
 
     found = []
     for name, right in mended.joints.items():
-        found += _mistakes(robot.joints[name], right)
+        found += _mistakes(robot.joints[name], right, unit)
     return mended, found
 
 
@@ -100,24 +105,24 @@ def _with_joints(robot: UrdfRobot, joints: Iterable[UrdfJoint]) -> UrdfRobot:
     return replace(robot, joints={**robot.joints, **changed})
 
 
-def _in_si(joint: UrdfJoint, *, lengths: bool = True) -> UrdfJoint:
+def _in_si(joint: UrdfJoint, per_metre: float = 1.0) -> UrdfJoint:
     """The joint with its origin in m and rad; the same one if it is.
 
     Args:
         joint: As it is written.
-        lengths: Whether its origin may be in mm.
+        per_metre: The unit of its origin, if that is too far away to be in m.
     """
     distance = np.linalg.norm(joint.transform[:3, 3])
-    in_mm = lengths and bool(distance > FARTHEST)
+    is_far = per_metre != 1 and bool(distance > FARTHEST)
     texts = joint.printed[1].split()
     in_degrees = any(abs(float(text)) > LARGEST_ANGLE for text in texts)
-    if not (in_mm or in_degrees):
+    if not (is_far or in_degrees):
         return joint
 
     transform = joint.transform.copy()
     xyz, rpy = joint.printed
-    if in_mm:
-        transform[:3, 3] /= 1e3
+    if is_far:
+        transform[:3, 3] /= per_metre
         xyz = " ".join(repr(x) for x in transform[:3, 3].tolist())
     if in_degrees:
         angles = [math.radians(float(text)) for text in rpy.split()]
@@ -148,11 +153,17 @@ def _other_axes(joint: UrdfJoint) -> Iterator[UrdfJoint]:
             yield replace(joint, axis=axis)
 
 
-def _mistakes(written: UrdfJoint, right: UrdfJoint) -> list[JointMistake]:
-    """How a joint differs from what was meant."""
+def _mistakes(written: UrdfJoint, right: UrdfJoint, unit: str) -> list[JointMistake]:
+    """How a joint differs from what was meant.
+
+    Args:
+        written: As it is.
+        right: As it was meant.
+        unit: Of origins that are not in metres.
+    """
     found = []
     if right.printed[0] != written.printed[0]:
-        found.append(JointMistake("millimetres", written, right))
+        found.append(JointMistake(unit, written, right))
     if right.printed[1] != written.printed[1]:
         found.append(JointMistake("degrees", written, right))
     if right.axis is not written.axis:

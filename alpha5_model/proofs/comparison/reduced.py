@@ -380,7 +380,13 @@ def _base_links(
             first = name
     aside = still.difference(base_path)
     vehicles = {name for name in aside if weight[name] > whole_arm}
-    return _hanging_on({first}, joints) - _hanging_on(vehicles, joints)
+    base = _hanging_on({first}, joints) - _hanging_on(vehicles, joints)
+    missing = base_mass - sum(robot.links[name].mass or 0.0 for name in base)
+    in_grams = set()
+    for name in vehicles:
+        if math.isclose(weight[name], 1e3 * missing, rel_tol=SAME_MASS):
+            in_grams.add(name)
+    return base | _hanging_on(in_grams, joints)
 
 
 def _weight(link: UrdfLink, base_mass: float, unit: float) -> float:

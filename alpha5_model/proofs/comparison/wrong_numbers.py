@@ -1,0 +1,469 @@
+"""Which numbers of another model's body are wrong, and which mistake gives them.
+
+Numbers are compared in the frame of the link that says them, because there they were
+typed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import pose
+from alpha5_model.description.frames import fixed_frames, joint_placements
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.inertia import inconsistencies
+from alpha5_model.numbers.jaws import loaded_links, split_link_4
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.rigid_body import RigidBody
+from alpha5_model.proofs.comparison.document_revisions import Revision, revisions
+from alpha5_model.proofs.comparison.mistakes import (
+    FITTED,
+    MISTAKES,
+    PAIRED,
+    Body,
+    Case,
+    Mistake,
+    parallel_axis,
+)
+from alpha5_model.proofs.comparison.tolerance import (
+    MOST,
+    Digits,
+    Quantity,
+    Tolerance,
+)
+
+QUANTITIES: tuple[Quantity, ...] = ("mass", "com", "inertia")
+#: A frame whose pose differs by less in every entry was meant to be ours [m, rad].
+SAME_FRAME = 2e-3
+
+
+class Part(NamedTuple):
+    """One link of the other model, of those that make up one of our bodies.
+
+    Attributes:
+        link: Its name.
+        body: What its ``<inertial>`` says, in its own frame.
+        pose: transform_link_to_ours: its pose in our link frame, (4, 4).
+    """
+
+    link: str
+    body: Body
+    pose: FloatArray
+
+    @property
+    def to_link(self) -> FloatArray:
+        """transform_ours_to_link, (4, 4)."""
+        return np.asarray(np.linalg.inv(self.pose), np.float64)
+
+
+class WrongNumber(NamedTuple):
+    """A number of a link that has to be changed.
+
+    Attributes:
+        link: The link of the other model.
+        quantity: ``mass``, ``com`` or ``inertia``.
+        mistake: What gives the written number; None if nothing in the table does.
+        right: What the link should say, in its own frame: our body less the other
+            links that make it up. A mass of 0 means that its inertial has to go.
+    """
+
+    link: str
+    quantity: Quantity
+    mistake: Mistake | None
+    right: Body
+
+
+def wrong_numbers(
+    record: Alpha5Parameters, index: int, parts: Sequence[Part], digits: Digits
+) -> list[WrongNumber]:
+    """What the links of a body say wrong, each number with the mistake that gives it.
+
+    If several links make up the body, as few numbers as possible are taken to be wrong,
+    and rather those that a mistake explains.
+
+    Args:
+        record: Our arm.
+        index: Which of its bodies: 0 for link_0 to 4 for link_4.
+        parts: The links that make it up, without those that the user is told to empty
+            (dummies, vehicles).
+        digits: Of the file.
+
+    Returns:
+        Empty if the body agrees to the digits of the file.
+    """
+    arm = _Arm(record, index)
+    heaviest = sorted(parts, key=lambda part: -abs(part.body.mass))
+    solid = [part for part in heaviest if part.body.mass or part.body.inertia.any()]
+    heaviest = solid or heaviest[:1]  # frames without a body are no parts
+    options = list(_options(arm, heaviest, digits))
+    if options:
+        wrong = min(options, key=_unlikely)
+    else:
+        # Too much is there: the heaviest link is the body, and the others have no mass.
+        nothing = Body(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
+        wrong = _wrong_in_link(arm, arm.body, heaviest[:1], 0, digits)
+        for part in heaviest[1:]:
+            wrong.append(WrongNumber(part.link, "mass", None, nothing))
+    wrong = _explained_by_two(arm, heaviest, wrong, digits)
+    if len(heaviest) > 1 and not all(number.mistake for number in wrong):
+        wrong = _explained_as_whole(arm, heaviest, wrong, digits)
+    return wrong
+
+
+def _options(
+    arm: _Arm, parts: Sequence[Part], digits: Digits
+) -> Iterator[list[WrongNumber]]:
+    """What may be wrong: numbers of one of the links, or of opened jaws."""
+    nominal = _jaws(arm.record, parts) if arm.index == 4 else None
+    if nominal:
+        found = []
+        for place, body in enumerate(nominal):
+            found += _wrong_in_link(arm, body, parts, place, digits)
+        yield found
+    for place, part in enumerate(parts):
+        others = [other.body.at(other.pose) for other in parts if other is not part]
+        rest = _less(arm.body, others)
+        if rest is not None:
+            yield _wrong_in_link(arm, rest, parts, place, digits)
+
+
+def _unlikely(wrong: Sequence[WrongNumber]) -> int:
+    """A count of wrong numbers: those that no mistake explains count twice.
+
+    A fitted mistake fits more than one link, so it counts as one and a half.
+    """
+    fitted = [mistake.id for mistake in FITTED]
+    score = 0
+    for number in wrong:
+        score += 4
+        if number.mistake:
+            score -= 1 if number.mistake.id.split(".")[-1] in fitted else 2
+    return score
+
+
+def _less(whole: Body, others: Sequence[Body]) -> Body | None:
+    """A body without some of its parts, all in one frame; None if none remains."""
+    if not others:
+        return whole
+    mass = whole.mass - sum(body.mass for body in others)
+    if mass <= 0:
+        return None
+    moment = whole.mass * whole.com - sum(body.mass * body.com for body in others)
+    com = moment / mass
+    inertia = whole.inertia + parallel_axis(whole.mass, whole.com - com)
+    for body in others:
+        inertia -= body.inertia + parallel_axis(body.mass, body.com - com)
+    if inconsistencies(mass, com, inertia):
+        return None
+    return Body(mass=mass, com=com, inertia=inertia)
+
+
+# --- Our arm --------------------------------------------------------------------------
+
+
+class _Arm:
+    """What the mistakes need of our arm.
+
+    Attributes:
+        record: Our arm.
+        index: Which of its bodies is looked at.
+        body: That body, in its link frame.
+        tables: All its bodies.
+        frames: Name of a frame of the arm -> transform_body_to_frame at zero, (4, 4).
+    """
+
+    def __init__(self, record: Alpha5Parameters, index: int) -> None:
+        self.record = record
+        self.index = index
+        links = loaded_links(record)
+        self.body = _body_of(links[index])
+        about_links = []
+        for link in links:
+            about_links.append(link.inertia + parallel_axis(link.mass, link.com))
+        self.tables = Revision(
+            numbers="",
+            buoyancy_table="",
+            mass=np.array([link.mass for link in links]),
+            com=np.array([link.com for link in links]),
+            inertia=np.array([link.inertia for link in links]),
+            inertia_link=np.array(about_links),
+            volume=np.array([link.volume for link in links]),
+            cob=np.array([link.cob for link in links]),
+        )
+        self.frames = _frames(record, index)
+
+
+def _body_of(link: RigidBody) -> Body:
+    return Body(mass=link.mass, com=link.com, inertia=link.inertia)
+
+
+def _frames(record: Alpha5Parameters, index: int) -> dict[str, FloatArray]:
+    """Name of a frame of our arm -> transform_body_to_frame at zero, (4, 4)."""
+    at = {"base_link": np.eye(4)}
+    fixed = fixed_frames(record)
+    placements = {"link_0": fixed.pop("link_0")}
+    for k, placement in enumerate(joint_placements(record), start=1):
+        placements[f"link_{k}"] = placement
+    for name, placement in {**placements, **fixed}.items():
+        at[name] = at[placement.parent] @ pose(placement.xyz, placement.rpy)
+    at["dh_0"] = at["base_link"]
+    body = at[f"link_{index}"]
+    return {name: np.linalg.inv(frame) @ body for name, frame in at.items()}
+
+
+def _jaws(record: Alpha5Parameters, parts: Sequence[Part]) -> list[Body] | None:
+    """The bodies of our opened link 4 that stand where some links do, in link_4.
+
+    Returns:
+        None if the links are not wrist, rod and fingers.
+    """
+    try:
+        jaws = split_link_4(record)
+    except InputError:  # the arm's link_4 leaves no possible wrist
+        return None
+    found = []
+    for part in parts:
+        for body, closed in zip(jaws.bodies, jaws.closed, strict=True):
+            ours = pose(body.origin, (body.roll, 0.0, 0.0))
+            if np.abs(part.pose - ours).max() < SAME_FRAME:
+                found.append(_body_of(closed))
+    return found if len(found) == len(parts) == len(jaws.bodies) else None
+
+
+# --- One link -------------------------------------------------------------------------
+
+
+def _wrong_in_link(
+    arm: _Arm, right: Body, parts: Sequence[Part], place: int, digits: Digits
+) -> list[WrongNumber]:
+    """The wrong numbers of one link.
+
+    Args:
+        arm: Our arm.
+        right: What the link should say, in our link frame.
+        parts: All links of the body.
+        place: Which of them it is.
+        digits: Of the file.
+    """
+    part = parts[place]
+    here = right.at(part.to_link)
+    wrong: dict[Quantity, Tolerance] = {}
+    for quantity, tolerance in _tolerances(here, parts, place, digits).items():
+        written = getattr(part.body, quantity)
+        if not tolerance.holds(getattr(here, quantity), written):
+            wrong[quantity] = tolerance
+    mistakes = _explained(_attempts(arm, right, part), part, wrong)
+    found = []
+    for quantity, tolerance in wrong.items():
+        mistake = mistakes.get(quantity)
+        written = getattr(part.body, quantity)
+        if tolerance.holds(getattr(here, quantity), written, any_digits=True):
+            mistake = ROUNDED
+        found.append(WrongNumber(part.link, quantity, mistake, here))
+    return found
+
+
+def _tolerances(
+    right: Body, parts: Sequence[Part], place: int, digits: Digits
+) -> dict[Quantity, Tolerance]:
+    """How closely the numbers of a link must agree.
+
+    Rounding elsewhere, in joints and other links, changes what the link should say.
+
+    Args:
+        right: What the link should say.
+        parts: All links of the body.
+        place: Which of them it is.
+        digits: Of the file.
+    """
+    part = parts[place]
+    body = part.body.at(part.pose)
+    com = digits.length + digits.angle * float(np.linalg.norm(body.com))
+    inertia = 2 * digits.angle * float(np.abs(body.inertia).max())
+    for other in (*parts[:place], *parts[place + 1 :]):
+        off = min(float(digits.com.half_digit(other.body.com).max()), MOST["com"])
+        apart = float(np.linalg.norm(other.body.at(other.pose).com - body.com))
+        tensor = float(digits.inertia.half_digit(other.body.inertia).max())
+        mass = abs(other.body.mass)
+        com += off * mass / max(abs(body.mass), 1e-3)
+        inertia += min(tensor, MOST["inertia"]) + 2 * mass * apart * off
+    return {
+        "mass": Tolerance("mass", right.mass, digits, slack=0.0),
+        "com": Tolerance("com", right.com, digits, slack=com),
+        "inertia": Tolerance("inertia", right.inertia, digits, slack=inertia),
+    }
+
+
+# --- Explaining -----------------------------------------------------------------------
+
+
+class _Attempt(NamedTuple):
+    """Right numbers, and mistakes to make with them.
+
+    Attributes:
+        before: What is already wrong with these numbers; `RIGHT` if nothing.
+        case: The numbers.
+        mistakes: The mistakes.
+    """
+
+    before: Mistake
+    case: Case
+    mistakes: Sequence[Mistake]
+
+
+def _explained(
+    attempts: Iterator[_Attempt], part: Part, wrong: Mapping[Quantity, Tolerance]
+) -> dict[Quantity, Mistake]:
+    """The first mistake that gives each written number, for those that one gives."""
+    found: dict[Quantity, Mistake] = {}
+    for attempt in attempts:
+        if len(found) == len(wrong):
+            break
+        made = []
+        bodies = []
+        for mistake in attempt.mistakes:
+            for body in mistake.make(attempt.case):
+                made.append(mistake)
+                bodies.append(body)
+        for quantity, tolerance in wrong.items():
+            if quantity in found:
+                continue
+            numbers = np.array([getattr(body, quantity) for body in bodies])
+            hits = tolerance.holds(numbers, getattr(part.body, quantity))
+            # A mistake that leaves this number alone does not explain it.
+            unchanged = getattr(attempt.case.right, quantity)
+            for k in np.flatnonzero(hits):
+                if made[k] is RIGHT or not np.array_equal(numbers[k], unchanged):
+                    found[quantity] = _joined(attempt.before, made[k])
+                    break
+    return found
+
+
+def _attempts(arm: _Arm, right: Body, part: Part) -> Iterator[_Attempt]:
+    """What may have been done with our numbers, those of both revisions, the fewest
+    mistakes first.
+
+    Args:
+        arm: Our arm.
+        right: What the link should say, in our link frame.
+        part: The link.
+    """
+    frame = Mistake("other_frame", f"in a frame that is not link_{arm.index}'s", _right)
+    elsewhere = np.abs(part.pose - np.eye(4)).max() > SAME_FRAME
+    sources = [(RIGHT, arm.tables, right)]
+    names = ("catalogue", "earlier_revision")
+    for name, tables in zip(names, revisions(), strict=True):
+        k = arm.index
+        body = Body(float(tables.mass[k]), tables.com[k], tables.inertia[k])
+        sources.append((Mistake(name, tables.numbers, _right), tables, body))
+
+    by_count: list[list[tuple[Mistake, Case]]] = [[], [], []]
+    for source, tables, body in sources:
+        case = Case(
+            index=arm.index,
+            source=tables,
+            right=body.at(part.to_link),
+            in_ours=body,
+            to_link=part.to_link,
+            frames=arm.frames,
+            written=part.body,
+        )
+        count = int(source is not RIGHT)
+        by_count[count].append((source, case))
+        if elsewhere:
+            unmoved = replace(case, right=body, to_link=np.eye(4))
+            by_count[count + 1].append((_joined(source, frame), unmoved))
+
+    ours, one, two = by_count
+    for before, case in ours:
+        yield _Attempt(before, case, MISTAKES)
+    for before, case in (*one, *two):
+        yield _Attempt(before, case, (RIGHT,))
+    for before, case in (*one, *two):
+        yield _Attempt(before, case, MISTAKES)
+    for before, case in (*ours, *one):
+        yield _Attempt(before, case, FITTED)
+
+
+def _explained_by_two(
+    arm: _Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
+) -> list[WrongNumber]:
+    """The wrong numbers, those without an explanation tried with two mistakes."""
+    names = [part.link for part in parts]
+    found = list(wrong)
+    for k, number in enumerate(wrong):
+        if number.mistake is not None or not number.right.mass:
+            continue
+        place = names.index(number.link)
+        part = parts[place]
+        tolerance = _tolerances(number.right, parts, place, digits)[number.quantity]
+        attempts = _double_attempts(arm, number.right.at(part.pose), part)
+        mistakes = _explained(attempts, part, {number.quantity: tolerance})
+        found[k] = number._replace(mistake=mistakes.get(number.quantity))
+    return found
+
+
+def _double_attempts(arm: _Arm, right: Body, part: Part) -> Iterator[_Attempt]:
+    """Two mistakes with our numbers."""
+    first_attempt = next(_attempts(arm, right, part))
+    for first in PAIRED:
+        for body in first.make(first_attempt.case):
+            case = replace(first_attempt.case, right=body, in_ours=body.at(part.pose))
+            yield _Attempt(first, case, PAIRED)
+
+
+def _explained_as_whole(
+    arm: _Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
+) -> list[WrongNumber]:
+    """The wrong numbers of the heaviest link, explained by those of all links together.
+
+    So a body is recognized whose author split another revision's.
+    """
+    bodies = [part.body.at(part.pose) for part in parts]
+    mass = sum(body.mass for body in bodies)
+    if not mass:
+        return list(wrong)
+    com = sum(body.mass * body.com for body in bodies) / mass
+    inertia = np.zeros((3, 3))
+    for body in bodies:
+        inertia += body.inertia + parallel_axis(body.mass, body.com - com)
+    whole = Part("", Body(mass=mass, com=com, inertia=inertia), np.eye(4))
+    mistakes = {}
+    for number in _wrong_in_link(arm, arm.body, [whole], 0, digits):
+        if number.mistake:
+            words = f"all its links together have {number.mistake.words}"
+            mistakes[number.quantity] = number.mistake._replace(words=words)
+    found = []
+    for number in wrong:
+        mistake = number.mistake
+        if mistake is None and number.link == parts[0].link:
+            mistake = mistakes.get(number.quantity)
+        found.append(number._replace(mistake=mistake))
+    return found
+
+
+def _joined(*mistakes: Mistake) -> Mistake:
+    """Two mistakes as one; `RIGHT` is none."""
+    named = [mistake for mistake in mistakes if mistake.id]
+    if not named:
+        return RIGHT
+    return Mistake(
+        id=".".join(mistake.id for mistake in named),
+        words=", ".join(mistake.words for mistake in named),
+        make=named[-1].make,
+    )
+
+
+def _right(case: Case) -> list[Body]:
+    return [case.right]
+
+
+#: No mistake.
+RIGHT = Mistake("", "", _right)
+#: The right number with fewer digits than `MOST` asks for.
+ROUNDED = Mistake("rounded", "rounded to too few digits", _right)
