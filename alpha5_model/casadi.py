@@ -87,7 +87,7 @@ def inverse_kinematics(arm: Alpha5Parameters | None = None) -> casadi.Function:
         in `load`.
 
     Raises:
-        PublishedDataError: Not a vertical plane with two links in it.
+        InputError: Not a vertical plane with two links in it.
     """
     made = inverse_kinematics_of(chosen_arm(arm))
     made.__doc__ = program(made).documentation(SUMMARIES["inverse_kinematics"])

@@ -53,13 +53,19 @@ class InputError(Alpha5Error, ValueError):
     Attributes:
         name: Name of the argument.
         value: What was given.
+        expected: What is taken instead.
     """
 
     def __init__(self, name: str, value: Any, expected: str) -> None:
         self.name = name
         self.value = value
         self.expected = expected
-        super().__init__(f"{name}: expected {expected}, got {_short(value)}")
+        super().__init__(f"{name}: {self.problem}")
+
+    @property
+    def problem(self) -> str:
+        """What was expected and what was given, without the name."""
+        return f"expected {self.expected}, got {_short(self.value)}"
 
 
 class ShapeError(InputError):
@@ -92,14 +98,6 @@ class UnknownNameError(Alpha5Error, ValueError):
         super().__init__(
             f"unknown {kind} {_short(name)}; choose from {', '.join(self.choices)}"
         )
-
-
-class PublishedDataError(Alpha5Error, ValueError):
-    """A data file of published numbers that is malformed. ``place`` says where."""
-
-    def __init__(self, place: str, problem: str) -> None:
-        self.place = place
-        super().__init__(f"{place}: {problem}")
 
 
 class JointLimitError(Alpha5Error, ValueError):
@@ -312,23 +310,8 @@ class OutputError(Alpha5Error, OSError):
         super().__init__(f"cannot write {path}: {problem}")
 
 
-class PortInUseError(Alpha5Error, OSError):
-    """A network port that another program holds. ``port`` is the one asked for."""
-
-    def __init__(self, port: int) -> None:
-        self.port = port
-        super().__init__(f"port {port} is in use: choose another, or 0 for a free one")
-
-
 class ViewerError(Alpha5Error, OSError):
-    """A live viewer that is closed, or does not answer in time."""
-
-
-class NoDisplayError(Alpha5Error, OSError):
-    """A window or browser was asked for where there is no display."""
-
-    def __init__(self, remedy: str) -> None:
-        super().__init__(f"no display to open a browser on: {remedy}")
+    """A live viewer that cannot start, is closed, or does not answer in time."""
 
 
 class MissingDependencyError(Alpha5Error, ImportError):

@@ -27,7 +27,8 @@ XACRO_ARGUMENTS = (
         "locked (4 joints) or jaws (adds axis_a and two fingers that follow it)",
     ),
     ("prefix", "", "stands before every link and joint name"),
-    ("collision", "primitives", "primitives or none"),
+    ("collision", "primitives", "primitives, none, or with urdf_version capsules"),
+    ("urdf_version", "1.0", "1.0, 1.1, or 1.2 with limits of acceleration and jerk"),
     ("dh_frames", "false", "adds the massless frames dh_1 to dh_5"),
     (
         "limits_file",

@@ -21,7 +21,7 @@ from pathlib import Path
 from alpha5_model._support.spatial import Placement
 from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.codegen.sources import generated_sources
-from alpha5_model.description.bodies import arm_bodies
+from alpha5_model.description.bodies import MESHES, arm_bodies
 from alpha5_model.description.mjcf import (
     MjcfOptions,
     mjcf,
@@ -79,7 +79,7 @@ def descriptions() -> dict[str, str]:
 
 def menagerie() -> dict[str, str]:
     """``mjcf/`` in the form of MuJoCo Menagerie: jaws locked, moving, and for MJX."""
-    meshes = [f"{name}.obj" for name in bodies()]
+    meshes = [f"{name}.obj" for name in MESHES]
     texts = {
         "mjcf/README.md": mjcf_readme(MODELS[""], PICTURE),
         "mjcf/CHANGELOG.md": mjcf_files()["CHANGELOG.md"].decode(),

@@ -292,6 +292,12 @@ def frozen(array: ArrayLike) -> FloatArray:
     return np.ndarray(given.shape, np.float64, given.tobytes())
 
 
+def fill(record: Any, **values: Any) -> None:
+    """Set the checked fields of a frozen record in its ``__post_init__``."""
+    for name, value in values.items():
+        object.__setattr__(record, name, value)
+
+
 def is_rotation(matrix: FloatArray) -> BoolArray:
     """Which matrices (..., 3, 3) are rotations, within `ROTATION_TOLERANCE`."""
     with np.errstate(all="ignore"):

@@ -17,7 +17,7 @@ from alpha5_model.cli.units import LITRE, MILLIMETRE
 from alpha5_model.errors import InputError, OutputError
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.arm_file import arm_file
-from alpha5_model.numbers.arm_writing import new_arm_file
+from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.tables import JOINT_NAMES
@@ -70,7 +70,7 @@ def _new(path: Path, as_json: bool) -> None:
     """Write a file with every key."""
     if str(path) != STDOUT and path.exists():
         raise OutputError(path, "it exists; name another file")
-    atomic_write(path, new_arm_file())
+    atomic_write(path, arm_file_text(parameters(), every_key=True))
     printing.show(as_json, {"written": str(path)}, (), path)
 
 
@@ -146,15 +146,22 @@ def _frames(own: Alpha5Parameters) -> printing.Lines:
 
 
 def _joints(own: Alpha5Parameters) -> printing.Lines:
-    head = ["joint", "lower", "upper", "velocity", "effort", "theta offset"]
-    rows = [head]
+    rows = [["joint", "lower", "upper", "velocity", "effort", "theta offset"]]
     for i, joint in enumerate(own.joints):
         limits = (joint.lower, joint.upper, joint.velocity, joint.effort)
-        offset = own.dh[i].theta_offset if i < 4 else None
-        cells = [f"{x:.5g}" for x in limits]
-        rows.append([joint.name, *cells, "" if offset is None else f"{offset:.6g}"])
+        offset = f"{own.dh[i].theta_offset:.6g}" if i < 4 else ""
+        rows.append([joint.name, *(f"{x:.5g}" for x in limits), offset])
     yield "\njoints (rad, rad/s, N m; axis_a m, m/s, N)"
     yield from table(rows, "<>", 2)
+
+    if any(joint.acceleration or joint.jerk or joint.sign < 0 for joint in own.joints):
+        rows = [["joint", "acceleration", "jerk", "driver's sign"]]
+        for joint in own.joints:
+            largest = (joint.acceleration, joint.jerk)
+            cells = ["unknown" if x is None else f"{x:.5g}" for x in largest]
+            rows.append([joint.name, *cells, f"{joint.sign}"])
+        yield "\n(rad/s^2, rad/s^3; axis_a m/s^2, m/s^3)"
+        yield from table(rows, "<>", 2)
 
 
 def _bodies(own: Alpha5Parameters) -> printing.Lines:

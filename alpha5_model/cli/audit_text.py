@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from itertools import takewhile
 from typing import TypeVar
 
-from alpha5_model.proofs.audit.row import EXACT, AuditRow
+from alpha5_model.proofs.audit.row import AuditRow
 
 Row = TypeVar("Row")
 Key = TypeVar("Key", bound=Hashable)
@@ -28,9 +28,7 @@ def heading(row: AuditRow) -> str:
     """The heading under which a row is shown, a key of the command's words."""
     if row.kind != "claim":
         return row.kind
-    if row.verdict == "agrees":
-        return "agrees"
-    return str(row.category)
+    return row.category or "agrees"
 
 
 def counts(rows: Sequence[AuditRow]) -> str:
@@ -79,18 +77,9 @@ def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
     words += dict.fromkeys(row.finding for row in rows if row.finding)
     if row.used:
         words.append(f"We use {row.used}.")
-    if row.cost:
-        words.append(f"It costs {_cost(row)}.")
-    if row.source:
-        words.append(f"Source: {row.source}.")
+    if row.effect is not None:
+        words.append(f"It costs {row.effect:.3g} {row.effect_unit}: {row.cost}.")
     return " ".join(words)
-
-
-def _cost(row: AuditRow) -> str:
-    """What a difference costs, as a figure if there is one."""
-    if row.effect is None:
-        return row.cost
-    return f"{row.effect:.3g} {row.effect_unit}: {row.cost}"
 
 
 def _common_place(rows: Sequence[AuditRow]) -> str:
@@ -103,10 +92,8 @@ def _common_place(rows: Sequence[AuditRow]) -> str:
 
 def _figures(row: AuditRow) -> str:
     """What was measured and what is expected, as numbers with their unit."""
-    error = f" ± {row.standard_error:.2g}" if row.standard_error else ""
-    measured = f"{row.measured:.4g}{error} {row.unit}".rstrip()
-
-    bound = f" ± {row.bound:.2g}" if row.bound > EXACT else ""
+    measured = f"{row.measured:.4g} {row.unit}".rstrip()
+    bound = f" ± {row.bound:.2g}" if row.bound else ""
     expected = f"{row.expected:.4g}{bound} {row.unit}".rstrip()
     return f"{measured}, expected {_RELATION[row.relation]}{expected}"
 

@@ -161,7 +161,7 @@ def calibrate(
         prior=prior,
         ballast=ballast,
     )
-    atomic_write(file, session_text(planned))
+    atomic_write(file, session_text(planned, own))
     degrees = np.degrees(planned.motion.q)
     record = {
         "sensor": planned.sensor.kind,
@@ -304,7 +304,7 @@ def _fit(
     """Fit the readings of files; 1 if they contradict the model."""
     from alpha5_model.studies.calibration import fit, read_session
 
-    sessions = [read_session(file) for file in files]
+    sessions = [read_session(file, own) for file in files]
     (of_zeros,) = values.numbers("zeros", zeros, (1,), "rad")
     (of_tilt,) = values.numbers("tilt", tilt, (1,), "rad")
     with printing.spinner("fitting"):

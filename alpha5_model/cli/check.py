@@ -1,95 +1,74 @@
-"""``alpha5 check``: the documents and the generated files against the documents."""
+"""``alpha5 check``: the documents against their own numbers, a URDF against both."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from typer import Option
+from typer import Argument, Option
 
 from alpha5_model._support.text import table
 from alpha5_model.cli import audit_text, options, printing, values
+from alpha5_model.cli.compare import differences
 from alpha5_model.cli.words import WORDS
-from alpha5_model.description.verification import (
-    FileCheck,
-    verify_generated,
-    verify_urdf,
-)
 from alpha5_model.errors import InputError
 from alpha5_model.proofs.audit import audit
 from alpha5_model.proofs.audit.row import AuditRow
+from alpha5_model.proofs.comparison import compare
 
 #: The last lines of a short report.
 _MORE = "\n--verbose also shows what holds, what is printed, and what we use instead"
 
 
 def check(
+    file: Annotated[
+        Path | None, Argument(help="A URDF of the arm, compared with the tables.")
+    ] = None,
     urdf: Annotated[
-        Path | None, Option(help="Check only this file.", metavar="FILE")
+        Path | None, Option(help="The same as the argument.", metavar="FILE")
     ] = None,
     arm_file: options.Arm = None,
-    corrections: Annotated[str | None, Option(help=options.HELP["corrections"])] = None,
     verbose: Annotated[
         bool, Option("--verbose", "-v", "--all", help=options.HELP["all"])
     ] = False,
     as_json: options.Json = False,
 ) -> int:
-    """Check the documents against their own numbers, and the generated files against both.
+    """Check the documents against their own numbers, or a URDF against the documents.
 
     A document that contradicts itself is a finding, not a failure. It is an
-    error, a matter of reading, or a matter of transcription. The exit status is
-    1 only if a file fails. --verbose also shows what holds, what is printed, and
-    what we use instead. With --arm, the file of --urdf is compared with your
-    own arm.
+    error, a matter of reading, or a matter of transcription. --verbose also
+    shows what holds, what is printed, and what we use instead.
 
-    Example: alpha5 check --urdf my_arm.urdf
-    """  # noqa: E501 (a line of the help)
-    if urdf is None and corrections is not None:
-        raise InputError("corrections", corrections, "a file to check, --urdf FILE")
-    if urdf is None and arm_file is not None:
-        raise InputError("arm", str(arm_file), "a file to check, --urdf FILE")
+    With a file this is alpha5 compare: exit status 0 the file agrees with the
+    tables, or with your own arm (--arm), 1 it differs, 2 it cannot be read.
 
-    names = values.correction_names(corrections)
+    Example: alpha5 check my_arm.urdf
+    """
+    if file is not None and urdf is not None:
+        raise InputError("urdf", str(urdf), "one file to check")
+    given = file or urdf
+    if given is not None:
+        return _compare(given, arm_file, as_json)
+    if arm_file is not None:
+        raise InputError("arm", str(arm_file), "a file to check, FILE")
+
     with printing.spinner("checking"):
-        claims = audit() if urdf is None else ()
-        own = values.arm_record(arm_file)
-        if urdf is None:
-            files = verify_generated()
-        else:
-            files = verify_urdf(urdf, names, arm=own)
-    failed = any(row.verdict == "failed" for row in files)
-
-    record = {"document": claims, "files": files, "passed": not failed}
-    printing.show(as_json, record, _report(claims, files, verbose))
-    return 1 if failed else 0
+        claims = audit()
+    printing.show(as_json, {"document": claims}, _report(claims, verbose))
+    return 0
 
 
-def _report(
-    claims: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool
-) -> printing.Lines:
-    yield _summary(claims, files)
-    yield from _claims(claims, verbose)
-    yield from _file_checks(files, verbose)
-    if not verbose:
-        yield _MORE
+def _compare(file: Path, arm_file: Path | None, as_json: bool) -> int:
+    own = values.arm_record(arm_file)
+    with printing.spinner("comparing"):
+        comparison = compare(file, arm=own)
+    printing.show(as_json, comparison.as_dict(), differences(comparison))
+    return 0 if comparison.agrees else 1
 
 
-def _summary(claims: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
-    verdicts = Counter({"passed": 0, "failed": 0})
-    verdicts.update(row.verdict for row in files)
-    counts = f"files: {_counts(verdicts)}"
-    if claims:
-        counts = f"{audit_text.counts(claims)}; {counts}"
-    return counts.capitalize()
-
-
-def _counts(verdicts: Counter[Any]) -> str:
-    return ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
-
-
-def _claims(claims: Sequence[AuditRow], verbose: bool) -> printing.Lines:
+def _report(claims: Sequence[AuditRow], verbose: bool) -> printing.Lines:
+    yield audit_text.counts(claims).capitalize()
     by_heading = audit_text.grouped(claims, audit_text.heading)
     for heading, title in WORDS["check"].items():
         rows = by_heading.get(heading, [])
@@ -103,19 +82,5 @@ def _claims(claims: Sequence[AuditRow], verbose: bool) -> printing.Lines:
             for same in audit_text.alike(shown)
         ]
         yield from table(cells, "<", 2, printing.width())
-
-
-def _file_checks(files: Sequence[FileCheck], verbose: bool) -> printing.Lines:
-    yield "\nThe files against the documents"
-    for file, checks in audit_text.grouped(files, lambda row: row.file).items():
-        verdicts = Counter(row.verdict for row in checks)
-        yield f"  {file}: {_counts(verdicts)}"
-
-        shown = [row for row in checks if verbose or row.verdict != "passed"]
-        cells = [[row.verdict, row.check, _off(row), row.finding] for row in shown]
-        if cells:
-            yield from table(cells, "<", 4, printing.width())
-
-
-def _off(row: FileCheck) -> str:
-    return f"{row.measured:.1e}" if row.measured else ""
+    if not verbose:
+        yield _MORE

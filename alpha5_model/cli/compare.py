@@ -134,13 +134,14 @@ def _show(
 
 def _text(comparison: Comparison, described: ArmOfModel | None) -> printing.Lines:
     """The differences, and what the written arm file cannot say."""
-    yield from _differences(comparison)
+    yield from differences(comparison)
     if described is not None and described.left_out:
         yield "\nnot in the arm file:"
         yield from (f"· {text}" for text in described.left_out)
 
 
-def _differences(comparison: Comparison) -> printing.Lines:
+def differences(comparison: Comparison) -> printing.Lines:
+    """The lines of a comparison, for people."""
     joints = ", ".join(f"{own} = {name}" for own, name in comparison.joints.items())
     yield f"{comparison.name}: {joints or comparison.verdict}"
     if not joints:

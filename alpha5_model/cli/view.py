@@ -16,7 +16,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.cli import options, printing, values
-from alpha5_model.errors import InputError, NoDisplayError
+from alpha5_model.errors import InputError, ViewerError
 from alpha5_model.trajectory import read_motion
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.film_frames import pictures
@@ -105,7 +105,7 @@ def view(
         arm,
         None if pose is None else _position(arm, pose),
         target=None if target is None else values.numbers("target", target, (3,), "m"),
-        motion=None if motion is None else read_motion(motion),
+        motion=None if motion is None else read_motion(motion, arm=arm.parameters),
         show=None if show is None else values.names(show),
         current=values.current_vector(current),
         payload=NO_PAYLOAD
@@ -144,12 +144,13 @@ def _check_display() -> None:
     """Check that there is a screen to open a browser on.
 
     Raises:
-        NoDisplayError: There is none.
+        ViewerError: There is none.
     """
     displays = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if not displays and sys.platform not in ("darwin", "win32"):
-        raise NoDisplayError(
-            "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
+        raise ViewerError(
+            "no display to open a browser on: give --html FILE, --image FILE.png, or "
+            "--serve for a browser elsewhere"
         )
 
 

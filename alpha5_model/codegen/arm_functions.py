@@ -49,7 +49,7 @@ def products(
         tolerances: Of the inverse kinematics.
 
     Raises:
-        PublishedDataError: Not a vertical plane with two links in it.
+        InputError: Not a vertical plane with two links in it.
     """
     dimensions = Dimensions.from_numbers(Geometry.of(arm).dimensions.tolist())
     known = {one.name(): one for one in dynamics(dimensions)} | {

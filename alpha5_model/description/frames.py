@@ -19,7 +19,7 @@ from alpha5_model._support.spatial import (
     rotation_from_rpy,
     rpy_from_rotation,
 )
-from alpha5_model.errors import InputError, PublishedDataError
+from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, DHParameters
 from alpha5_model.numbers.pose import Pose
 
@@ -101,9 +101,7 @@ def tcp_placement(parameters: Alpha5Parameters) -> Placement:
     wrist = parameters.dh[3]
     last = parameters.dh[4]
     if last.variable is not None or any((last.d, last.a, last.alpha)):
-        raise PublishedDataError(
-            "Table 1, link 4", "expected a fixed rotation about z only"
-        )
+        raise InputError("dh[4]", last, "a fixed rotation about z only")
     return _after_joint(3, wrist, last.theta_offset)
 
 
@@ -140,9 +138,7 @@ def _roll_yaw(alpha: float, beta: float) -> Triple:
     sine = round(math.sin(alpha))
     cosine = round(math.cos(alpha))
     if not math.isclose(math.sin(alpha), sine, abs_tol=1e-12):
-        raise PublishedDataError(
-            "Table 1", f"alpha = {alpha} rad is not a multiple of pi/2"
-        )
+        raise InputError("alpha", alpha, "a multiple of pi/2")
     # Adding zero turns a negative zero into zero.
     pitch = -sine * beta + 0.0
     yaw = cosine * beta + 0.0

@@ -45,7 +45,7 @@ _SAME_TURN = 1e-9
 _HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Inertial:
     """Mass distribution of a body of MuJoCo.
 

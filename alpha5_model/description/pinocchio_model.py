@@ -8,6 +8,7 @@ from typing import Any
 
 from alpha5_model._support.files import read_named
 from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.description.xml_reading import parse_xml
 from alpha5_model.errors import FileFormatError
 
@@ -24,11 +25,9 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
 
     text = read_named(path, "a URDF file")
     robot = parse_urdf(text, str(path))
-    moving = sum(joint.kind != "fixed" for joint in robot.joints.values())
-    _check_size(path, moving, len(robot.links))
-    # Written anew, since Pinocchio reads no UTF-16.
+    _check(path, robot)
+    # Written anew, since Pinocchio reads no UTF-16 and no blank line at the beginning.
     tree = parse_xml(text, str(path)).top
-    _check_limits(path, tree)
     _keep_what_moves(tree)
     try:
         return pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
@@ -36,24 +35,23 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
         raise FileFormatError(path, " ".join(str(error).split())) from None
 
 
-def _check_size(path: str | os.PathLike[str], joints: int, links: int) -> None:
-    """Refuse models that are too large for Pinocchio."""
-    if joints > MOST_JOINTS:
-        problem = f"expected at most {MOST_JOINTS} joints that move, got {joints}"
+def _check(path: str | os.PathLike[str], robot: UrdfRobot) -> None:
+    """Refuse models that are too large for Pinocchio, or lack limits.
+
+    Pinocchio would print a refusal of the latter.
+    """
+    joints = [joint for joint in robot.joints.values() if joint.kind != "fixed"]
+    if len(joints) > MOST_JOINTS:
+        problem = f"expected at most {MOST_JOINTS} joints that move, got {len(joints)}"
         why = "Pinocchio's memory grows with their cube"
         raise FileFormatError(path, f"{problem}: {why}")
-    if links > MOST_LINKS:
-        problem = f"expected at most {MOST_LINKS} links, got {links}"
+    if len(robot.links) > MOST_LINKS:
+        problem = f"expected at most {MOST_LINKS} links, got {len(robot.links)}"
         why = "Pinocchio's reader calls itself for each in a row"
         raise FileFormatError(path, f"{problem}: {why}")
-
-
-def _check_limits(path: str | os.PathLike[str], robot: ET.Element) -> None:
-    """Refuse joints without the limits that they need, which Pinocchio would print."""
-    for joint in robot.findall("joint"):
-        kind = joint.get("type")
-        if kind in ("revolute", "prismatic") and joint.find("limit") is None:
-            problem = f"the {kind} joint {joint.get('name')} has no <limit>"
+    for joint in joints:
+        if joint.kind in ("revolute", "prismatic") and joint.limit is None:
+            problem = f"the {joint.kind} joint {joint.name} has no <limit>"
             raise FileFormatError(path, problem)
 
 
@@ -67,4 +65,4 @@ def _keep_what_moves(robot: ET.Element) -> None:
         element[:] = [child for child in element if child.tag in kept]
         for limit in element.findall("limit"):
             # Pinocchio requires these two, which move nothing.
-            limit.attrib = {"effort": "0", "velocity": "0", **limit.attrib}
+            limit.attrib |= {"effort": "0", "velocity": "0"}

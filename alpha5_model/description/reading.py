@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator
-from contextlib import suppress
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,8 +18,8 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import read_named
 from alpha5_model._support.spatial import cross_matrix, pose, transform
+from alpha5_model.description.urdf_remarks import floats, is_macro, remarks_of
 from alpha5_model.description.urdf_robot import (
-    Remark,
     UrdfJoint,
     UrdfLink,
     UrdfRobot,
@@ -52,16 +51,6 @@ _SIZES: dict[str, dict[str, int]] = {
     "cylinder": {"radius": 1, "length": 1},
     "capsule": {"radius": 1, "length": 1},
 }
-#: Element -> its children that may be there only once.
-_ONCE = {
-    "link": ("inertial",),
-    "inertial": ("origin", "mass", "inertia"),
-    "visual": ("origin", "geometry"),
-    "collision": ("origin", "geometry"),
-    "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
-}
-#: Elements whose attributes are single numbers.
-_SCALARS = ("mass", "inertia", "limit", "dynamics", "mimic")
 
 
 def read_urdf(path: str | Path) -> UrdfRobot:
@@ -137,13 +126,13 @@ class _Reader:
         self, element: ET.Element, name: str, count: int, default: str = ""
     ) -> list[float]:
         text = element.get(name, default) if default else self.attribute(element, name)
-        values = _floats(text)
+        values = floats(text)
         plausible = all(v == 0 or TINY < abs(v) < ABSURD for v in values)
         if len(values) != count or not plausible:
             expected = "a finite number" if count == 1 else f"{count} finite numbers"
             shown = text if len(text) < 40 else text[:37] + "..."
             problem = f"<{element.tag} {name}>: expected {expected}, got {shown!r}"
-            if _is_macro(text):
+            if is_macro(text):
                 problem += ", which is xacro: expand the file first"
             raise self.fail(element, problem)
         return values
@@ -186,7 +175,7 @@ class _Reader:
             links=links,
             joints=self.outwards(root, joints),
             version=self.top.get("version", ""),
-            remarks=tuple(self.remarks()),
+            remarks=tuple(remarks_of(self.top, self.lines)),
         )
 
     def all_links(self) -> dict[str, UrdfLink]:
@@ -248,16 +237,6 @@ class _Reader:
             raise self.fail(self.top, "the joints form a loop")
         return ordered
 
-    def remarks(self) -> Iterator[Remark]:
-        """What readers of URDF take differently."""
-        for owner in self.top:
-            is_part = owner.tag in ("link", "joint")
-            where = owner.get("name", "") if is_part else "robot"
-            for element in owner.iter():
-                for kind, text, place in _remarks_of(element, is_part):
-                    line = self.lines[place]
-                    yield Remark(kind=kind, where=where, text=text, line=line)
-
     # --- links
 
     def link(self, element: ET.Element) -> UrdfLink:
@@ -275,7 +254,7 @@ class _Reader:
         for mesh in element.iter("mesh"):
             files.append(self.attribute(mesh, "filename"))
             if "scale" in mesh.attrib:
-                scales[files[-1]] = tuple(_floats(mesh.attrib["scale"]))
+                scales[files[-1]] = tuple(floats(mesh.attrib["scale"]))
         return UrdfLink(
             name=self.attribute(element, "name"),
             mass=inertial.mass,
@@ -394,7 +373,7 @@ class _Reader:
         element = joint.find("limit")
         if element is None:
             return {}
-        names = LIMITS[2:] if kind == "continuous" else LIMITS
+        names = list(LIMITS[2:] if kind == "continuous" else LIMITS)
         if self.version >= (1, 2):
             names += LATER_LIMITS
         limits = {}
@@ -429,50 +408,3 @@ def _version(text: str) -> tuple[int, ...]:
     """The version of URDF; 1.0 if there is none, or none of the form ``1.0``."""
     match = re.fullmatch(r"(\d{1,4})\.(\d{1,4})", text)
     return tuple(map(int, match.groups())) if match else (1, 0)
-
-
-def _remarks_of(
-    element: ET.Element, is_part: bool
-) -> Iterator[tuple[str, str, ET.Element]]:
-    """Kind, text and place of what readers take differently in an element.
-
-    Args:
-        element: Any element.
-        is_part: Whether it belongs to a link or a joint.
-    """
-    if element.tag.startswith("xacro:"):
-        yield "macro", f"<{element.tag}>", element
-    for value in element.attrib.values():
-        if _is_macro(value):
-            yield "expression", value, element
-    if not is_part:
-        return
-
-    for tag in _ONCE.get(element.tag, ()):
-        for again in element.findall(tag)[1:]:
-            yield "doubled", tag, again
-    if element.tag in _SCALARS:
-        for name, value in element.attrib.items():
-            unread = value != value.rstrip() or "inf" in value.lower()
-            if unread and _floats(value):
-                yield "number", f"<{element.tag} {name}={value!r}>", element
-    if element.tag == "capsule":
-        yield "capsule", "capsule", element
-    if element.tag == "origin":
-        *axis, _ = _floats(element.get("quat_xyzw", "")) or [0.0]
-        if any(axis):
-            yield "quaternion", element.get("quat_xyzw", ""), element
-
-
-def _is_macro(text: str) -> bool:
-    """Whether a text has an expression of xacro."""
-    return "${" in text or "$(" in text
-
-
-def _floats(text: str) -> list[float]:
-    """The numbers of a text; none if one of them is not a number for URDF readers."""
-    # Python also reads digits of other scripts, and 1_000.
-    if text.isascii() and "_" not in text:
-        with suppress(ValueError):
-            return [float(part) for part in text.split()]
-    return []

@@ -139,8 +139,9 @@ class Remark:
     Attributes:
         kind: ``doubled``: an element that may be there once, of which the first was
             read; ``macro``, ``expression``: unexpanded xacro; ``quaternion``: a
-            ``quat_xyzw`` that turns; ``capsule``: such a shape; ``number``: one that
-            urdfdom cannot read, infinite or with a space behind it.
+            ``quat_xyzw`` that turns; ``capsule``: such a shape; ``shapes``: a second
+            one in a ``<geometry>``; ``number``: one that urdfdom cannot read, infinite
+            or with a space behind it.
         where: Name of the link or joint, or ``robot``.
         text: The element's tag, or what is written.
         line: Where it is in the file.

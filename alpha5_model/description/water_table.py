@@ -147,12 +147,10 @@ def _strips(
     water: dict[str, BodyHydrodynamics], com: FloatArray
 ) -> list[dict[str, Any]]:
     """The strips of a link, whose coefficients alone differ between the levels."""
-    if not water:
-        return []
-
     rows = []
-    for k, strip in enumerate(water["nominal"].strips):
-        levels = {level: list(data.strips)[k] for level, data in water.items()}
+    for strips in zip(*(data.strips for data in water.values()), strict=True):
+        levels = dict(zip(water, strips, strict=True))
+        strip = levels["nominal"]
         rows.append(
             {
                 "start_from_com": _plain(strip.start - com),

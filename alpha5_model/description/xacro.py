@@ -102,9 +102,10 @@ def _packages_found(packages: Mapping[str, str]) -> Iterator[None]:
 
 def _index_of_ros() -> Callable[[str], Any]:
     """The function by which ROS finds packages; one that finds none without ROS."""
+    find: Callable[[str], Any]
     try:
         index = importlib.import_module("ament_index_python.packages")
+        find = index.get_package_share_directory
     except ImportError:
-        return {}.__getitem__
-    find: Callable[[str], Any] = index.get_package_share_directory
+        find = dict[str, Any]().__getitem__
     return find

@@ -13,7 +13,9 @@ from alpha5_model.errors import FileFormatError
 MOST_BYTES = 64 * 2**20
 MOST_LEVELS = 100
 #: What may come before the first element: blank lines and a byte order mark.
-_BLANK = "\ufeff \t\r\n"
+_BLANK = "\ufeff \t\r\n".encode()
+_JUNK = expat.errors.codes[expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT]
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 #: How the answers of ROS tools begin that hold a robot description.
 _ANSWERS = {
     "String value is:": "the answer of `ros2 param get`",
@@ -60,6 +62,8 @@ def parse_xml(text: str | bytes, origin: str) -> XmlTree:
         return builder.parse(text)
     except expat.ExpatError as error:
         problem = f"not XML: {expat.errors.messages[error.code]}"
+        if error.code == _JUNK:
+            problem += "; delete what follows the last element"
         raise builder.fail(problem, error.lineno) from None
     except FileFormatError:
         raise
@@ -76,35 +80,35 @@ class _Builder:
         self.blank_lines = 0
         self.lines: dict[ET.Element, int] = {}
         self.elements = ET.TreeBuilder()
-        self.parser = expat.ParserCreate()
+
+    def parse(self, text: str | bytes) -> XmlTree:
+        if isinstance(text, bytes) and text[:2] in _UTF_16:
+            text = text.decode("utf-16")  # whatever its declaration says
+        content = text.encode() if isinstance(text, str) else text
+        stripped = content.lstrip(_BLANK)
+        self.blank_lines = content.count(b"\n", 0, len(content) - len(stripped))
+        self.check_start(stripped[:4000].decode(errors="replace"))
+
+        self.parser = expat.ParserCreate("utf-8" if isinstance(text, str) else None)
         self.parser.StartElementHandler = self.start
         self.parser.EndElementHandler = self.end
         self.parser.CharacterDataHandler = self.elements.data
         self.parser.StartDoctypeDeclHandler = self.document_type
-
-    def parse(self, text: str | bytes) -> XmlTree:
-        if text[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
-            text = bytes(text).decode("utf-16")  # whatever its declaration says
-        stripped: str | bytes
-        if isinstance(text, str):
-            stripped = text.lstrip(_BLANK)
-            self.blank_lines = text.count("\n", 0, len(text) - len(stripped))
-            self.check_start(stripped[:80])
-        else:
-            stripped = text.lstrip(_BLANK.encode())
-            self.blank_lines = text.count(b"\n", 0, len(text) - len(stripped))
-            self.check_start(stripped[:80].decode("latin-1"))
         self.parser.Parse(stripped, True)
         return XmlTree(top=self.elements.close(), lines=self.lines)
 
     def check_start(self, start: str) -> None:
         """Say what a text is that holds a description but is none."""
+        if not start or start.startswith("<"):
+            return
+        before, found, _ = start.partition("<")
+        problem = f"not XML: begins with {before[:40]!r}, not with <"
         for words, kind in _ANSWERS.items():
             if start.startswith(words):
-                raise self.fail(f"not XML, but {kind}: {_REMEDY}", 1)
-        if start and not start.startswith("<"):
-            shown = start.partition("<")[0][:40]
-            raise self.fail(f"not XML: begins with {shown!r}, not with <", 1)
+                problem = f"not XML, but {kind}"
+        if found:
+            problem += f": delete what comes before the first <, or {_REMEDY}"
+        raise self.fail(problem, 1)
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         self.depth += 1

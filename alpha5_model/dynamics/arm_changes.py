@@ -20,7 +20,7 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, gravity_in_base
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.pose import Pose, printed_tool
+from alpha5_model.numbers.pose import Pose, has_own_tool_point, printed_tool
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.theory.dh import DHChain
 
@@ -144,7 +144,8 @@ def _tool_alone(own: Alpha5Parameters, printed: Alpha5Parameters) -> Pose | None
     if own.tool is None:
         return None
     before = _tool_of_table_1(printed)
-    position = before.position if own.spacer else own.tool.position
+    follows = own.spacer and not has_own_tool_point(own)
+    position = before.position if follows else own.tool.position
     same_point = np.array_equal(position, before.position)
     if same_point and np.array_equal(own.tool.rotation, before.rotation):
         return None

@@ -19,7 +19,7 @@ from alpha5_model.description.frames import (
     tcp_placement,
 )
 from alpha5_model.dynamics.dimensions import check_dimensions
-from alpha5_model.errors import InputError, PublishedDataError
+from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
@@ -74,7 +74,7 @@ def kernel_parameters(arm: Any) -> FloatArray | None:
     record = arm.parameters
     try:
         geometry = Geometry.of(record)
-    except PublishedDataError:
+    except InputError:
         return None
     if not _has_the_joints_of(record, model):
         return None

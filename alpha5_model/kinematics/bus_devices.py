@@ -2,7 +2,8 @@
 
 The bus counts from the tip: device 1 is the jaws, device 5 the base. It reports the
 jaws in mm and the four turning joints in rad. This package counts from the base, and
-has the jaw rod in m. Zeros and signs are the same.
+has the jaw rod in m. Directions are the same, unless an arm file has ``[signs]``; zeros
+of an arm file are part of its model.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ def q_from_devices(
     Args:
         devices: Device -> its position, a number or an array (...) of samples: 5, 4, 3
             and 2 in rad (``axis_e`` to ``axis_b``), optionally 1, the jaws, in mm.
-        arm: Record of an arm of your own, for the devices and ranges of its joints;
-            None for the catalogue's.
+        arm: Record of an arm of your own, for the devices, signs and ranges of its
+            joints; None for the catalogue's.
 
     Returns:
         (..., 4) [rad], base to tip, with device 1 (..., 5) with the jaw rod [m].
@@ -54,7 +55,7 @@ def q_from_devices(
     for joint in joints:
         name = f"devices[{joint.device_id}]"
         reported = float_array(name, devices[joint.device_id], ())
-        position = reported / _per_si_unit(joint)
+        position = reported / _devices_unit(joint)
         _check_range(name, reported, position, joint)
         positions.append(position)
 
@@ -74,8 +75,8 @@ def devices_from_q(
 
     Args:
         q: (..., 4) [rad], base to tip, or (..., 5) with the jaw rod [m].
-        arm: Record of an arm of your own, for the devices of its joints; None for the
-            catalogue's.
+        arm: Record of an arm of your own, for the devices and signs of its joints; None
+            for the catalogue's.
 
     Returns:
         Device -> its position, (...): 5, 4, 3 and 2 in rad, 1 in mm.
@@ -89,7 +90,7 @@ def devices_from_q(
         raise ShapeError("q", positions.shape, expected)
     joints = chosen_arm(arm).joints[: positions.shape[-1]]
     return {
-        joint.device_id: positions[..., k] * _per_si_unit(joint)
+        joint.device_id: positions[..., k] * _devices_unit(joint)
         for k, joint in enumerate(joints)
     }
 
@@ -116,9 +117,9 @@ def _joints_of(
     return [joint for joint in parameters.joints if joint.device_id in devices]
 
 
-def _per_si_unit(joint: JointParameters) -> float:
-    """Units of the bus in a rad, or in a m of the jaw rod."""
-    return _MM_PER_M if joint.name == _ROD else 1.0
+def _devices_unit(joint: JointParameters) -> float:
+    """What a device reports for a rad, or for a m of the jaw rod, with its sign."""
+    return joint.sign * (_MM_PER_M if joint.name == _ROD else 1.0)
 
 
 def _check_range(
@@ -134,7 +135,8 @@ def _check_range(
     above = position > joint.upper + slack
     if (below | above).any():
         value = float(reported[below | above].flat[0])
-        factor = _per_si_unit(joint)
         unit = "mm" if joint.name == _ROD else "rad"
-        ends = f"{factor * joint.lower:.4g} to {factor * joint.upper:.4g} {unit}"
+        factor = _devices_unit(joint)
+        low, high = sorted((factor * joint.lower, factor * joint.upper))
+        ends = f"{low:.4g} to {high:.4g} {unit}"
         raise InputError(name, value, f"{joint.name} in its range of {ends}")

@@ -31,7 +31,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray, frozen
-from alpha5_model.errors import InputError, PublishedDataError
+from alpha5_model.errors import InputError
 from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE, DOUBLE, Tolerances
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.pose import tool_of
@@ -66,7 +66,7 @@ class Geometry:
         """The geometry of the arm that a record describes, made once.
 
         Raises:
-            PublishedDataError: Not a vertical plane with two links in it.
+            InputError: Not a vertical plane with two links in it.
         """
         return _geometry(record)
 
@@ -202,7 +202,8 @@ def _geometry(record: Alpha5Parameters) -> Geometry:
     twists = [row_0.alpha, row_1.alpha, row_2.alpha]
     must_be_zero = [row_1.d, row_2.d, row_3.a, row_4.d, row_4.a]
     if twists != _TWISTS or any(must_be_zero):
-        raise PublishedDataError("Table 1", "not a vertical plane with two links in it")
+        expected = "a vertical plane with two links in it, as Table 1's"
+        raise InputError("dh", record.dh, expected)
 
     tool = tool_of(record)
     pose = np.column_stack([tool.rotation, tool.position])

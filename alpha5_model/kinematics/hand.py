@@ -42,7 +42,7 @@ class Hand(NamedTuple):
         """The hand of the arm that a record describes, made once.
 
         Raises:
-            PublishedDataError: Not a vertical plane with two links in it.
+            InputError: Not a vertical plane with two links in it.
         """
         return _hand(record)
 

@@ -120,9 +120,8 @@ def inverse_kinematics(
         Four branches per target, whether each exists and respects the limits.
 
     Raises:
-        InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names
-            a bad row.
-        PublishedDataError: An arm that is not a vertical plane with two links in it.
+        InputError: Not real numbers, or shapes that do not fit (`NonFiniteError` names
+            a bad row), or an arm that is not a vertical plane with two links in it.
     """
     record = chosen_arm(arm)
     geometry = Geometry.of(record)

@@ -1,53 +1,54 @@
-"""An arm of your own from a TOML file: the catalogue's arm with other values."""
+"""An arm of your own from a TOML file: the catalogue's arm with other values.
+
+The reader turns keys into records, which check themselves. An error of a record is
+given the key of the file that it is about.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import difflib
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
-from decimal import Decimal
+from decimal import Context, Decimal
 from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, plain_name
+from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model._support.toml import toml_tables
-from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
 from alpha5_model.numbers import arm_schema as schema
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.arm_checks import FARTHEST_TOOL, LENGTHS, check_inside
-from alpha5_model.numbers.arm_oddities import warn_of_oddities
-from alpha5_model.numbers.arm_values import (
-    ArmFileError,
-    Value,
-    one_of,
-    shown,
-    table,
-    value,
-    values,
-)
-from alpha5_model.numbers.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
-from alpha5_model.numbers.covariance import Covariance
-from alpha5_model.numbers.covariance_table import read_covariance
-from alpha5_model.numbers.inertia import inconsistencies
+from alpha5_model.numbers.arm_checks import LENGTHS, warn_of_oddities
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.numbers.covariance import Covariance, key_of
 from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.motors import CONSTANTS, Motors
+from alpha5_model.numbers.motors import Motors
 from alpha5_model.numbers.parameters import (
+    ActuatorParameters,
     Alpha5Parameters,
+    DHParameters,
     JointParameters,
     LinkParameters,
+    Measurement,
     parameters,
 )
-from alpha5_model.numbers.pose import Pose, printed_tool, tool_of
+from alpha5_model.numbers.pose import Pose, tool_of
 from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.tables import BODY_NAMES, JOINT_NAMES
 
 #: Of the file: its largest size, its most attached bodies.
 MOST_BYTES = 64 * 1024
 MOST_ATTACHED = 32
+#: Largest magnitude of a written number.
+_LARGEST = 1e12
 #: Difference of orientations that is rounding.
 _SAME_ROTATION = 1e-12
+#: Enough digits that a product of decimals is rounded once, to a double.
+_EXACT = Context(prec=40)
 
 
 def arm_file(path: PathLike) -> Alpha5Parameters:
@@ -66,7 +67,7 @@ def arm_file(path: PathLike) -> Alpha5Parameters:
     Raises:
         MissingFileError: No such file.
         FileFormatError: Not TOML, an unknown key or unit, or a value that no arm of
-            this kind has. The message names file, key and value.
+            this kind has. ``place`` is the key.
 
     Warns:
         ImplausibleWarning: Values that are possible, but odd.
@@ -78,222 +79,317 @@ def arm_file(path: PathLike) -> Alpha5Parameters:
         raise FileFormatError(path, "expected TOML, which is UTF-8 text") from None
     tables = toml_tables(text, str(path), _decimal)
     try:
-        with plausibility.prefixed(f"{path}: "):
-            return arm_of_tables(tables)
-    except ArmFileError as error:
-        raise FileFormatError(path, error.problem, error.key) from None
-    except InputError as error:  # of a record that no table above has refused
-        raise FileFormatError(path, str(error)) from None
-
-
-def arm_of_tables(given: dict[str, Any]) -> Alpha5Parameters:
-    """The arm that the tables of a file describe.
-
-    Args:
-        given: As `tomllib` returns them, with floats as Decimal.
-
-    Raises:
-        ArmFileError: What `arm_file` refuses.
-    """
-    table("", given, schema.TOP)
-    _check_format(given)
-    base = parameters(_corrections(given))
-    reader = _Reader(given, base)
-    own = replace(
-        base,
-        dh=reader.dh(),
-        links=reader.links(),
-        joints=reader.joints(),
-        attached=reader.attached(),
-        **reader.motors(),
-        mount=reader.mount(),
-        name=_checked("name", given.get("name", base.name)),
-    )
-    own = replace(
-        own,
-        tool=reader.tool(own),
-        measurements=tuple(reader.measurements),
-        covariance=reader.covariance(),
-    )
-    _check_wrist(own)
-    warn_of_oddities(own, base, set(reader.keys))
-    return own
-
-
-def _check_wrist(arm: Alpha5Parameters) -> None:
-    """Refuse a link 4 that is no possible body without the jaws."""
-    try:
-        split_link_4(arm)
+        with plausibility.of_file(path):
+            return _Reader(tables).arm()
+    except UnknownNameError as error:
+        problem = f"expected one of {', '.join(error.choices)}, got {error.name!r}"
+        raise FileFormatError(path, problem, error.kind) from None
     except InputError as error:
-        problem = f"{error.value}; expected {error.expected}"
-        raise ArmFileError("links.link_4", problem) from None
+        raise FileFormatError(path, error.problem, error.name) from None
 
 
 class _Reader:
-    """Reads the tables of a file and remembers the keys that it has read."""
+    """Reads the tables of a file.
 
-    def __init__(self, given: dict[str, Any], base: Alpha5Parameters) -> None:
-        self.given = given
-        self.base = base
-        self.keys: list[str] = []
-        self.measurements: list[Any] = []
+    Attributes:
+        given: As `tomllib` returns them, with floats as Decimal.
+        base: The catalogue's arm with the corrections of the file.
+        keys: Of the values that have been read.
+        measurements: Of these values.
+    """
 
-    def dh(self) -> tuple[Any, ...]:
+    def __init__(self, given: dict[str, Any]) -> None:
+        self.given = _table("", given, schema.TOP)
+        version = given.get("format")
+        if type(version) is not int or version != schema.FORMAT:
+            expected = f"format = {schema.FORMAT}, the version of the keys"
+            raise InputError("format", version, expected)
+        self.base = parameters(_corrections(given))
+        self.keys: set[str] = set()
+        self.measurements: list[Measurement] = []
+
+    def arm(self) -> Alpha5Parameters:
+        """The record of the arm."""
+        with _named({"mount.position": "mount.xyz", "tool.position": "tool.xyz"}):
+            own = replace(
+                self.base,
+                dh=self._dh(),
+                links=self._links(),
+                joints=self._joints(),
+                attached=self._attached(),
+                actuators=self._actuators(),
+                motors=self._motors(),
+                mount=self._mount(),
+                name=self.given.get("name", self.base.name),
+            )
+            own = replace(
+                own,
+                tool=self._tool(own),
+                measurements=tuple(self.measurements),
+                covariance=self._covariance(),
+            )
+        split_link_4(own)  # refuses a link 4 without a possible wrist
+        warn_of_oddities(own, self.base, self.keys)
+        return own
+
+    # --- parts of the record ----------------------------------------------------------
+
+    def _dh(self) -> tuple[DHParameters, ...]:
         """The rows of Table 1 with own lengths and zeros."""
         rows = list(self.base.dh)
-        for name, length in self._values("lengths", schema.LENGTHS).items():
+        for name, length in self._part("lengths", schema.LENGTHS).items():
             i, field = LENGTHS[name]
-            printed = getattr(rows[i], field)
-            own = float(length.number)
-            if own * printed <= 0:
-                side = "above 0" if printed > 0 else "below 0"
-                problem = f"{length.written}; expected a length {side}, as Table 1's"
-                raise ArmFileError(f"lengths.{name}", f"{problem} {printed:g} m")
-            change: dict[str, Any] = {field: own}
-            rows[i] = replace(rows[i], **change)
-
-        for name, zero in self._values("zeros", schema.ZEROS).items():
+            with _named({field: f"lengths.{name}"}):
+                rows[i] = replace(rows[i], **{field: length})
+        for name, zero in self._part("zeros", schema.ZEROS).items():
+            plausibility.check(f"zeros.{name}", zero, plausibility.ANGLE)
             i = JOINT_NAMES.index(name)
-            offset = rows[i].theta_offset + float(zero.number)
-            rows[i] = replace(rows[i], theta_offset=offset)
+            rows[i] = replace(rows[i], theta_offset=rows[i].theta_offset + zero)
         return tuple(rows)
 
-    def joints(self) -> tuple[JointParameters, ...]:
-        """The joints with own limits."""
-        tables = table("joint_limits", self._part("joint_limits"), JOINT_NAMES)
+    def _joints(self) -> tuple[JointParameters, ...]:
+        """The joints with own limits and directions."""
+        limits = _table("joint_limits", self.given.get("joint_limits", {}), JOINT_NAMES)
+        signs = _table("signs", self.given.get("signs", {}), JOINT_NAMES)
         joints = []
         for joint in self.base.joints:
-            keys = schema.JOINT_LIMITS[joint.name]
             key = f"joint_limits.{joint.name}"
-            given = table(key, tables.get(joint.name, {}), keys)
-            found = self._kept(values(key, given, keys))
-            joints.append(_limited(key, joint, found))
+            keys = schema.JOINT_LIMITS[joint.name]
+            found = self._values(key, limits.get(joint.name, {}), keys)
+            changes = {schema.LIMIT_FIELDS[name]: x for name, x in found.items()}
+            if joint.name in signs:
+                changes["sign"] = signs[joint.name]
+            names = {
+                f"{joint.name}.{field}": f"{key}.{name}"
+                for name, field in schema.LIMIT_FIELDS.items()
+            }
+            names[f"{joint.name}.range"] = key
+            names[f"{joint.name}.sign"] = f"signs.{joint.name}"
+            with _named(names):
+                joints.append(replace(joint, **changes) if changes else joint)
         return tuple(joints)
 
-    def links(self) -> tuple[LinkParameters, ...]:
+    def _links(self) -> tuple[LinkParameters, ...]:
         """The links with own masses and volumes."""
-        tables = table("links", self._part("links"), BODY_NAMES)
+        given = _table("links", self.given.get("links", {}), BODY_NAMES)
         links = []
         for link in self.base.links:
             key = f"links.{link.name}"
-            keys = schema.LINKS[link.name]
-            given = table(key, tables.get(link.name, {}), keys)
-            own = _numbers(self._kept(values(key, given, keys)))
-            if own:
-                _check_body(key, {**vars(link), **own}, link.bounds)
+            own = self._values(key, given.get(link.name, {}), schema.LINKS[link.name])
             links.append(replace(link, **own) if own else link)
         return tuple(links)
 
-    def attached(self) -> tuple[AttachedBody, ...]:
+    def _attached(self) -> tuple[AttachedBody, ...]:
         """The bodies that are attached to links."""
         given = self.given.get("attached", [])
         if not isinstance(given, list) or len(given) > MOST_ATTACHED:
             expected = f"at most {MOST_ATTACHED} tables [[attached]]"
-            raise ArmFileError("attached", f"{shown(given)}; expected {expected}")
-        bodies: list[AttachedBody] = []
+            raise InputError("attached", _shown(given), expected)
+        bodies = []
         for i, body in enumerate(given):
-            place = f"attached[{i}]"
-            table(place, body, ("name", "link", *schema.ATTACHED))
+            _table(f"attached[{i}]", body, ("name", "link", *schema.ATTACHED))
             for key in ("name", "link", "at", "mass"):
-                if key not in body:
-                    raise ArmFileError(f"{place}.{key}", "missing")
-            name = _checked(f"{place}.name", body["name"])
-            if name in (*BODY_NAMES, *(other.name for other in bodies)):
-                problem = f"{name!r}; expected a name that no other body has"
-                raise ArmFileError(f"{place}.name", problem)
-            found = self._kept(values(f"attached.{name}", body, schema.ATTACHED))
-            bodies.append(_attached(f"attached.{name}", name, body["link"], found))
+                _required(f"attached[{i}]", body, key)
+            with _named({"attached.name": f"attached[{i}].name"}):
+                bodies.append(self._attached_body(body))
         return tuple(bodies)
 
-    def mount(self) -> Pose | None:
+    def _attached_body(self, given: dict[str, Any]) -> AttachedBody:
+        """One of them."""
+        key = f"attached.{given['name']}"
+        found = self._values(key, given, schema.ATTACHED, also=("name", "link"))
+        with _named({f"{key}.position": f"{key}.at"}):
+            return AttachedBody(
+                name=given["name"],
+                link=given["link"],
+                position=found["at"],
+                rotation=_rotation(key, found),
+                spacer=found.get("spacer", 0.0),
+                mass=found["mass"],
+                com=found.get("com", np.zeros(3)),
+                inertia=found.get("inertia", np.zeros((3, 3))),
+                volume=found.get("volume", 0.0),
+                cob=found.get("cob", found.get("com", np.zeros(3))),
+            )
+
+    def _mount(self) -> Pose | None:
         """Where the arm is mounted; None if the file does not say."""
         if "mount" not in self.given:
             return None
-        given = table("mount", self.given["mount"], ("parent", *schema.MOUNT))
-        found = self._kept(values("mount", given, schema.MOUNT))
+        given = self.given["mount"]
+        found = self._values("mount", given, schema.MOUNT, also=("parent",))
         return Pose(
-            parent=_checked("mount.parent", given.get("parent", "world")),
-            position=_array(found, "xyz"),
-            rotation=_rotation(found),
+            position=found.get("xyz", np.zeros(3)),
+            rotation=_rotation("mount", found),
+            parent=given.get("parent", "world"),
         )
 
-    def tool(self, own: Alpha5Parameters) -> Pose | None:
+    def _tool(self, own: Alpha5Parameters) -> Pose | None:
         """The tool of the arm; None for Table 1's.
 
         Args:
             own: The arm with all but the tool.
         """
-        found = self._values("tool", schema.TOOL)
+        found = self._part("tool", schema.TOOL)
         printed = tool_of(own)
-        position = printed.position
-        rotation = printed.rotation
-        if "xyz" in found:
-            _check_tool_point(found["xyz"], own)
-            position = found["xyz"].number
-        if "rpy" in found:
-            given = _rotation(found)
-            if np.abs(given - rotation).max() > _SAME_ROTATION:
-                rotation = given
-
-        as_before = np.array_equal(position, printed.position)
-        if as_before and rotation is printed.rotation:
-            return own.tool
+        position = found.get("xyz", printed.position)
+        rotation = _rotation("tool", found) if "rpy" in found else printed.rotation
+        if np.abs(rotation - printed.rotation).max() <= _SAME_ROTATION:
+            rotation = printed.rotation
+            if np.array_equal(position, printed.position):
+                return own.tool
         return Pose(position=position, rotation=rotation)
 
-    def motors(self) -> dict[str, Any]:
-        """The fields ``motors`` and ``actuators``."""
-        per_joint = {**schema.DRIVES, **schema.ACTUATORS}
-        names = ("supply_voltage", "constants", *per_joint)
-        given = table("motors", self._part("motors"), names)
-        supply = self._kept(
-            values("motors", given, {"supply_voltage": schema.SUPPLY_VOLTAGE})
-        )
-        found = {
-            name: self._of_joints(f"motors.{name}", given[name], key)
-            for name, key in per_joint.items()
-            if name in given
-        }
+    def _actuators(self) -> tuple[ActuatorParameters, ...]:
+        """The rows of Table 4 with own numbers."""
+        found = self._of_joints(schema.ACTUATORS)
         actuators = []
         for i, row in enumerate(self.base.actuators):
-            own = {n: found[n][i] for n in schema.ACTUATORS if i in found.get(n, {})}
-            actuators.append(replace(row, **own) if own else row)
-        return {
-            "motors": _motors(given, supply, found),
-            "actuators": tuple(actuators),
-        }
+            own: dict[str, Any] = {name: of[i] for name, of in found.items()}
+            own = {name: number for name, number in own.items() if number is not None}
+            names = {name: self._key_of_joint(name, i) for name in own}
+            with _named(names):
+                actuators.append(replace(row, **own) if own else row)
+        return tuple(actuators)
 
-    def covariance(self) -> Covariance | None:
+    def _motors(self) -> Motors:
+        """Supply, drivers and rotors."""
+        given = self.given.get("motors", {})
+        fields: dict[str, Any] = {}
+        if "supply_voltage" in given:
+            key = "motors.supply_voltage"
+            supply = self._value(key, given["supply_voltage"], schema.SUPPLY_VOLTAGE)
+            fields["supply_voltage"] = supply
+        if "constants" in given:
+            fields["constants"] = given["constants"]
+        names = {"supply_voltage": "motors.supply_voltage"}
+        for name, by_joint in self._of_joints(schema.DRIVES).items():
+            field = schema.DRIVE_FIELDS[name]
+            fields[field] = tuple(by_joint)
+            for i in range(len(JOINT_NAMES)):
+                names[f"{field}[{i}]"] = self._key_of_joint(name, i)
+        with _named(names):
+            return Motors(**fields)
+
+    def _covariance(self) -> Covariance | None:
         """How well a calibration knows the numbers that were read before."""
         if "covariance" not in self.given:
             return None
+        given = _table("covariance", self.given["covariance"], schema.COVARIANCE)
+        for key in schema.COVARIANCE:
+            _required("covariance", given, key)
+        names = given["names"]
+        if not isinstance(names, list) or len(names) > len(schema.NUMBERS):
+            expected = "a list of names such as links.link_2.com.x"
+            raise InputError("covariance.names", _shown(names), expected)
         measured = {one.key for one in self.measurements if one.half_width is not None}
-        return read_covariance(self.given["covariance"], measured)
+        for name in names:
+            choice("covariance.names", name, schema.NUMBERS)
+            if key_of(name) not in measured:
+                expected = f"a half_width of {key_of(name)} in this file"
+                raise InputError("covariance.names", name, expected)
 
-    def _of_joints(self, key: str, given: Any, of_one: schema.Key) -> dict[int, float]:
-        """Index of a joint -> its value: one for all, or a table by joint."""
-        is_one = not isinstance(given, dict) or "value" in given
-        if is_one:
-            whole = self._kept({"": value(key, given, of_one)})[""]
-            return dict.fromkeys(range(len(JOINT_NAMES)), float(whole.number))
-        table(key, given, JOINT_NAMES)
-        found = self._kept(values(key, given, dict.fromkeys(JOINT_NAMES, of_one)))
-        return {JOINT_NAMES.index(n): float(v.number) for n, v in found.items()}
+        rows = given["factor"]
+        rank = len(rows[0]) if _is_list(rows) and _is_list(rows[0]) else 0
+        shape = (len(names), rank)
+        return Covariance(
+            names=tuple(names),
+            deviation=_array("covariance.deviation", given["deviation"], shape[:1]),
+            factor=_array("covariance.factor", rows, shape),
+        )
 
-    def _part(self, name: str) -> Any:
-        return self.given.get(name, {})
+    # --- values -----------------------------------------------------------------------
 
-    def _values(self, name: str, keys: Any) -> dict[str, Value]:
+    def _part(self, name: str, keys: Mapping[str, schema.Key]) -> dict[str, Any]:
         """The values of one of the file's tables."""
-        given = table(name, self._part(name), keys)
-        return self._kept(values(name, given, keys))
+        return self._values(name, self.given.get(name, {}), keys)
 
-    def _kept(self, found: dict[str, Value]) -> dict[str, Value]:
-        """The same values, their keys and measurements remembered."""
-        for each in found.values():
-            self.keys.append(each.key)
-            if each.measurement:
-                self.measurements.append(each.measurement)
+    def _values(
+        self,
+        table: str,
+        given: Any,
+        keys: Mapping[str, schema.Key],
+        also: tuple[str, ...] = (),
+    ) -> dict[str, Any]:
+        """The values of a table, in SI units.
+
+        Args:
+            table: Its key.
+            given: What the file has there.
+            keys: The schema of its values; those that are not given are left out.
+            also: Keys of other things.
+        """
+        _table(table, given, (*also, *keys))
+        return {
+            name: self._value(f"{table}.{name}", given[name], key)
+            for name, key in keys.items()
+            if name in given
+        }
+
+    def _value(self, key: str, given: Any, of: schema.Key) -> Any:
+        """A value in SI units; its source and half width are kept.
+
+        Args:
+            key: Its key.
+            given: A number, a nested list of numbers, or a table with ``value``.
+            of: Its schema.
+        """
+        whole = given if isinstance(given, dict) else {"value": given}
+        _table(key, whole, ("value", "unit", "source", "half_width"))
+        _required(key, whole, "value")
+        written = whole.get("unit", of.unit)
+        unit = of.unit_of(written) if isinstance(written, str) else None
+        if unit is None:
+            expected = f"a unit, one of {', '.join(of.units)}"
+            raise InputError(key, _shown(written), expected)
+        size = of.units[unit]
+        number = _array(key, whole["value"], of.shape, size)
+
+        source = whole.get("source", "")
+        half_width = None
+        if not isinstance(source, str):
+            raise InputError(f"{key}.source", _shown(source), "a text")
+        if "half_width" in whole:
+            name = f"{key}.half_width"
+            half_width = float(_array(name, whole["half_width"], (), size))
+            if of.positive and half_width > number:
+                expected = "0 to the value, whose unit it has"
+                raise InputError(name, _shown(whole["half_width"]), expected)
+        if source or half_width is not None:
+            self.measurements.append(Measurement(key, source, half_width))
+        self.keys.add(key)
+        return number if of.shape else float(number)
+
+    def _of_joints(
+        self, keys: Mapping[str, schema.Key]
+    ) -> dict[str, list[float | None]]:
+        """Key of ``[motors]`` -> its value for each joint, None if not given.
+
+        The file gives one value for all joints, or a table by joint.
+        """
+        known = ("supply_voltage", "constants", *schema.DRIVES, *schema.ACTUATORS)
+        tables = _table("motors", self.given.get("motors", {}), known)
+        found: dict[str, list[float | None]] = {}
+        for name, key in keys.items():
+            given = tables.get(name, {})
+            if _is_one_value(given):
+                one = self._value(f"motors.{name}", given, key)
+                found[name] = [one] * len(JOINT_NAMES)
+            elif given:
+                of_joint = dict.fromkeys(JOINT_NAMES, key)
+                values = self._values(f"motors.{name}", given, of_joint)
+                found[name] = [values.get(joint) for joint in JOINT_NAMES]
         return found
+
+    def _key_of_joint(self, name: str, i: int) -> str:
+        """The key of a joint's value in ``[motors]``."""
+        one_for_all = _is_one_value(self.given["motors"][name])
+        return f"motors.{name}" if one_for_all else f"motors.{name}.{JOINT_NAMES[i]}"
+
+
+def _is_one_value(given: Any) -> bool:
+    """Whether it is a value and not a table by joint."""
+    return not isinstance(given, dict) or "value" in given
 
 
 def _decimal(text: str) -> Decimal:
@@ -304,145 +400,104 @@ def _decimal(text: str) -> Decimal:
         return Decimal("0" if "e-" in text.lower() else "inf")
 
 
-def _check_format(given: dict[str, Any]) -> None:
-    """Refuse a file of another format."""
-    if "format" not in given:
-        raise ArmFileError("format", f"missing; write format = {schema.FORMAT}")
-    if type(given["format"]) is not int or given["format"] != schema.FORMAT:
-        problem = (
-            f"{shown(given['format'])}; this version reads format = {schema.FORMAT}"
-        )
-        raise ArmFileError("format", problem)
-
-
 def _corrections(given: dict[str, Any]) -> tuple[str, ...]:
     """The names of the corrections."""
-    names = given.get("corrections", list(DEFAULT_CORRECTIONS))
-    if not isinstance(names, list):
-        expected = f"a list of names, such as {list(DEFAULT_CORRECTIONS)}"
-        raise ArmFileError("corrections", f"{shown(names)}; expected {expected}")
-    return tuple(one_of("corrections", name, CORRECTIONS) for name in names)
-
-
-def _checked(key: str, given: Any) -> str:
-    """A plain name."""
     try:
-        return plain_name(key, given)
+        return check_corrections(given.get("corrections", DEFAULT_CORRECTIONS))
+    except UnknownNameError as error:
+        raise UnknownNameError("corrections", error.name, error.choices) from None
+
+
+@contextmanager
+def _named(keys: Mapping[str, str]) -> Iterator[None]:
+    """A context in which an error about a field of a record names a key of the file.
+
+    Args:
+        keys: Name in errors of the record -> key.
+    """
+    try:
+        yield
     except InputError as error:
-        problem = f"{shown(given)}; expected {error.expected}"
-        raise ArmFileError(key, problem) from None
+        name = keys.get(error.name, error.name)
+        raise InputError(name, error.value, error.expected) from None
 
 
-def _limited(key: str, joint: JointParameters, found: dict[str, Value]) -> Any:
-    """A joint with its own limits."""
-    own: dict[str, Any] = {
-        schema.LIMIT_FIELDS[name]: float(limit.number) for name, limit in found.items()
-    }
-    lower = own.get("lower", joint.lower)
-    upper = own.get("upper", joint.upper)
-    unit = "rad" if joint.kind == "revolute" else "m"
-    if not lower < upper:
-        problem = f"min_position {lower:.4g} is not below max_position {upper:.4g}"
-        raise ArmFileError(key, f"{problem} {unit}")
-    if joint.kind == "revolute" and upper - lower >= 2 * np.pi:
-        problem = f"min_position {lower:.4g} to max_position {upper:.4g} rad"
-        raise ArmFileError(key, f"{problem}; expected less than a full turn")
-    return replace(joint, **own) if own else joint
+def _table(key: str, given: Any, names: Iterable[str]) -> dict[str, Any]:
+    """A table without unknown keys.
+
+    Args:
+        key: Its own key; empty for the file.
+        given: What the file has there.
+        names: The keys that it may have.
+    """
+    if not isinstance(given, dict):
+        raise InputError(key, _shown(given), "a table")
+    known = tuple(names)
+    for name in given:
+        if name not in known:
+            near = difflib.get_close_matches(name[:40], known, n=1)
+            expected = f"one of {', '.join(known)}"
+            if near:
+                expected = f"a known key, perhaps {near[0]!r}"
+            raise InputError(key, name, expected)
+    return given
 
 
-def _numbers(found: dict[str, Value]) -> dict[str, Any]:
-    """Name -> number or array."""
-    return {
-        name: each.number if each.number.ndim else float(each.number)
-        for name, each in found.items()
-    }
+def _required(table: str, given: dict[str, Any], key: str) -> None:
+    if key not in given:
+        raise InputError(f"{table}.{key}", None, "a value")
 
 
-def _array(found: dict[str, Value], name: str) -> FloatArray:
-    """Three numbers, zeros if they are not given."""
-    return found[name].number if name in found else np.zeros(3)
+def _array(
+    key: str, given: Any, shape: tuple[int, ...], size: Decimal | float = 1.0
+) -> FloatArray:
+    """Numbers in a nested list of a shape.
+
+    Args:
+        key: Their key.
+        given: What the file has there.
+        shape: Of the result.
+        size: Of their unit, in SI units.
+    """
+    numbers = _numbers(key, given, shape)
+    if isinstance(size, Decimal):
+        found = [float(_EXACT.multiply(number, size)) for number in numbers]
+    else:
+        found = [float(number) * size for number in numbers]
+    return np.array(found).reshape(shape)
 
 
-def _rotation(found: dict[str, Value]) -> FloatArray:
-    """The rotation of ``rpy``."""
-    return rotation_from_rpy(_array(found, "rpy"))
+def _numbers(key: str, given: Any, shape: tuple[int, ...]) -> list[Decimal]:
+    """The numbers of a nested list of a shape, in one list."""
+    if not shape:
+        if isinstance(given, bool) or not isinstance(given, int | Decimal):
+            raise InputError(key, _shown(given), "a number")
+        number = Decimal(given)
+        if not number.is_finite() or number.copy_abs() > _LARGEST:
+            raise InputError(key, float(number), f"a number below {_LARGEST:g}")
+        return [number]
+    if not isinstance(given, list) or len(given) != shape[0]:
+        what = "numbers" if len(shape) == 1 else f"rows of {shape[1]} numbers"
+        raise InputError(key, _shown(given), f"{shape[0]} {what}")
+    found = []
+    for item in given:
+        found += _numbers(key, item, shape[1:])
+    return found
 
 
-def _check_body(key: str, body: dict[str, Any], bounds: FloatArray | None) -> None:
-    """Refuse a body that cannot exist."""
-    if bounds is not None:
-        try:
-            check_inside("com", body["com"], bounds)
-        except InputError as error:
-            problem = f"{np.round(body['com'], 6).tolist()} m; expected"
-            raise ArmFileError(f"{key}.com", f"{problem} {error.expected}") from None
-    wrong = inconsistencies(body["mass"], body["com"], body["inertia"])
-    if wrong and np.any(body["inertia"]):
-        expected = "at the COM, products as in URDF, in kg m^2"
-        problem = f"no body has it: {wrong[0]}; expected it {expected}"
-        raise ArmFileError(f"{key}.inertia", problem)
+def _rotation(table: str, found: Mapping[str, Any]) -> FloatArray:
+    """The rotation of ``rpy`` in a table; none if it is not given."""
+    rpy = found.get("rpy", np.zeros(3))
+    plausibility.check(f"{table}.rpy", np.abs(rpy).max(), plausibility.ANGLE)
+    return rotation_from_rpy(rpy)
 
 
-def _attached(key: str, name: str, link: Any, found: dict[str, Value]) -> AttachedBody:
-    """A body that is attached to a link."""
-    numbers = _numbers(found)
-    body: dict[str, Any] = {
-        "mass": numbers["mass"],
-        "com": numbers.get("com", np.zeros(3)),
-        "inertia": numbers.get("inertia", np.zeros((3, 3))),
-        "volume": numbers.get("volume", 0.0),
-    }
-    _check_body(key, body, None)
-    carrier = one_of(f"{key}.link", link, BODY_NAMES)
-    spacer = numbers.get("spacer", 0.0)
-    if spacer and carrier != "link_4":
-        problem = f"{found['spacer'].written} on {carrier}; only link_4 has jaws"
-        raise ArmFileError(f"{key}.spacer", problem)
-    return AttachedBody(
-        name=name,
-        **body,
-        cob=numbers.get("cob", body["com"]),
-        link=carrier,
-        position=numbers["at"],
-        rotation=_rotation(found),
-        spacer=spacer,
-    )
+def _is_list(given: Any) -> bool:
+    return isinstance(given, list) and bool(given)
 
 
-def _check_tool_point(point: Value, own: Alpha5Parameters) -> None:
-    """Refuse a tool point beside a spacer, or far from Table 1's."""
-    if own.spacer:
-        problem = (
-            f"{point.written} together with a spacer, which moves the tool: give one"
-        )
-        raise ArmFileError("tool.xyz", problem)
-    printed = printed_tool(own.dh[3], own.dh[4]).position
-    if np.linalg.norm(point.number - printed) > FARTHEST_TOOL:
-        problem = (
-            f"{point.written}; expected a point within {FARTHEST_TOOL:g} m of the "
-            f"published one, {printed.tolist()} m: is the unit right?"
-        )
-        raise ArmFileError("tool.xyz", problem)
-
-
-def _motors(
-    given: dict[str, Any],
-    supply: dict[str, Value],
-    found: dict[str, dict[int, float]],
-) -> Motors:
-    """Supply, drivers and rotors."""
-
-    def of_joints(name: str) -> tuple[float | None, ...]:
-        get: Callable[[int], float | None] = found.get(name, {}).get
-        return tuple(get(i) for i in range(len(JOINT_NAMES)))
-
-    voltage = supply.get("supply_voltage")
-    constants = given.get("constants", "printed")
-    return Motors(
-        supply_voltage=None if voltage is None else float(voltage.number),
-        current_limits=of_joints("current_limit"),
-        rotor_inertias=of_joints("rotor_inertia"),
-        backward_frictions=of_joints("friction_backward"),
-        viscous_frictions=of_joints("viscous_friction"),
-        constants=one_of("motors.constants", constants, CONSTANTS),
-    )
+def _shown(given: Any) -> Any:
+    """A value of a file for a message: decimals as they are written."""
+    if isinstance(given, list):
+        return [_shown(item) for item in given]
+    return float(given) if isinstance(given, Decimal) else given

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, frozen, listed, shaped
+from alpha5_model._support.checks import FloatArray, fill, frozen, listed, shaped
 from alpha5_model.errors import InputError
 
 #: Half width of a uniform distribution in standard deviations.
@@ -51,9 +51,7 @@ class Covariance:
         factor = shaped("covariance.factor", self.factor, (size, rank))
         if factor.size:
             _check_singular_values(factor)
-        object.__setattr__(self, "names", names)
-        object.__setattr__(self, "deviation", frozen(deviation))
-        object.__setattr__(self, "factor", frozen(factor))
+        fill(self, names=names, deviation=frozen(deviation), factor=frozen(factor))
 
     @property
     def matrix(self) -> FloatArray:

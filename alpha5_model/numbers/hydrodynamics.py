@@ -8,7 +8,6 @@ circulate.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
@@ -19,6 +18,7 @@ from alpha5_model._support.checks import (
     FloatArray,
     array,
     choice,
+    fill,
     frozen,
     instance,
     listed,
@@ -69,9 +69,9 @@ class DragStrip:
 
     def __post_init__(self) -> None:
         for name in ("start", "end"):
-            object.__setattr__(self, name, frozen(array(name, getattr(self, name), 3)))
+            fill(self, **{name: frozen(array(name, getattr(self, name), 3))})
         for name in ("diameter", "across", "along"):
-            object.__setattr__(self, name, real(name, getattr(self, name), minimum=0.0))
+            fill(self, **{name: real(name, getattr(self, name), minimum=0.0)})
         for name in ("start", "end", "diameter"):
             plausibility.check(name, getattr(self, name), plausibility.VEHICLE_POSITION)
         if np.array_equal(self.start, self.end):
@@ -92,14 +92,14 @@ class BodyHydrodynamics:
     """
 
     added_mass: FloatArray
-    strips: Iterable[DragStrip] = ()
+    strips: tuple[DragStrip, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "added_mass", frozen(added_mass(self.added_mass)))
         strips = []
         for strip in listed("strips", self.strips, "DragStrips"):
             strips.append(instance("strips", strip, DragStrip))
-        object.__setattr__(self, "strips", tuple(strips))
+        checked = frozen(added_mass(self.added_mass))
+        fill(self, added_mass=checked, strips=tuple(strips))
 
 
 #: Point and weight of the positive half of Gauss's quadrature, by its count of points.
@@ -230,7 +230,7 @@ def _body(row: HydrodynamicRow, column: int) -> BodyHydrodynamics:
     if shape is not None:
         matrix = scaled_at_centre(matrix, np.array(in_si(shape)))
     factor = row.added_mass_factor[column].si
-    return BodyHydrodynamics(added_mass=matrix * factor, strips=strips)
+    return BodyHydrodynamics(added_mass=matrix * factor, strips=tuple(strips))
 
 
 def scaled_at_centre(matrix: FloatArray, shares: FloatArray) -> FloatArray:

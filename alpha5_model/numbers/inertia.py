@@ -23,16 +23,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import (
-    LARGEST,
     FloatArray,
     array,
     bounded,
     fitting,
     is_rotation,
     real,
-    shaped,
 )
 from alpha5_model.errors import InputError
+
+#: Relative error of a tensor by rounding.
+_ROUNDING = 1e-12
 
 
 def flip_products(inertia: ArrayLike) -> FloatArray:
@@ -66,6 +67,10 @@ def point_mass_tensor(mass: ArrayLike, position: ArrayLike) -> FloatArray:
         (..., 3, 3) [kg m^2].
     """
     m, p = _broadcastable(mass=mass, position=position)
+    return _point_mass_tensor(m, p)
+
+
+def _point_mass_tensor(m: FloatArray, p: FloatArray) -> FloatArray:
     m = m[..., None, None]
     square = np.einsum("...i,...i->...", p, p)[..., None, None]
     return np.asarray(m * (square * np.eye(3) - p[..., :, None] * p[..., None, :]))
@@ -85,7 +90,7 @@ def tensor_at_origin(
         (..., 3, 3) about the origin, same axes [kg m^2].
     """
     m, c, tensor = _broadcastable(mass=mass, com=com, inertia_com=inertia_com)
-    return tensor + point_mass_tensor(m, c)
+    return tensor + _point_mass_tensor(m, c)
 
 
 def tensor_at_com(
@@ -93,7 +98,7 @@ def tensor_at_com(
 ) -> FloatArray:
     """Parallel-axis theorem, from the origin to the COM; see `tensor_at_origin`."""
     m, c, tensor = _broadcastable(mass=mass, com=com, inertia_origin=inertia_origin)
-    return tensor - point_mass_tensor(m, c)
+    return tensor - _point_mass_tensor(m, c)
 
 
 def rotate_tensor(rotation_a_to_b: ArrayLike, inertia: ArrayLike) -> FloatArray:
@@ -137,13 +142,18 @@ def combine(
     (m,) = fitting(masses=(masses, ()))
     n = m.size
     m = array("masses", m, n)
-    c = array("coms", coms, n, 3)
-    tensors = array("inertias", inertias, n, 3, 3)
+    return combined(m, array("coms", coms, n, 3), array("inertias", inertias, n, 3, 3))
+
+
+def combined(
+    m: FloatArray, coms: FloatArray, inertias: FloatArray
+) -> tuple[float, FloatArray, FloatArray]:
+    """`combine` of checked arrays."""
     mass = float(m.sum())
     if mass == 0:
         raise InputError("masses", m.tolist(), "masses that do not add up to zero")
-    com = (m[:, None] * c).sum(axis=0) / mass
-    return mass, com, (tensors + point_mass_tensor(m, c - com)).sum(axis=0)
+    com = (m[:, None] * coms).sum(axis=0) / mass
+    return mass, com, (inertias + _point_mass_tensor(m, coms - com)).sum(axis=0)
 
 
 def second_moments(inertia: ArrayLike) -> FloatArray:
@@ -158,6 +168,10 @@ def second_moments(inertia: ArrayLike) -> FloatArray:
         (..., 3, 3) about the same point [kg m^2].
     """
     (tensor,) = _broadcastable(inertia=inertia)
+    return _second_moments(tensor)
+
+
+def _second_moments(tensor: FloatArray) -> FloatArray:
     trace = np.trace(tensor, axis1=-2, axis2=-1)[..., None, None]
     return np.asarray(trace / 2 * np.eye(3) - tensor)
 
@@ -178,8 +192,11 @@ def pseudo_inertia(
     Returns:
         (..., 4, 4).
     """
-    m, c, tensor = _broadcastable(mass=mass, com=com, inertia_com=inertia_com)
-    sigma = second_moments(tensor + point_mass_tensor(m, c))
+    return _pseudo_inertia(*_broadcastable(mass=mass, com=com, inertia_com=inertia_com))
+
+
+def _pseudo_inertia(m: FloatArray, c: FloatArray, tensor: FloatArray) -> FloatArray:
+    sigma = _second_moments(tensor + _point_mass_tensor(m, c))
     out = np.empty((*sigma.shape[:-2], 4, 4))
     out[..., :3, :3] = sigma
     out[..., :3, 3] = out[..., 3, :3] = m[..., None] * c
@@ -190,23 +207,12 @@ def pseudo_inertia(
 def principal_moments(inertia: ArrayLike) -> FloatArray:
     """Eigenvalues of the symmetric part, ascending, (..., 3) [kg m^2]."""
     (tensor,) = _broadcastable(inertia=inertia)
+    return _principal_moments(tensor)
+
+
+def _principal_moments(tensor: FloatArray) -> FloatArray:
     symmetric = (tensor + np.swapaxes(tensor, -1, -2)) / 2
     return np.asarray(np.linalg.eigvalsh(symmetric), dtype=np.float64)
-
-
-def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> FloatArray:
-    """Radii of gyration ``sqrt(I_kk / m)`` about the frame's axes, (..., 3) [m].
-
-    Raises:
-        InputError: A mass not above 0, or a moment of inertia below 0.
-    """
-    m, tensor = _broadcastable(mass=mass, inertia=inertia)
-    diagonal = np.diagonal(tensor, axis1=-2, axis2=-1)
-    if not ((m >= 1 / LARGEST).all() and (diagonal >= 0).all()):
-        raise InputError(
-            "mass, inertia", (m, diagonal), "masses above 0, moments of at least 0"
-        )
-    return np.sqrt(diagonal / m[..., None])
 
 
 def inconsistencies(
@@ -214,7 +220,7 @@ def inconsistencies(
     com: ArrayLike,
     inertia_com: ArrayLike,
     bounds: ArrayLike | None = None,
-    tolerance: float = 1e-12,
+    tolerance: float = _ROUNDING,
 ) -> tuple[str, ...]:
     """What makes one body physically impossible; empty if nothing does.
 
@@ -243,23 +249,21 @@ def inconsistencies(
     """
     mass = real("mass", mass)
     tolerance = real("tolerance", tolerance, minimum=0.0)
-    c = shaped("com", com, (3,))
-    tensor = shaped("inertia_com", inertia_com, (3, 3))
-
-    least = np.linalg.eigvalsh(pseudo_inertia(mass, c, tensor))[0]
-    found = _violations(mass, tensor, tolerance)
-    if not found and least <= 0:
-        found.append("the pseudo-inertia is not positive definite")
+    c = array("com", com, 3)
+    tensor = array("inertia_com", inertia_com, 3, 3)
+    found = _violations(mass, c, tensor, tolerance)
     if bounds is not None:
         box = array("bounds", bounds, 3, 2)
         found += _beyond_bounds(mass, c, tensor, box, tolerance)
     return tuple(found)
 
 
-def _violations(mass: float, tensor: FloatArray, tolerance: float) -> list[str]:
-    """Conditions on mass and tensor that do not hold."""
+def _violations(
+    mass: float, com: FloatArray, tensor: FloatArray, tolerance: float
+) -> list[str]:
+    """Conditions on mass, COM and tensor that do not hold."""
     slack = tolerance * float(np.abs(tensor).max())
-    small, middle, large = principal_moments(tensor)
+    small, middle, large = _principal_moments(tensor)
     others = small + middle
     found = []
     if mass <= 0:
@@ -275,6 +279,9 @@ def _violations(mass: float, tensor: FloatArray, tolerance: float) -> list[str]:
             f"the largest principal moment {large:.4g} kg m^2 "
             f"exceeds the sum of the others, {others:.4g}"
         )
+    pseudo_inertia = _pseudo_inertia(np.asarray(mass), com, tensor)
+    if not found and np.linalg.eigvalsh(pseudo_inertia)[0] <= 0:
+        found.append("the pseudo-inertia is not positive definite")
     return found
 
 
@@ -284,7 +291,7 @@ def _beyond_bounds(
     """Axes along which the COM, or the spread of mass, does not fit the box (3, 2)."""
     variances = np.zeros(3)
     if mass > 0:
-        variances = np.diagonal(second_moments(tensor)) / mass
+        variances = np.diagonal(_second_moments(tensor)) / mass
 
     found = []
     for axis, (low, high), position, variance in zip(
@@ -313,15 +320,14 @@ def check_possible(
 
     Args:
         name: Of the inertia, for the message.
-        mass, com, inertia: See `inconsistencies`.
+        mass, com, inertia: See `inconsistencies`; checked numbers.
 
     Raises:
-        InputError: No body can have them, or they are not finite real numbers.
+        InputError: No body can have them.
     """
-    wrong = inconsistencies(mass, com, inertia)
+    wrong = _violations(mass, com, inertia, _ROUNDING)
     if wrong and (mass or np.any(inertia)):
-        given = np.asarray(inertia).tolist()
-        raise InputError(name, given, f"a possible body, but {wrong[0]}")
+        raise InputError(name, inertia.tolist(), f"a possible body, but {wrong[0]}")
 
 
 def _broadcastable(**given: ArrayLike) -> list[FloatArray]:

@@ -24,9 +24,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, frozen, real
-from alpha5_model._support.spatial import moved, pose
+from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.inertia import combine, rotate_tensor
+from alpha5_model.numbers.inertia import combined
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
 from alpha5_model.numbers.pose import Pose, tool_of
 from alpha5_model.numbers.rigid_body import AttachedBody, RigidBody, joined
@@ -62,6 +62,12 @@ class JawBody(RigidBody):
 
     roll: float
     origin: FloatArray
+
+    @property
+    def pose(self) -> Pose:
+        """Of the body's frame in link_4, jaws closed."""
+        rotation = rotation_from_rpy((self.roll, 0.0, 0.0))
+        return Pose(position=self.origin, rotation=rotation, parent="link_4")
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,21 +173,18 @@ def tool_at_tip(
 
     With ``arm=dataclasses.replace(record, tool=alpha5_model.tool_at_tip(record))``
     inverse kinematics, paths and workspaces are those of this point. Its axes are the
-    tcp's. The document prints no fingers: their length is estimated, and the point is
-    as uncertain as that (`alpha5_model.numbers.parameters.JawParameters`).
+    tcp's. It is the frame ``tip`` of ``forward_kinematics`` at this opening, beyond the
+    arm's spacers. The document prints no fingers: their length was measured in the
+    manufacturer's public CAD (`alpha5_model.numbers.parameters.JawParameters`).
 
     Args:
         arm: Record of the arm; None is the catalogue's.
         jaw: Position of axis_a [m]; None for closed jaws.
 
     Raises:
-        InputError: Beyond the limits of axis_a, or an arm with a spacer, whose tool is
-            where the spacer moves Table 1's.
+        InputError: Beyond the limits of axis_a.
     """
     record = chosen_arm(arm)
-    if record.spacer:
-        expected = "an arm without a spacer; its frame tip is in forward_kinematics"
-        raise InputError("arm", f"a spacer of {record.spacer:g} m", expected)
     joint = record.joints[4]
     opening = joint.lower if jaw is None else real("jaw", jaw)
     if not joint.lower <= opening <= joint.upper:
@@ -257,35 +260,26 @@ def _finger_joint(name: str, parameters: Alpha5Parameters) -> FingerJoint:
     )
 
 
-def _remainder(link: RigidBody, moving: list[JawBody]) -> JawBody:
+def _remainder(link: RigidBody, moving: Sequence[JawBody]) -> JawBody:
     """The wrist: what remains of link 4 without the moving bodies, jaws closed."""
-    masses = [link.mass]
-    coms = [link.com]
-    inertias = [link.inertia]
-    for body in moving:
-        rotation = _closed_pose(body)[:3, :3]
-        masses.append(-body.mass)
-        coms.append(moved(_closed_pose(body), body.com))
-        inertias.append(-rotate_tensor(rotation, body.inertia))
-    mass, com, inertia = combine(masses, coms, inertias)
-
-    taken_volume = 0.0
-    taken_moment = np.zeros(3)
-    for body in moving:
-        taken_volume += body.volume
-        taken_moment += body.volume * moved(_closed_pose(body), body.cob)
-    volume = link.volume - taken_volume
+    taken = [_in_link_4(body) for body in moving]
+    mass, com, inertia = combined(
+        np.array([link.mass, *(-body.mass for body in taken)]),
+        np.array([link.com, *(body.com for body in taken)]),
+        np.array([link.inertia, *(-body.inertia for body in taken)]),
+    )
+    volume = link.volume - sum(body.volume for body in taken)
     if not volume > 0.0:
         raise _no_wrist(link, moving)
-    cob = (link.volume * link.cob - taken_moment) / volume
+    moment = link.volume * link.cob - sum(body.volume * body.cob for body in taken)
     try:
         return JawBody(
             name="link_4",
             mass=mass,
-            com=frozen(com),
-            inertia=frozen((inertia + inertia.T) / 2),
+            com=com,
+            inertia=(inertia + inertia.T) / 2,
             volume=volume,
-            cob=frozen(cob),
+            cob=moment / volume,
             roll=0.0,
             origin=frozen([0.0, 0.0, 0.0]),
         )
@@ -293,14 +287,14 @@ def _remainder(link: RigidBody, moving: list[JawBody]) -> JawBody:
         raise _no_wrist(link, moving) from None
 
 
-def _no_wrist(link: RigidBody, moving: list[JawBody]) -> InputError:
+def _no_wrist(link: RigidBody, moving: Sequence[JawBody]) -> InputError:
     """That a link 4 is too light, too small or too slender for what is in it."""
     moments = ", ".join(f"{moment:.4g}" for moment in np.diag(link.inertia))
     volume = f"{link.volume:.4g} m^3"
     given = f"{link.mass:.4g} kg, {volume}, moments {moments} kg m^2"
     mass = sum(body.mass for body in moving)
     return InputError(
-        "link_4",
+        "links.link_4",
         given,
         "a body that leaves a possible wrist if rod and fingers, which are estimated "
         f"at {mass:.3g} kg, are taken out of it",
@@ -329,20 +323,15 @@ def _beyond(spacer: float, body: JawBody) -> JawBody:
 
 def _in_link_4(body: JawBody) -> RigidBody:
     """A body in the frame of link_4, jaws closed."""
-    pose = _closed_pose(body)
-    return RigidBody(
+    plain = RigidBody(
         name=body.name,
         mass=body.mass,
-        com=moved(pose, body.com),
-        inertia=rotate_tensor(pose[:3, :3], body.inertia),
+        com=body.com,
+        inertia=body.inertia,
         volume=body.volume,
-        cob=moved(pose, body.cob),
+        cob=body.cob,
     )
-
-
-def _closed_pose(body: JawBody) -> FloatArray:
-    """Pose of a body in link_4, jaws closed, (4, 4)."""
-    return pose(body.origin, (body.roll, 0.0, 0.0))
+    return plain.at(body.pose)
 
 
 def loaded_links(parameters: Alpha5Parameters) -> tuple[RigidBody, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from alpha5_model._support.checks import choice, listed, real
+from alpha5_model._support.checks import choice, fill, listed, real
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.printed import published
@@ -13,6 +13,13 @@ from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Which of the contradicting motor constants are believed.
 CONSTANTS = ("printed", "torque", "voltage")
+#: Field of `Motors` with a value for each joint -> its plausible values.
+_LIMITS = {
+    "current_limits": plausibility.CURRENT_LIMIT,
+    "rotor_inertias": plausibility.ROTOR_INERTIA,
+    "backward_frictions": plausibility.MOTOR_FRICTION,
+    "viscous_frictions": plausibility.VISCOUS_FRICTION,
+}
 #: No value for any joint.
 _UNKNOWN: tuple[None, ...] = (None,) * len(JOINT_NAMES)
 
@@ -50,29 +57,18 @@ class Motors:
     viscous_frictions: tuple[float | None, ...] = _UNKNOWN
 
     def __post_init__(self) -> None:
-        choice("motor constants", self.constants, CONSTANTS)
+        choice("motors.constants", self.constants, CONSTANTS)
         if self.supply_voltage is not None:
             supply = real("supply_voltage", self.supply_voltage, 0.0, strict=True)
             plausibility.check("supply_voltage", supply, plausibility.SUPPLY_VOLTAGE)
-            object.__setattr__(self, "supply_voltage", supply)
-        limits = _per_joint("current_limits", self.current_limits, strict=True)
-        inertias = _per_joint("rotor_inertias", self.rotor_inertias, strict=False)
-        backward = _per_joint(
-            "backward_frictions", self.backward_frictions, strict=False
-        )
-        viscous = _per_joint("viscous_frictions", self.viscous_frictions, strict=False)
-        for friction in filter(None, backward):
-            plausibility.check(
-                "backward_frictions", friction, plausibility.MOTOR_FRICTION
-            )
-        for limit in filter(None, limits):
-            plausibility.check("current_limits", limit, plausibility.CURRENT_LIMIT)
-        for inertia in filter(None, inertias):
-            plausibility.check("rotor_inertias", inertia, plausibility.ROTOR_INERTIA)
-        object.__setattr__(self, "current_limits", limits)
-        object.__setattr__(self, "rotor_inertias", inertias)
-        object.__setattr__(self, "backward_frictions", backward)
-        object.__setattr__(self, "viscous_frictions", viscous)
+            fill(self, supply_voltage=supply)
+        for name, limits in _LIMITS.items():
+            strict = name == "current_limits"  # a driver without current drives nothing
+            values = _per_joint(name, getattr(self, name), strict)
+            for i, value in enumerate(values):
+                if value is not None:
+                    plausibility.check(f"{name}[{i}]", value, limits)
+            fill(self, **{name: values})
 
 
 def _per_joint(

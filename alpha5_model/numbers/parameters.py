@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, fields
-from functools import cache
+from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache, cached_property
 from os import PathLike
 from typing import Any
 
@@ -14,13 +14,14 @@ import numpy as np
 from alpha5_model._support.checks import (
     FloatArray,
     array,
+    fill,
     frozen,
     instance,
     listed,
     plain_name,
     real,
 )
-from alpha5_model.errors import InputError, PublishedDataError
+from alpha5_model.errors import InputError
 from alpha5_model.numbers import arm_checks, plausibility, tables
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.covariance import Covariance
@@ -52,9 +53,9 @@ class Measurement:
 
     def __post_init__(self) -> None:
         if self.half_width is not None:
-            name = f"half_width of {self.key}"
+            name = f"{self.key}.half_width"
             width = real(name, self.half_width, minimum=0.0)
-            object.__setattr__(self, "half_width", width)
+            fill(self, half_width=width)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +88,7 @@ class DHParameters:
     def __post_init__(self) -> None:
         for name in ("d", "theta_offset", "a", "alpha"):
             number = real(name, getattr(self, name))
-            object.__setattr__(self, name, number)
+            fill(self, **{name: number})
             limits = plausibility.POSITION if name in ("d", "a") else plausibility.ANGLE
             plausibility.check(name, number, limits)
 
@@ -106,36 +107,44 @@ class LinkParameters(RigidBody):
 
     bounds: FloatArray
 
+    @property
+    def place(self) -> str:
+        """Its key in an arm file, ``links.link_2``; errors name it."""
+        return f"links.{self.name}"
+
     def __post_init__(self) -> None:
-        bounds = frozen(array(f"{self.name}.bounds", self.bounds, 3, 2))
+        bounds = frozen(array(f"{self.place}.bounds", self.bounds, 3, 2))
         if (bounds[:, 0] > bounds[:, 1]).any():
             expected = "the lower end of each axis before the upper one"
-            raise InputError(f"{self.name}.bounds", bounds.tolist(), expected)
-        arm_checks.check_inside(
-            f"{self.name}.com", array(f"{self.name}.com", self.com, 3), bounds
-        )
+            raise InputError(f"{self.place}.bounds", bounds.tolist(), expected)
+        com = array(f"{self.place}.com", self.com, 3)
+        arm_checks.check_inside(f"{self.place}.com", com, bounds)
         super().__post_init__()
         farthest = bounds.ravel()[np.abs(bounds).argmax()]
-        plausibility.check(f"{self.name}.bounds", farthest, plausibility.POSITION)
-        object.__setattr__(self, "bounds", bounds)
+        plausibility.check(f"{self.place}.bounds", farthest, plausibility.POSITION)
+        fill(self, bounds=bounds)
 
 
 @dataclass(frozen=True, eq=False)
 class JointRange:
-    """Range, speed and effort of a joint [rad, rad/s, N m], jaw rod [m, m/s, N].
+    """Limits of a joint [rad, rad/s, N m], of the jaw rod [m, m/s, N].
 
     Attributes:
         name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod),
             ``finger_1_joint``, ``finger_2_joint``.
         lower, upper: Ends of the range.
-        velocity: Largest speed.
+        velocity: Largest speed; 0 for a joint that does not move.
         effort: A placeholder that every public model copies; no rating is published.
+        acceleration, jerk: Largest ones [rad/s^2, rad/s^3], of the jaw rod [m/s^2,
+            m/s^3]; None if they are not known. None is published.
 
     Raises:
-        InputError: An upper end below the lower one, a negative speed or effort.
+        InputError: A range that ends before it starts, a range of a full turn, in which
+            a pose would have two joint positions, a negative speed, or another limit
+            not above 0.
 
     Warns:
-        ImplausibleWarning: A range or speed that seems to be in degrees or mm.
+        ImplausibleWarning: A limit that seems to be in degrees or mm.
     """
 
     name: str
@@ -143,24 +152,33 @@ class JointRange:
     upper: float
     velocity: float
     effort: float
+    acceleration: float | None = field(default=None, kw_only=True)
+    jerk: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         lower = real(f"{self.name}.lower", self.lower)
-        upper = real(f"{self.name}.upper", self.upper, minimum=lower)
+        upper = real(f"{self.name}.upper", self.upper)
+        fill(self, lower=lower, upper=upper)
         velocity = real(f"{self.name}.velocity", self.velocity, minimum=0.0)
-        effort = real(f"{self.name}.effort", self.effort, minimum=0.0)
-        object.__setattr__(self, "lower", lower)
-        object.__setattr__(self, "upper", upper)
-        object.__setattr__(self, "velocity", velocity)
-        object.__setattr__(self, "effort", effort)
-        turns = self.kind == "revolute"
-        limits = plausibility.ANGLE if turns else plausibility.JAW_LENGTH
-        plausibility.check(f"{self.name}.lower", lower, limits)
-        plausibility.check(f"{self.name}.upper", upper, limits)
-        if turns:
-            plausibility.check(
-                f"{self.name}.velocity", velocity, plausibility.ANGULAR_SPEED
-            )
+        effort = real(f"{self.name}.effort", self.effort, minimum=0.0, strict=True)
+        fill(self, velocity=velocity, effort=effort)
+        for name in ("acceleration", "jerk"):
+            given = getattr(self, name)
+            if given is not None:
+                number = real(f"{self.name}.{name}", given, minimum=0.0, strict=True)
+                fill(self, **{name: number})
+
+        largest = plausibility.JOINT if self.kind == "revolute" else plausibility.ROD
+        for name, limits in largest.items():
+            given = getattr(self, name)
+            if given is not None:
+                plausibility.check(f"{self.name}.{name}", given, limits)
+        if not lower < upper:
+            expected = "an upper end above the lower one"
+            raise InputError(f"{self.name}.range", (lower, upper), expected)
+        if self.kind == "revolute" and upper - lower >= math.tau:
+            expected = "less than a full turn, 2 pi"
+            raise InputError(f"{self.name}.range", (lower, upper), expected)
 
     @property
     def kind(self) -> str:
@@ -175,10 +193,24 @@ class JointParameters(JointRange):
     Attributes:
         dh_variable: The document's name of the same coordinate.
         device_id: Address of the actuator on the arm's bus.
+        sign: 1, or -1 if the driver counts in the other direction than this model.
+            Limits, zeros and joint positions are the model's. The sign is used where
+            the driver's numbers come in or go out: recordings, `devices_from_q` and
+            `q_from_devices`, files of motions and of calibrations.
+
+    Raises:
+        InputError: Also a sign that is neither 1 nor -1.
     """
 
     dh_variable: str
     device_id: int
+    sign: int = 1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if isinstance(self.sign, bool) or self.sign not in (1, -1):
+            raise InputError(f"{self.name}.sign", self.sign, "1 or -1")
+        fill(self, sign=int(self.sign))
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,7 +249,7 @@ class ActuatorParameters:
         for name in (f.name for f in fields(self)):
             may_vanish = name in ("inductance", "friction", "friction_tolerance")
             number = real(name, getattr(self, name), minimum=0.0, strict=not may_vanish)
-            object.__setattr__(self, name, number)
+            fill(self, **{name: number})
         for name in ("friction_tolerance", "efficiency"):
             if getattr(self, name) > 1:
                 raise InputError(name, getattr(self, name), "at most 1 (86 % is 0.86)")
@@ -270,7 +302,7 @@ class JawParameters:
         for name in (f.name for f in fields(self)):
             least = None if name == "sdk_plane" else 0.0
             number = real(name, getattr(self, name), minimum=least, strict=True)
-            object.__setattr__(self, name, number)
+            fill(self, **{name: number})
             if name.endswith("volume"):
                 plausibility.check(name, number, plausibility.VOLUME)
             elif name.endswith("density"):
@@ -306,8 +338,8 @@ class Alpha5Parameters:
     Raises:
         InputError: Not the records of this arm: five rows, links, joints and
             actuators. Also a length whose sign differs from Table 1's, twisted axes, a
-            range of a full turn, a tool point more than 0.3 m from Table 1's or beside
-            the one that a spacer leads to, and names of attached bodies that are taken.
+            tool point more than 0.3 m from Table 1's or one that a spacer should have
+            moved, and names of attached bodies that are taken.
     """
 
     dh: tuple[DHParameters, ...]
@@ -330,14 +362,23 @@ class Alpha5Parameters:
         self._check_parts()
         table_1 = _table_1()
         arm_checks.check_dh(self.dh, table_1)
-        arm_checks.check_ranges(self.joints)
         arm_checks.check_attached(self.attached)
         self._check_tool()
+
+    @property
+    def signs(self) -> FloatArray:
+        """Of the joints, (5,): see `JointParameters.sign`."""
+        return np.array([float(joint.sign) for joint in self.joints])
 
     @property
     def spacer(self) -> float:
         """How far spacers move jaws and tool along -z of link_4 [m]."""
         return sum((body.spacer for body in self.attached), 0.0)
+
+    @cached_property
+    def content(self) -> tuple[Any, ...]:
+        """All numbers and texts of the record in nested tuples, for comparisons."""
+        return tuple(_content(getattr(self, f.name)) for f in fields(self))
 
     def _check_parts(self) -> None:
         """Check the type of each field."""
@@ -353,7 +394,7 @@ class Alpha5Parameters:
                 raise InputError(name, len(records), f"5 {kind.__name__}")
             for record in records:
                 instance(name, record, kind)
-            object.__setattr__(self, name, records)
+            fill(self, **{name: records})
 
         lists = {"attached": AttachedBody, "measurements": Measurement}
         for name, kind in lists.items():
@@ -361,7 +402,7 @@ class Alpha5Parameters:
             records = tuple(listed(name, getattr(self, name), expected))
             for record in records:
                 instance(name, record, kind)
-            object.__setattr__(self, name, records)
+            fill(self, **{name: records})
 
         instance("jaws", self.jaws, JawParameters)
         instance("motors", self.motors, Motors)
@@ -375,8 +416,9 @@ class Alpha5Parameters:
         if self.covariance is not None:
             instance("covariance", self.covariance, Covariance)
         plain_name("name", self.name)
+        fill(self, corrections=check_corrections(self.corrections))
         for name in ("theta_c", "base_yaw"):
-            object.__setattr__(self, name, real(name, getattr(self, name)))
+            fill(self, **{name: real(name, getattr(self, name))})
             plausibility.check(name, getattr(self, name), plausibility.ANGLE)
 
     def _check_tool(self) -> None:
@@ -387,7 +429,7 @@ class Alpha5Parameters:
         if self.tool is None:
             position = printed.position - [0.0, 0.0, self.spacer]
             tool = Pose(position=position, rotation=printed.rotation)
-            object.__setattr__(self, "tool", tool)
+            fill(self, tool=tool)
         assert self.tool is not None
         arm_checks.check_tool(self.tool, printed, self.spacer)
 
@@ -510,7 +552,7 @@ def _split_angle(
         else:
             known = ", ".join(angles)
             problem = f"cannot read {term!r} in {expression!r}; known are {known}"
-            raise PublishedDataError(place, problem)
+            raise ValueError(f"{place}: {problem}")
     return variable, constant
 
 
@@ -539,7 +581,8 @@ def _link(
 
 def _record(kind: type[Any], row: Any) -> Any:
     """A record in SI units from a printed row with fields of the same names."""
-    return kind(**{f.name: in_si(getattr(row, f.name)) for f in fields(kind)})
+    names = (f.name for f in fields(kind) if hasattr(row, f.name))
+    return kind(**{name: in_si(getattr(row, name)) for name in names})
 
 
 def in_si(value: Any) -> Any:
@@ -586,5 +629,18 @@ _of_catalogue = cache(parameters)
 
 
 def is_catalogue(arm: Alpha5Parameters) -> bool:
-    """Whether a record is the catalogue's, with any corrections."""
-    return arm is parameters(arm.corrections)
+    """Whether a record is the catalogue's, with any corrections.
+
+    A copy is, too, and the arm of a file that changes nothing.
+    """
+    catalogue = _of_catalogue(arm.corrections)
+    return arm is catalogue or arm.content == catalogue.content
+
+
+def _content(value: Any) -> Any:
+    """The numbers and texts of a record in tuples, which can be compared."""
+    if is_dataclass(value):
+        return tuple(_content(getattr(value, f.name)) for f in fields(value))
+    if isinstance(value, tuple):
+        return tuple(map(_content, value))
+    return tuple(value.ravel().tolist()) if isinstance(value, np.ndarray) else value

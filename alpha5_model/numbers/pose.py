@@ -8,9 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, array, frozen, is_rotation
+from alpha5_model._support.checks import FloatArray, array, fill, frozen, is_rotation
 from alpha5_model._support.spatial import Triple, rpy_from_rotation, transform
 from alpha5_model.errors import InputError
+
+#: Difference of a moved tool point that is rounding [m].
+_SAME_POINT = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +40,7 @@ class Pose:
         if not is_rotation(rotation):
             expected = "a rotation matrix, (3, 3)"
             raise InputError("rotation", rotation.tolist(), expected)
-        object.__setattr__(self, "position", position)
-        object.__setattr__(self, "rotation", rotation)
+        fill(self, position=position, rotation=rotation)
 
     @property
     def matrix(self) -> FloatArray:
@@ -60,6 +62,19 @@ def tool_of(record: Any) -> Pose:
     """
     tool: Pose = record.tool or printed_tool(record.dh[3], record.dh[4])
     return tool
+
+
+def has_own_tool_point(record: Any) -> bool:
+    """Whether the tool point is not Table 1's, moved by the spacers if there are some.
+
+    Args:
+        record: An `Alpha5Parameters`.
+    """
+    if record.tool is None:
+        return False
+    moved = printed_tool(record.dh[3], record.dh[4]).position
+    moved = moved - [0.0, 0.0, record.spacer]
+    return bool(np.abs(record.tool.position - moved).max() > _SAME_POINT)
 
 
 def printed_tool(wrist: Any, last: Any) -> Pose:

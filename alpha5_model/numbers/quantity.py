@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass
 from decimal import Decimal
-
-from alpha5_model.errors import PublishedDataError
 
 #: Powers of ten from a printed unit to SI. Shifting the decimal point keeps every
 #: printed digit: ``float("-7.120") * 1e-3`` is not the double nearest to -0.00712.
@@ -20,9 +17,6 @@ DECIMAL_SHIFT: dict[str, int] = {
 }
 #: Units that need more than a shift of the decimal point.
 FACTOR: dict[str, float] = {"deg": math.pi / 180.0, "deg/s": math.pi / 180.0}
-#: What a printed number looks like; `Decimal` alone would also take "1_0", "1e3", "NaN"
-#: and "١٢", and no document prints so many digits that a double overflows.
-_PRINTED = re.compile(r"[+-]?[0-9]{1,20}(\.[0-9]{1,20})?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,25 +30,6 @@ class Quantity:
 
     text: str
     unit: str
-
-    @classmethod
-    def parse(cls, text: object, unit: str, place: str) -> Quantity:
-        """Read a number of a data file; ``place`` names it in errors.
-
-        Raises:
-            PublishedDataError: Not a printed decimal number, or an unknown unit.
-        """
-        if unit not in DECIMAL_SHIFT and unit not in FACTOR:
-            known = ", ".join(repr(u) for u in sorted([*DECIMAL_SHIFT, *FACTOR]))
-            problem = f"unknown unit {unit!r}; known units are {known}"
-            raise PublishedDataError(place, problem)
-        if not isinstance(text, str):
-            problem = f"expected the number as printed, in quotes, got {text!r}"
-            raise PublishedDataError(place, problem)
-        if not _PRINTED.fullmatch(text):
-            problem = f"expected a printed decimal number, got {text!r}"
-            raise PublishedDataError(place, problem)
-        return cls(text, unit)
 
     @property
     def value(self) -> Decimal:
@@ -70,7 +45,7 @@ class Quantity:
     def rounding(self) -> float:
         """Half a unit of the last digit, in SI units: the largest rounding error."""
         exponent = self.value.as_tuple().exponent
-        assert isinstance(exponent, int)  # digits, checked by parse
+        assert isinstance(exponent, int)  # digits
         return self._in_si(Decimal(5).scaleb(exponent - 1))
 
     def _in_si(self, printed: Decimal) -> float:

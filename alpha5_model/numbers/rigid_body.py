@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -12,16 +12,20 @@ from alpha5_model._support.checks import (
     FloatArray,
     array,
     choice,
+    fill,
     frozen,
     is_rotation,
     plain_name,
     real,
 )
-from alpha5_model._support.spatial import moved, transform
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.inertia import check_possible, combine, rotate_tensor
+from alpha5_model.numbers.inertia import check_possible, combined
+from alpha5_model.numbers.pose import Pose
 from alpha5_model.numbers.tables import BODY_NAMES
+
+#: The link with the jaws, the only one that a spacer lengthens.
+_JAWS_LINK = "link_4"
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,20 +57,35 @@ class RigidBody:
     volume: float
     cob: FloatArray
 
+    @property
+    def place(self) -> str:
+        """What errors call the body, before the name of a field."""
+        return self.name
+
     def __post_init__(self) -> None:
-        mass = real(f"{self.name}.mass", self.mass, minimum=0.0)
-        com = frozen(array(f"{self.name}.com", self.com, 3))
-        inertia = frozen(array(f"{self.name}.inertia", self.inertia, 3, 3))
-        volume = real(f"{self.name}.volume", self.volume, minimum=0.0)
-        cob = frozen(array(f"{self.name}.cob", self.cob, 3))
+        mass = real(f"{self.place}.mass", self.mass, minimum=0.0)
+        com = frozen(array(f"{self.place}.com", self.com, 3))
+        inertia = frozen(array(f"{self.place}.inertia", self.inertia, 3, 3))
+        volume = real(f"{self.place}.volume", self.volume, minimum=0.0)
+        cob = frozen(array(f"{self.place}.cob", self.cob, 3))
         if not self._may_be_a_point or np.any(inertia):
-            check_possible(f"{self.name}.inertia", mass, com, inertia)
-        plausibility.check_body(mass, com, inertia, volume, cob, f"{self.name}.")
-        object.__setattr__(self, "mass", mass)
-        object.__setattr__(self, "com", com)
-        object.__setattr__(self, "inertia", inertia)
-        object.__setattr__(self, "volume", volume)
-        object.__setattr__(self, "cob", cob)
+            check_possible(f"{self.place}.inertia", mass, com, inertia)
+        plausibility.check_body(mass, com, inertia, volume, cob, f"{self.place}.")
+        fill(self, mass=mass, com=com, inertia=inertia, volume=volume, cob=cob)
+
+    def at(self, pose: Pose) -> Self:
+        """The same body in the parent of a frame, which is its own until now.
+
+        Args:
+            pose: Of its own frame in the parent.
+        """
+        inertia = pose.rotation @ self.inertia @ pose.rotation.T
+        return replace(
+            self,
+            com=pose.rotation @ self.com + pose.position,
+            inertia=(inertia + inertia.T) / 2,
+            cob=pose.rotation @ self.cob + pose.position,
+        )
 
 
 def joined(name: str, bodies: Sequence[RigidBody]) -> RigidBody:
@@ -79,10 +98,10 @@ def joined(name: str, bodies: Sequence[RigidBody]) -> RigidBody:
     Raises:
         InputError: Their masses add up to zero.
     """
-    masses = [body.mass for body in bodies]
-    coms = [body.com for body in bodies]
-    inertias = [body.inertia for body in bodies]
-    mass, com, inertia = combine(masses, coms, inertias)
+    masses = np.array([body.mass for body in bodies])
+    coms = np.array([body.com for body in bodies])
+    inertias = np.array([body.inertia for body in bodies])
+    mass, com, inertia = combined(masses, coms, inertias)
 
     volumes = np.array([body.volume for body in bodies])
     volume = float(volumes.sum())
@@ -97,10 +116,6 @@ def joined(name: str, bodies: Sequence[RigidBody]) -> RigidBody:
         volume=volume,
         cob=cob,
     )
-
-
-#: The link with the jaws, the only one that a spacer lengthens.
-_JAWS_LINK = "link_4"
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,36 +145,35 @@ class AttachedBody(RigidBody):
     rotation: FloatArray
     spacer: float = 0.0
 
+    @property
+    def place(self) -> str:
+        """Its key in an arm file, ``attached.sensor``; errors name it."""
+        return f"attached.{self.name}"
+
+    @property
+    def pose(self) -> Pose:
+        """Of the body's frame in the link."""
+        return Pose(position=self.position, rotation=self.rotation, parent=self.link)
+
     def __post_init__(self) -> None:
         plain_name("attached.name", self.name)
         super().__post_init__()
-        choice(f"link of {self.name}", self.link, BODY_NAMES)
-        position = frozen(array(f"{self.name}.position", self.position, 3))
-        rotation = frozen(array(f"{self.name}.rotation", self.rotation, 3, 3))
-        spacer = real(f"{self.name}.spacer", self.spacer, minimum=0.0)
+        choice(f"{self.place}.link", self.link, BODY_NAMES)
+        position = frozen(array(f"{self.place}.position", self.position, 3))
+        rotation = frozen(array(f"{self.place}.rotation", self.rotation, 3, 3))
+        spacer = real(f"{self.place}.spacer", self.spacer, minimum=0.0)
         if not is_rotation(rotation):
             expected = "a rotation matrix, (3, 3)"
-            raise InputError(f"{self.name}.rotation", rotation.tolist(), expected)
+            raise InputError(f"{self.place}.rotation", rotation.tolist(), expected)
+        farthest = position[np.abs(position).argmax()]
+        plausibility.check(f"{self.place}.position", farthest, plausibility.POSITION)
+        plausibility.check(f"{self.place}.spacer", spacer, plausibility.JAW_LENGTH)
         if spacer and self.link != _JAWS_LINK:
             expected = f"none on {self.link}: only {_JAWS_LINK} carries the jaws"
-            raise InputError(f"{self.name}.spacer", spacer, expected)
-
-        farthest = position[np.abs(position).argmax()]
-        plausibility.check(f"{self.name}.position", farthest, plausibility.POSITION)
-        plausibility.check(f"{self.name}.spacer", spacer, plausibility.JAW_LENGTH)
-        object.__setattr__(self, "position", position)
-        object.__setattr__(self, "rotation", rotation)
-        object.__setattr__(self, "spacer", spacer)
+            raise InputError(f"{self.place}.spacer", spacer, expected)
+        fill(self, position=position, rotation=rotation, spacer=spacer)
 
     def in_link(self) -> AttachedBody:
         """The same body, its frame that of the link."""
-        pose = transform(self.rotation, self.position)
-        inertia = rotate_tensor(self.rotation, self.inertia)
-        return replace(
-            self,
-            com=moved(pose, self.com),
-            inertia=(inertia + inertia.T) / 2,
-            cob=moved(pose, self.cob),
-            position=np.zeros(3),
-            rotation=np.eye(3),
-        )
+        body = self.at(self.pose)
+        return replace(body, position=np.zeros(3), rotation=np.eye(3))

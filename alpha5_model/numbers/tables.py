@@ -12,8 +12,6 @@ Tensor = tuple[Triple, Triple, Triple]
 Interval = tuple[Quantity, Quantity, Quantity]
 Matrix = tuple[tuple[Quantity, ...], ...]
 Motions = tuple[Quantity, ...]
-# One of `STATUSES`.
-Status = str
 RowT = TypeVar("RowT")
 
 STATUSES = ("supplementary", "measured", "placeholder", "estimated")
@@ -33,10 +31,7 @@ JAW_UNITS: dict[str, str] = {
     "finger_turn": "rad/m",
     "sdk_plane": "deg",
 }
-#: Public drivers of the arm whose motor currents the audit compares with Table 4.
-DRIVER_NAMES = ("uvms_simulator", "reach_alpha_sim")
 BODY_NAMES = ("link_0", "link_1", "link_2", "link_3", "link_4")
-HYDRODYNAMIC_NAMES = (*BODY_NAMES, "link_4_open", "wrist", "finger_1", "finger_2")
 #: Units of the blocks of an added mass: both indices linear, one angular, both angular.
 ADDED_MASS_UNITS = ("kg", "kg.m", "kg.m^2")
 
@@ -45,7 +40,7 @@ def printed(unit: str | None = None, of_rod: str | None = None) -> Any:
     """A field of a printed row.
 
     Args:
-        unit: Its printed unit; None for text.
+        unit: Of its printed numbers, empty for pure ones; None for text.
         of_rod: The unit in the jaw rod's row, if that is another.
     """
     return field(metadata={} if unit is None else {"units": (unit, of_rod or unit)})
@@ -108,9 +103,9 @@ class DHRow:
 
     link: str
     d: Quantity = printed("mm")
-    theta: str = printed("rad")
+    theta: str = printed()
     a: Quantity | str = printed("mm")
-    alpha: str = printed("rad")
+    alpha: str = printed()
 
 
 @dataclass(frozen=True, slots=True)
@@ -355,8 +350,8 @@ class StripRow:
     start: Triple = printed("mm")
     end: Triple = printed("mm")
     diameter: Quantity = printed("mm")
-    across: Interval = printed()
-    along: Interval = printed()
+    across: Interval = printed("")
+    along: Interval = printed("")
 
 
 @dataclass(frozen=True, slots=True)
@@ -378,11 +373,11 @@ class HydrodynamicRow:
     """
 
     name: str
-    added_mass: Matrix = printed("kg, kg.m, kg.m^2")
-    added_mass_factor: Interval = printed()
-    shape_low: Motions = printed()
-    shape_high: Motions = printed()
+    added_mass: Matrix
+    added_mass_factor: Interval = printed("")
+    shape_low: Motions = printed("")
+    shape_high: Motions = printed("")
     strips: tuple[StripRow, ...] = ()
-    status: Status = ""
+    status: str = ""
     source: str = ""
     method: str = ""

@@ -61,7 +61,8 @@ class PlannedMotion:
         """Write time, positions, velocities and accelerations.
 
         Columns are ``time_secs`` and, for each joint, ``axis_e_pos``, ``axis_e_vel``
-        and ``axis_e_acc``. `alpha5_model.trajectory.read_motion` can read the file.
+        and ``axis_e_acc``. `alpha5_model.trajectory.read_motion` can read the file. A
+        joint whose sign in the arm file is -1 is written in the driver's direction.
 
         Args:
             path: ``.csv``, ``-``, a device or a pipe.
@@ -70,11 +71,13 @@ class PlannedMotion:
             UnknownNameError: Another suffix.
             OutputError: The file cannot be written.
         """
+        joints = self.motion.joints
+        signs = self.analysis.arm.parameters.signs[: len(joints)]
         return write_motion_table(
             path,
-            self.motion.joints,
+            joints,
             time=self.time,
-            position=self.position,
-            velocity=self.velocity,
-            acceleration=self.acceleration,
+            position=signs * self.position,
+            velocity=signs * self.velocity,
+            acceleration=signs * self.acceleration,
         )

@@ -9,7 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, flag, float_array, frozen, real
+from alpha5_model._support.checks import (
+    FloatArray,
+    bounded,
+    flag,
+    float_array,
+    frozen,
+    real,
+)
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import BlockedMotionError, InputError, MotionLimitError
@@ -175,7 +182,7 @@ def _limits(
 
 
 def _per_joint(name: str, given: ArrayLike) -> FloatArray:
-    values = float_array(name, given, ())
+    values = bounded(name, float_array(name, given, ()))
     if values.shape not in ((), (4,)) or not (values > 0.0).all():
         raise InputError(name, values.tolist(), "one number above 0, or four")
     if (values < _LEAST).any():

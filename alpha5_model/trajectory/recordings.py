@@ -99,8 +99,9 @@ def read_motion(
             for names without a prefix, or else for the only prefix. If you give it,
             columns whose prefix says command, or nothing known, are read as positions.
             Torques never are.
-        arm: Record of an arm of your own, for its ranges and rated speeds; None for the
-            catalogue's.
+        arm: Record of an arm of your own, for its ranges, rated speeds and signs; None
+            for the catalogue's. A joint whose sign is -1 is turned into the model's
+            direction, with its velocity, effort and current.
         joints: Joint of the arm -> its name in the file, for a file with other names:
             ``{"axis_e": "joint_1", ...}`` reads ``joint_1_pos`` as ``axis_e_pos``.
         degrees: Whether angles are in degrees, and their velocities in deg/s, if the
@@ -211,6 +212,13 @@ def _recorded(
     optional = numbers[:, len(needed) :]
     effort = _by_joint(optional[:, : len(efforts)], roles.efforts, roles.joints)
     current = _by_joint(optional[:, len(efforts) :], roles.currents, roles.joints)
+    signs = parameters.signs[:n]
+    if (signs < 0.0).any():
+        # From the driver's directions to the model's.
+        position = signs * position
+        velocity = None if velocity is None else signs * velocity
+        effort = None if effort is None else signs * effort
+        current = None if current is None else signs * current
     unused = [name for k, name in enumerate(table.header) if k not in read]
 
     warnings = [*table.warnings, *roles.warnings]

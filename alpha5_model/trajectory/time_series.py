@@ -29,7 +29,8 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
     powers and, with limits, ``axis_e_torque_min``, ``_max``, in a current
     ``axis_e_torque_moving_water_low``, ``_high``; ``base_force_x .. base_moment_z`` on
     the mount; ``tcp_x .. tcp_z``. Columns of a motor that cannot be computed are left
-    out. `read_motion` can read the file again.
+    out. Directions are the model's; `read_motion` can read the file again, for an arm
+    whose signs are 1.
     """
     table = {"time_secs": analysis.smooth.time}
     of_joints = _columns_of_joints(analysis)

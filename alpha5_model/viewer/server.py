@@ -19,7 +19,7 @@ import tornado.web
 import zmq
 from zmq.eventloop.zmqstream import ZMQStream
 
-from alpha5_model.errors import InputError, PortInUseError, ViewerError
+from alpha5_model.errors import InputError, ViewerError
 from alpha5_model.viewer import protocol
 from alpha5_model.viewer.connections import HTTPServer, PageConnection
 from alpha5_model.viewer.live_scene import LiveScene, Shown
@@ -53,7 +53,7 @@ class Server:
         """Listen on a port of this machine; 0 for a free one.
 
         Raises:
-            PortInUseError: The port is taken.
+            ViewerError: The port is taken.
             InputError: It is not a port, or may not be opened.
         """
         self.live = LiveScene(viewer)
@@ -186,7 +186,8 @@ def _listening(port: int) -> socket.socket:
         opened = socket.create_server((_HOST, port))
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
-            raise PortInUseError(port) from None
+            remedy = "choose another, or 0 for a free one"
+            raise ViewerError(f"port {port} is in use: {remedy}") from None
         expected = f"one that may be opened ({error.strerror})"
         raise InputError("port", port, expected) from None
     opened.setblocking(False)

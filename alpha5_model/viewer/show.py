@@ -54,7 +54,7 @@ def view(
 
     Raises:
         InputError, UnknownNameError: Arguments that do not fit the arm.
-        PortInUseError: The port is taken.
+        ViewerError: The port is taken.
     """
     from alpha5_model.viewer.build import build_scene
     from alpha5_model.viewer.visualizer import ArmVisualizer

@@ -22,7 +22,7 @@ class Window(ViewerWindow):  # type: ignore[misc]
         viewer: What its pages show.
 
     Raises:
-        PortInUseError: The port is taken.
+        ViewerError: The port is taken.
         InputError: It is not a port, or may not be opened.
     """
 

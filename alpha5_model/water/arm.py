@@ -21,6 +21,7 @@ from alpha5_model._support.checks import (
     array,
     choice,
     frozen,
+    listed,
     rigid_transform,
 )
 from alpha5_model.dynamics.arm import Arm
@@ -350,7 +351,7 @@ class HydrodynamicArm(Arm):
         """
         still = self.still.with_payload(mass, com, inertia, volume, cob, frame)
         matrix: Any = np.zeros((6, 6)) if added_mass is None else added_mass
-        data = BodyHydrodynamics(matrix, strips)
+        data = BodyHydrodynamics(matrix, tuple(listed("strips", strips, "DragStrips")))
         body = joint_water(still, still.displacements[-1].body, data)
         return HydrodynamicArm(still, (*self.bodies, body), self.current)
 

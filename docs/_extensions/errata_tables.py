@@ -31,8 +31,6 @@ FIRST = {
 FIRST_PLACE = "#the-five-that-matter"
 #: Units of what a difference costs, the first first.
 COSTS = ("N m", "mm", "N m/A", "")
-#: Bounds that only allow for double precision are not shown.
-LEAST_BOUND = 1e-6
 #: Torques below this are shown in µN·m [N m].
 SMALL_TORQUE = 1e-3
 RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
@@ -102,18 +100,14 @@ def lines_of(row: AuditRow) -> Iterator[tuple[str, str]]:
     yield "printed", plain(row.says)
     yield "we measure", plain(units(row.measures))
     yield "result", f"{figure(row.measured)} {units(row.unit)}".strip()
-    if row.standard_error:
-        error = f"{figure(row.standard_error, 2)} {units(row.unit)}"
-        yield "standard error", error.strip()
     yield "expected", expected(row)
-    if row.bound > LEAST_BOUND:
+    if row.bound:
         yield "tolerance", f"± {figure(row.bound, 2)} {units(row.unit)}".strip()
     if row.finding:
         yield "what follows", plain(units(row.finding))
     yield "we use", plain(row.used)
-    yield "it costs", cost(row)
-    if row.source:
-        yield "source", plain(row.source)
+    if row.effect is not None:
+        yield "it costs", cost(row.effect, row)
 
 
 def expected(row: AuditRow) -> str:
@@ -121,14 +115,12 @@ def expected(row: AuditRow) -> str:
     return f"{RELATION[row.relation]}{figure(row.expected)} {units(row.unit)}".strip()
 
 
-def cost(row: AuditRow) -> str:
-    """What a difference costs, as a figure if there is one."""
+def cost(effect: float, row: AuditRow) -> str:
+    """What a difference costs."""
     words = plain(units(row.cost))
-    if row.effect is None:
-        return words
-    if row.effect_unit == "N m" and row.effect < SMALL_TORQUE:
-        return f"{figure(1e6 * row.effect)} µN·m: {words}"
-    return f"{figure(row.effect)} {units(row.effect_unit)}: {words}"
+    if row.effect_unit == "N m" and effect < SMALL_TORQUE:
+        return f"{figure(1e6 * effect)} µN·m: {words}"
+    return f"{figure(effect)} {units(row.effect_unit)}: {words}"
 
 
 def shorter(first: str, place: str) -> str:

@@ -21,7 +21,7 @@ import numpy as np
 import alpha5_model as a5
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.pose import approach_directions
-from alpha5_model.proofs.audit.planar_arms import PRINTED_TABLE
+from alpha5_model.proofs.audit.lecture import PRINTED_TABLE
 from alpha5_model.theory.dh.types_and_tasks import (
     classify,
     spatial_conditions,

@@ -102,7 +102,7 @@ TOOLS = (
     ),
     Tool("Newton", "MJCF", "newton", "newton", simulators.newton_mjcf, _SINGLE),
     Tool("Newton", "USD", "newton", "newton", simulators.newton_usd, _SINGLE),
-    Tool("UsdPhysics", "USD", "pxr", "usd-core", tools.usd_physics, _SINGLE),
+    Tool("UsdPhysics", "USD", "pxr", "usd-exchange", tools.usd_physics, _SINGLE),
     Tool("brax", "MJCF, no buoyancy", "brax", "brax", simulators.brax, _SINGLE),
     Tool("mink", "MJCF", "mink", "mink", libraries.mink),
     Tool("Pinocchio", "MJCF", "pinocchio", "pin", tools.pinocchio_mjcf),
@@ -158,7 +158,7 @@ class Row:
 def write_files(folder: Path) -> None:
     """The generated files that the tools read; MJX and brax want theirs simpler."""
     atomic_write(folder / "alpha5.urdf", urdf(Variant(mesh_prefix="meshes/")))
-    if installed("pxr"):
+    if installed("urdf_usd_converter"):
         for name, content in usd_files().items():
             atomic_write(folder / name, content)
     mjx = MjcfOptions(collision="capsules")

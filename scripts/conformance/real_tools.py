@@ -115,19 +115,11 @@ CHECKS = (
         1e-12,
     ),
     Check(
-        "urdf-usd-converter",
-        "",
-        (),
-        "the URDF in USD: FK of the tcp [m, 1], M [kg m²], gravity torque [N m], "
-        "100 states; mass; water",
-        usd_tools.urdf_converter,
-        1e-6,
-    ),
-    Check(
         "mujoco-usd-converter",
         "",
         (),
-        "the MuJoCo model in USD: the same",
+        "the MuJoCo model in USD: FK of the tcp [m, 1], M [kg m²], gravity torque "
+        "[N m], 100 states; mass; water",
         usd_tools.mujoco_converter,
         1e-6,
     ),

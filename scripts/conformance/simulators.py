@@ -30,7 +30,7 @@ def mujoco_warp(files: Path, states: States) -> Arrays:
     for wet in (False, True):
         if not wet:
             water = model.body_gravcomp.copy()
-            model.body_gravcomp[water > 0] = 1.0
+            model.body_gravcomp[:] = 0.0
         else:
             model.body_gravcomp[:] = water
         there, data = mjw.put_model(model), mjw.make_data(model, nworld=count)
@@ -87,7 +87,7 @@ def newton_usd(files: Path, states: States) -> Arrays:
     model, state, out = _newton(arm, states)
     links = [i for i, label in enumerate(model.body_label) if label.endswith("/link_4")]
     stage = Usd.Stage.Open(file)
-    prim = stage.GetPrimAtPath("/alpha5/link_4/tcp")
+    (prim,) = (prim for prim in stage.Traverse() if prim.GetName() == "tcp")
     # USD's vectors are rows.
     tip = np.array(UsdGeom.Xformable(prim).GetLocalTransformation()).T
     fk = [_transform(body) @ tip for body in state.body_q.numpy()[links]]

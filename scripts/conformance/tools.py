@@ -81,8 +81,7 @@ def _mujoco(model, states: States, tip) -> Arrays:
     water = model.body_gravcomp.copy()
     for q, v in states:
         data.qpos, data.qvel = q, v
-        # Without water, the buoyancy bodies only cancel their own weight.
-        model.body_gravcomp[water > 0] = 1.0
+        model.body_gravcomp[:] = 0.0
         mujoco.mj_forward(model, data)
         for column, unit in zip(columns, np.eye(4), strict=True):
             mujoco.mj_mulM(model, data, column, unit)
@@ -163,7 +162,7 @@ def _with_gravcomp(model, wet: bool):
 
     changed = copy.copy(model)
     if not wet:
-        changed.body_gravcomp[model.body_gravcomp > 0] = 1.0
+        changed.body_gravcomp[:] = 0.0
     return changed
 
 

@@ -1,7 +1,7 @@
-"""Checks of `real_tools` by NVIDIA's converters to USD.
+"""Check of `real_tools` by Newton's converter of MuJoCo models to USD.
 
-They bring an OpenUSD of their own, so that they need a Python of their own. What they
-write is read by `usd_reading`.
+It has a Python of its own; what it writes is read by `usd_reading`. The converter of
+URDFs writes our USD files.
 """
 
 from __future__ import annotations
@@ -17,38 +17,28 @@ from conformance.own_python import bare, own_python
 from conformance.ros_tools import NotThereError, Result, Workspace
 
 import alpha5_model as a5
-from alpha5_model._support.paths import MJCF_PATH, URDF_PATH
+from alpha5_model._support.paths import MJCF_PATH
 from alpha5_model.numbers.parameters import parameters
 
-_PACKAGES = ("urdf-usd-converter==0.3.4", "mujoco-usd-converter==0.8.0")
+_VERSION = "0.8.0"
 _CONVERT = """
-import importlib, sys
-module, source, folder = sys.argv[1:]
-converter = importlib.import_module(module).Converter(layer_structure=False)
-print(converter.convert(source, folder).path)
+import sys
+from mujoco_usd_converter import Converter
+print(Converter(layer_structure=False).convert(*sys.argv[1:]).path)
 """
 #: Words of the attribute in which MuJoCo's converter keeps buoyancy.
 GRAVCOMP = "mjc:body:gravcomp"
 
 
-def urdf_converter(work: Workspace) -> Result:
-    """The URDF through urdf-usd-converter."""
-    return _check(work, "urdf_usd_converter", URDF_PATH, _PACKAGES[0])
-
-
 def mujoco_converter(work: Workspace) -> Result:
-    """The MuJoCo model through mujoco-usd-converter."""
-    return _check(work, "mujoco_usd_converter", MJCF_PATH, _PACKAGES[1])
-
-
-def _check(work: Workspace, module: str, source: str, package: str) -> Result:
-    """Convert, read, and compare with Pinocchio."""
+    """Convert the MuJoCo model, read the file, and compare with Pinocchio."""
     if not installed("pxr"):
-        raise NotThereError("usd-core not there")
-    python = own_python(work.folder / "converters", *_PACKAGES)
-    folder = work.folder / module
+        raise NotThereError("OpenUSD not there")
+    package = f"mujoco-usd-converter=={_VERSION}"
+    python = own_python(work.folder / "converters", package)
+    folder = work.folder / "mujoco_usd_converter"
     done = subprocess.run(
-        [python, "-c", _CONVERT, module, source, str(folder)],
+        [python, "-c", _CONVERT, MJCF_PATH, str(folder)],
         capture_output=True,
         text=True,
         check=True,
@@ -63,7 +53,7 @@ def _check(work: Workspace, module: str, source: str, package: str) -> Result:
         for line in done.stderr.splitlines() + done.stdout.splitlines()
         if line.startswith("Warning: ")
     ]
-    version = f"{package.partition('==')[2]}, own OpenUSD"
+    version = f"{_VERSION}, own OpenUSD"
     return Result(text, max(errors), version=version, warnings=tuple(said))
 
 

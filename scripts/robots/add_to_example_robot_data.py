@@ -8,10 +8,15 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model._support.writing import atomic_write_all
-from alpha5_model.loaders import files as loaders
+from alpha5_model.description.assets import mesh_assets
+from alpha5_model.description.srdf import srdf
+from alpha5_model.description.urdf import Variant, urdf
 
-MODULE = Path(loaders.__file__).with_name("alpha5_loader.py")
+HERE = Path(__file__).parent
+FOLDER = "alpha5_description"
+MESHES = f"package://example-robot-data/robots/{FOLDER}/meshes/"
 PACKAGE = Path("python", "example_robot_data")
 #: File -> text before which a line goes, and that line.
 LINES = {
@@ -43,11 +48,8 @@ def patch(checkout: Path) -> dict[Path, bytes]:
             no place.
     """
     _refuse_old(checkout)
-    module = MODULE.read_text("utf-8").replace(
-        "from example_robot_data.utils", "from .utils"
-    )
-    module = module.replace("  # type: ignore[misc]", "")
-    files = {checkout / PACKAGE / "alpha5.py": module.encode()}
+    loaders = (HERE / "example_robot_data_loaders.py").read_bytes()
+    files = {checkout / PACKAGE / "alpha5.py": loaders}
     for name, lines in LINES.items():
         path = checkout / name
         if not path.is_file():
@@ -64,8 +66,23 @@ def patch(checkout: Path) -> dict[Path, bytes]:
             if line not in text:
                 text = text.replace(before, line + before, 1)
         files[path] = text.encode()
-    robots = checkout / "robots"
-    return files | {robots / name: data for name, data in loaders.robot_files().items()}
+    folder = checkout / "robots" / FOLDER
+    return files | {folder / path: data for path, data in robot_files().items()}
+
+
+def robot_files() -> dict[str, bytes]:
+    """The arm's folder under ``robots/``: path in it -> content."""
+    files = {
+        "README.md": (HERE / "example_robot_data_readme.md").read_bytes(),
+        "LICENSE": Path(REPOSITORY_PATH, "LICENSE").read_bytes(),
+    }
+    for name, content in mesh_assets(".obj", ".mtl").items():
+        files[f"meshes/{name}"] = content
+    for gripper, name in (("locked", "alpha5"), ("jaws", "alpha5_jaws")):
+        variant = Variant(gripper=gripper, mesh_prefix=MESHES)
+        files[f"urdf/{name}.urdf"] = urdf(variant).encode()
+        files[f"srdf/{name}.srdf"] = srdf(gripper).encode()
+    return files
 
 
 def _refuse_old(checkout: Path) -> None:

@@ -75,8 +75,6 @@ def test_a_full_disk_is_one_line_and_status_2():
         (("dh", "--urdf", "."), "is a folder"),
         (("generate", "--parent", "base_link"), "parent"),
         (("generate", "--parent", "left_tcp", "--prefix", "left_"), "parent"),
-        (("generate", "--check", "--update"), "beside --check"),
-        (("generate", "--update", "--gripper", "jaws"), "beside --update"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(capsys, arguments, words):

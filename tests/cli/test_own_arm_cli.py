@@ -108,12 +108,12 @@ def test_the_urdf_is_that_of_the_file(capsys: Any) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["ik", "0.2", "0", "0.1"], "mine.toml, links.link_2.mass: -1 kg"),
-        (["fk", "3", "1", "1", "0"], "mine.toml, links.link_2.mass: -1 kg"),
-        (["torque", "--q", "3 1 1 0"], "mine.toml, links.link_2.mass: -1 kg"),
-        (["workspace"], "mine.toml, links.link_2.mass: -1 kg"),
-        (["dh"], "mine.toml, links.link_2.mass: -1 kg"),
-        (["generate"], "mine.toml, links.link_2.mass: -1 kg"),
+        (["ik", "0.2", "0", "0.1"], "mine.toml, links.link_2.mass: "),
+        (["fk", "3", "1", "1", "0"], "mine.toml, links.link_2.mass: "),
+        (["torque", "--q", "3 1 1 0"], "mine.toml, links.link_2.mass: "),
+        (["workspace"], "mine.toml, links.link_2.mass: "),
+        (["dh"], "mine.toml, links.link_2.mass: "),
+        (["generate"], "mine.toml, links.link_2.mass: "),
     ],
 )
 def test_a_wrong_file_is_one_line(

@@ -27,9 +27,8 @@ from demo_run import demo_run
 from urdf_edits import with_mass
 
 import alpha5_model as a5
-from alpha5_model.cli import COMMANDS, check, generate, main, workspace
+from alpha5_model.cli import COMMANDS, generate, main, workspace
 from alpha5_model.cli.syntax import one_syntax
-from alpha5_model.description.verification import verify_urdf
 from alpha5_model.proofs.comparison import measure
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -183,15 +182,7 @@ def test_what_is_printed(
 
         monkeypatch.setattr(module, function, given)
 
-    # Freshness takes seconds, and has tests of its own.
-    monkeypatch.setattr(
-        check, "verify_generated", lambda: check.verify_urdf("arm.urdf", None)
-    )
-    monkeypatch.setattr(
-        check, "verify_urdf", lambda path, _, arm=None: verify_urdf(path, arm=arm)
-    )
     for module, function in (
-        (check, "verify_urdf"),
         (measure, "compare"),
         (generate, "urdf"),
         (workspace, "_record"),

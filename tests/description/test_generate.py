@@ -1,27 +1,19 @@
-"""Generation: arguments change the output, plain xacro agrees, nothing is stale."""
+"""Generation: arguments change the output, and plain xacro agrees."""
 
 from __future__ import annotations
 
 import math
-import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
-from alpha5_model.description.committed import (
-    StaleFile,
-    generated_files,
-    stale_files,
-    update,
-)
-from urdf_edits import mass_text, with_mass
 
 import alpha5_model as a5
 from alpha5_model._support.paths import REPOSITORY_PATH, XACRO_PATH
-from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.cli import main
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, urdf
@@ -29,7 +21,6 @@ from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.errors import (
     FileFormatError,
     InputError,
-    OutputError,
 )
 from alpha5_model.numbers.parameters import parameters
 
@@ -73,33 +64,6 @@ def test_parent_is_made_and_mounted_on():
     assert xml(Variant()).find("joint[@name='mount']") is None
 
 
-def test_gripper_jaws_adds_the_rod_and_two_fingers():
-    added = set(names(urdf(Variant(gripper="jaws")), "joint")) - set(
-        names(urdf(Variant()), "joint")
-    )
-    assert added == {"axis_a", "finger_1_joint", "finger_2_joint"}
-
-
-@pytest.mark.slow
-def test_mesh_prefix_stands_before_every_mesh():
-    root = xml(Variant(mesh_prefix="package://somewhere/"))
-    files = [mesh.get("filename") for mesh in root.iter("mesh")]
-    assert len(files) == 7
-    assert all(file.startswith("package://somewhere/") for file in files)
-
-
-def test_collision_none_has_none():
-    assert not list(xml(Variant(collision="none")).iter("collision"))
-    assert list(xml(Variant()).iter("collision"))
-
-
-def test_dh_frames_are_added():
-    added = set(names(urdf(Variant(dh_frames=True)), "link")) - set(
-        names(urdf(Variant()), "link")
-    )
-    assert added == {f"dh_{i}" for i in range(1, 6)}
-
-
 def test_ros2_control_gives_interfaces_and_device_ids():
     root = xml(
         Variant(gripper="jaws", ros2_control=True, ros2_control_plugin="pkg/Driver")
@@ -129,23 +93,46 @@ def test_ros2_control_gives_interfaces_and_device_ids():
     assert xml(Variant()).find("ros2_control") is None
 
 
+def test_options_add_and_remove_what_they_name():
+    plain = ET.fromstring(urdf())
+    jaws = ET.fromstring(urdf(Variant(gripper="jaws", mesh_prefix="package://mine/")))
+    frames = ET.fromstring(urdf(Variant(dh_frames=True)))
+    bare = ET.fromstring(urdf(Variant(collision="none")))
+
+    def named(root, tag):
+        return {element.get("name") for element in root.findall(tag)}
+
+    fingers = {"finger_1_joint", "finger_2_joint"}
+    assert named(jaws, "joint") - named(plain, "joint") == {"axis_a"} | fingers
+    files = [mesh.get("filename") for mesh in jaws.iter("mesh")]
+    assert len(files) == 7
+    assert all(file.startswith("package://mine/") for file in files)
+    added = named(frames, "link") - named(plain, "link")
+    assert added == {f"dh_{i}" for i in range(1, 6)}
+    assert list(plain.iter("collision"))
+    assert not list(bare.iter("collision"))
+    angles = [
+        float(angle)
+        for origin in frames.iter("origin")
+        for angle in origin.get("rpy", "0").split()
+    ]
+    assert max(map(abs, angles)) == pytest.approx(math.pi)
+
+
+def test_a_mount_is_three_numbers_and_a_flag_one_truth():
+    with pytest.raises(InputError, match="xyz"):
+        Variant(parent="rov", xyz=np.zeros((2, 3)))
+    for name in ("dh_frames", "ros2_control"):
+        with pytest.raises(InputError, match=name):
+            Variant(**{name: np.zeros(4)})
+
+
 def test_corrections_turn_the_base_and_are_named():
     printed = urdf(Variant(corrections=()))
     assert "corrections to the document (none)" in printed
     base = ET.fromstring(printed).find("joint[@name='link_0_fixed']/origin")
     assert base.get("rpy") == "0.0 0.0 3.141592653589793"
     assert "corrections to the document (base_frame)" in urdf()
-
-
-@pytest.mark.parametrize("corrections", [(), ("base_frame",), ("link3_cob",)])
-def test_no_frame_is_written_with_more_than_half_a_turn(corrections):
-    text = urdf(Variant(gripper="jaws", dh_frames=True, corrections=corrections))
-    angles = [
-        float(angle)
-        for origin in ET.fromstring(text).iter("origin")
-        for angle in origin.get("rpy", "0").split()
-    ]
-    assert max(map(abs, angles)) == pytest.approx(math.pi)
 
 
 def test_the_file_names_document_version_and_package():
@@ -187,80 +174,6 @@ def test_plain_xacro_refuses_an_unknown_gripper(tmp_path):
     assert "gripper must be 'locked' or 'jaws', not 'hook'" in result.stderr
 
 
-@pytest.mark.slow
-def test_the_committed_files_are_fresh(capsys):
-    assert stale_files() == []
-    assert main(["generate", "--check"]) == 0
-    assert "generated files are fresh" in capsys.readouterr().out
-
-
-def test_the_committed_texts_are_fresh(monkeypatch, capsys):
-    """Without what takes seconds: meshes that are drawn, and formulas."""
-    monkeypatch.setitem(sys.modules, "manifold3d", None)
-    monkeypatch.setitem(sys.modules, "casadi", None)
-    assert main(["generate", "--check"]) == 0
-    out = capsys.readouterr().out
-    assert re.search(r"(\d+) of \1 generated files are fresh", out)
-    for missing in ("manifold3d", "casadi"):
-        assert f"{missing} is not installed" in out
-
-
-def test_a_stale_file_is_found_and_mended(monkeypatch, tmp_path):
-    import alpha5_model.description.committed as committed
-
-    right = Path(a5.URDF_PATH).read_text("utf-8")
-    fresh = {"arm.urdf": right.encode(), "b/jaws.urdf": b"<robot/>", "arm.glb": b"\xff"}
-    monkeypatch.setattr(committed, "generated_files", lambda: fresh)
-    update(str(tmp_path))
-    assert stale_files(str(tmp_path)) == []
-    (tmp_path / "arm.urdf").write_text(with_mass(right, "0.9"))
-    (tmp_path / "b" / "jaws.urdf").unlink()
-    (tmp_path / "arm.glb").write_bytes(b"\xfe\xff")
-    stale = {file.path: file.diff for file in stale_files(str(tmp_path))}
-    assert stale.keys() == fresh.keys()
-    assert (
-        f'-      <mass value="0.9"/>\n+      <mass value="{mass_text(right)}"/>'
-        in stale["arm.urdf"]
-    )
-    update(str(tmp_path))
-    assert stale_files(str(tmp_path)) == []
-
-
-def test_check_exits_1_with_a_diff(monkeypatch, capsys):
-    import alpha5_model.description.committed as committed
-
-    monkeypatch.setattr(
-        committed, "stale_files", lambda **_: [StaleFile("urdf/x", "-old\n+new\n")]
-    )
-    monkeypatch.setattr(committed, "generated_files", dict)
-    assert main(["generate", "--check"]) == 1
-    assert capsys.readouterr().out.startswith("-old\n+new\n")
-
-
-@pytest.mark.slow
-def test_every_file_in_the_folders_of_descriptions_is_generated():
-    """A description that nothing generates any more would become stale unseen."""
-    root = Path(REPOSITORY_PATH)
-    found = {
-        path.relative_to(root).as_posix()
-        for folder in ("config", "meshes", "mjcf", "urdf")
-        for path in (root / folder).rglob("*")
-        if path.is_file()
-    }
-    pictures = {"mjcf/alpha5.png"}
-    assert found - pictures <= set(generated_files())
-
-
-@pytest.mark.slow
-def test_an_installed_package_has_its_formulas_as_they_are(monkeypatch, tmp_path):
-    from alpha5_model.description import committed
-
-    monkeypatch.setattr(committed, "REPOSITORY_PATH", str(tmp_path))
-    assert not any(path.startswith("alpha5_model/") for path in generated_files())
-    monkeypatch.setitem(sys.modules, "casadi", None)
-    assert committed.not_generated() == ()
-
-
 def test_yaml_numbers_read_back_exactly():
     content = yaml.safe_load(parameter_yaml(a5.parameters()))
     for link in a5.parameters().links:
@@ -286,7 +199,7 @@ def test_command_line_writes_file_and_meshes(tmp_path, capsys):
     ("arguments", "words"),
     [
         (["--gripper", "hook"], "unknown gripper 'hook'; choose from locked, jaws"),
-        (["--collision", "mesh"], "choose from primitives, none"),
+        (["--collision", "mesh"], "choose from primitives, capsules, none"),
         (["--mesh-uri", "http"], "choose from relative, package, file"),
         (["--corrections", "sign"], "choose from base_frame, link3_cob"),
         (["--xyz", "0 0"], "three numbers"),
@@ -314,48 +227,6 @@ def test_a_broken_xacro_file_is_named(tmp_path):
     broken.write_text("<robot><oops></robot>")
     with pytest.raises(FileFormatError, match=r"broken\.xacro"):
         expand_xacro(broken)
-
-
-def test_atomic_write_leaves_the_old_file_when_it_fails(tmp_path, monkeypatch):
-    target = tmp_path / "file.txt"
-    atomic_write(target, "old")
-
-    def refuse(self, destination):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "replace", refuse)
-    with pytest.raises(OutputError, match="No space left"):
-        atomic_write(target, "new")
-    assert target.read_text() == "old"
-    assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
-
-
-def test_files_that_belong_together_are_written_all_or_none(tmp_path):
-    (tmp_path / "blocked").write_text("a file where a folder must stand")
-    first, second = tmp_path / "first.txt", tmp_path / "second.txt"
-    atomic_write(first, "old")
-    with pytest.raises(OutputError, match=r"third\.txt: a part of its path is a file"):
-        atomic_write_all(
-            {first: "new", second: "new", tmp_path / "blocked" / "third.txt": "new"}
-        )
-    assert first.read_text() == "old"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["blocked", "first.txt"]
-    atomic_write_all({first: "new", second: b"new"})
-    assert (first.read_text(), second.read_text()) == ("new", "new")
-
-
-@pytest.mark.parametrize(
-    "arguments", [["urdf", "arm.urdf"], ["mjcf", "."], ["sdf", "."]]
-)
-def test_generate_leaves_nothing_where_one_of_its_files_cannot_stand(
-    tmp_path, capsys, arguments
-):
-    kind, output = arguments
-    taken = {"urdf": "arm.urdf", "mjcf": "README.md", "sdf": "model.config"}[kind]
-    (tmp_path / taken).mkdir()
-    assert main(["generate", "--format", kind, "--output", str(tmp_path / output)]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
-    assert [path.name for path in tmp_path.iterdir()] == [taken]
 
 
 def test_a_parent_with_the_name_of_a_link_of_the_arm_is_refused():

@@ -1,7 +1,8 @@
-"""Friction, damping and armature of measured motors, in MuJoCo and Pinocchio."""
+"""Friction, damping and armature of measured motors, in each format that has them."""
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,10 @@ import pytest
 from lazily import Lazy
 
 import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.description.left_out import without_armature
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
+from alpha5_model.description.sdf import SdfOptions, sdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -77,6 +81,34 @@ def test_pinocchio_reads_friction_and_damping(calibrated: Alpha5Parameters) -> N
     assert friction == pytest.approx((FORWARD + BACKWARD) / 2, rel=1e-9)
     assert model.damping[d] == pytest.approx(VISCOUS, rel=1e-9)
     assert "<dynamics" not in urdf()
+
+
+def test_sdf_has_friction_and_damping_and_says_what_it_has_not(
+    calibrated: Alpha5Parameters, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = sdf(SdfOptions(arm=calibrated))
+    joints = {
+        joint.get("name"): joint.find("axis/dynamics")
+        for joint in ET.fromstring(text).iter("joint")
+    }
+    friction, damping = (
+        float(joints["axis_d"].findtext(name)) for name in ("friction", "damping")
+    )
+    assert friction == pytest.approx((FORWARD + BACKWARD) / 2, rel=1e-9)
+    assert damping == pytest.approx(VISCOUS, rel=1e-9)
+    assert [name for name, losses in joints.items() if losses is not None] == ["axis_d"]
+    assert "<dynamics" not in sdf()
+
+    (line,) = without_armature("SDF", calibrated)
+    assert f"axis_d {ARMATURE:g} kg m^2" in line
+    assert line in text
+    for kind, output in (("sdf", "folder"), ("urdf", "arm.urdf"), ("mjcf", "mjcf")):
+        file = str(tmp_path / "arm.toml")
+        arguments = ["generate", "--arm", file, "--format", kind]
+        assert main([*arguments, "--output", str(tmp_path / output)]) == 0
+        said = capsys.readouterr().err
+        assert ("rotor inertia" in said) == (kind != "mjcf")
+    assert without_armature("SDF", a5.parameters()) == []
 
 
 def test_the_motors_are_written_and_read_again(

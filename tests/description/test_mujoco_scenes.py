@@ -16,7 +16,11 @@ from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_readme
 mujoco = Lazy("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
 
 #: Where a scene has its options, and the model.
-WAYS = ("above the include", "below the include", "attached")
+WAYS = ("above the include", "below the include", "attached", "attached in XML")
+ATTACH = """
+<asset><model name="arm" file="alpha5.xml"/></asset>
+<worldbody><attach model="arm" body="base_link" prefix="my_"/></worldbody>
+"""
 HARMLESS = {
     "": "",
     "boundmass": '<compiler boundmass="{least_mass}"/>',
@@ -40,6 +44,12 @@ HARMFUL = {
     "autolimits": ('<compiler autolimits="false"/>', WAYS[1:2]),
     "<option gravity>": ('<option gravity="0 0 -1.6"/>', WAYS[1:]),
 }
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(monkeypatch, tmp_path) -> None:
+    """MuJoCo writes its log of warnings where it stands."""
+    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture(scope="module", params=["locked", "jaws"])
@@ -69,7 +79,8 @@ def in_scene(folder: Path, options: str, way: str):
             child = mujoco.MjSpec.from_file(str(folder / "alpha5.xml"))
             scene.attach(child, prefix="my_", frame=scene.worldbody.add_frame())
             return scene.compile()
-        parts = [options, '<include file="alpha5.xml"/>']
+        arm = ATTACH if way == "attached in XML" else '<include file="alpha5.xml"/>'
+        parts = [options, arm]
         if way == "below the include":
             parts.reverse()
         file = folder / "scene.xml"

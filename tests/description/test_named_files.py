@@ -15,7 +15,7 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.reading import read_urdf
-from alpha5_model.description.urdf import Variant
+from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError
 
@@ -25,7 +25,7 @@ READERS = {
     "urdf": read_urdf,
     "xacro": expand_xacro,
 }
-COMMANDS = (("dh", "--urdf"), ("compare",), ("check", "--urdf"))
+COMMANDS = (("dh", "--urdf"), ("compare",))
 TEXT = Path(a5.URDF_PATH).read_text(encoding="utf-8")
 
 
@@ -67,46 +67,19 @@ def test_commands_refuse_them_in_one_line(capsys):
             assert len(out.err.splitlines()) == 1
 
 
-@pytest.mark.parametrize("read", [a5.dh.DHChain.from_urdf, read_urdf])
-def test_a_broken_urdf_names_its_line(tmp_path, read):
-    lines = TEXT.splitlines()
-    for old, new, problem in (
-        ('xyz="', 'xyz="x', "finite numbers"),
-        ("<parent ", "<parents ", "has no <parent>"),
-        ("</link>", "</links>", "not XML"),
-    ):
-        k = next(k for k, line in enumerate(lines) if old in line)
-        (tmp_path / "arm.urdf").write_text(
-            "\n".join([*lines[:k], lines[k].replace(old, new, 1), *lines[k + 1 :]])
-        )
-        with pytest.raises(FileFormatError, match=problem) as caught:
-            read(tmp_path / "arm.urdf")
-        # A joint without a parent is reported at the joint, a line or two above.
-        assert 0 <= k + 1 - int(caught.value.place.removeprefix("line ")) <= 2
-
-
-@pytest.mark.parametrize("digits", ["٣", "1_0"])
-def test_numbers_of_a_urdf_are_what_its_readers_take_for_numbers(tmp_path, digits):
-    (tmp_path / "arm.urdf").write_text(
-        TEXT.replace('mass value="', f'mass value="{digits}', 1)
-    )
-    with pytest.raises(FileFormatError, match="finite number"):
-        read_urdf(tmp_path / "arm.urdf")
-
-
 def test_dh_reads_what_moves_and_says_nothing_else(tmp_path, capfd):
     """urdfdom complains on stderr of a colour; nobody asked for the colour."""
     (tmp_path / "arm.urdf").write_text(TEXT.replace('rgba="', 'rgba="x', 1))
-    for command, status in (("dh", 0), ("check", 1)):  # check_urdf's row tells of it
-        assert main([command, "--urdf", str(tmp_path / "arm.urdf")]) == status
+    for command in ("dh", "check"):
+        assert main([command, "--urdf", str(tmp_path / "arm.urdf")]) == 0
         assert capfd.readouterr().err == ""
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig"])
-def test_a_urdf_in_another_encoding_is_read_alike(tmp_path, encoding):
+def test_dh_reads_another_encoding_alike(tmp_path, encoding):
+    """Pinocchio, which it asks, would not."""
     arm = tmp_path / "arm.urdf"
-    arm.write_bytes(TEXT.encode(encoding))
-    assert a5.compare(arm, samples=5).agrees
+    arm.write_bytes(f"\n{TEXT}".encode(encoding))
     ours, theirs = (a5.dh.DHChain.from_urdf(path) for path in (a5.URDF_PATH, arm))
     assert [vars(link) for link in theirs.links] == [vars(link) for link in ours.links]
 
@@ -122,7 +95,7 @@ def test_names_that_no_file_can_hold_are_refused(text, capsys):
 
 
 def test_a_prefix_may_be_greek():
-    assert Variant(prefix="άλφα_").prefix == "άλφα_"
+    assert 'name="άλφα_tcp"' in urdf(Variant(prefix="άλφα_", collision="none"))
 
 
 @pytest.mark.slow

@@ -79,20 +79,6 @@ def test_plain_xacro_mounts_on_another_parent_where_it_is_given(tmp_path: Path) 
     assert 'xyz="0.1 0.0 0.0"' in text
 
 
-def test_a_mount_named_as_a_link_of_the_arm_is_refused() -> None:
-    record = RECORDS[9]
-    assert record.mount is not None
-    taken = Pose(record.mount.position, record.mount.rotation, "tcp")
-    with pytest.raises(InputError, match="parent: expected a name that no link"):
-        urdf(Variant(arm=dataclasses.replace(record, mount=taken)))
-
-
-def test_the_catalogues_parameters_name_no_robot_and_no_mount() -> None:
-    text = parameter_yaml(parameters())
-    assert "\nname:" not in text
-    assert "\nmount:" not in text
-
-
 def test_ros2_control_has_the_limits_of_the_record() -> None:
     record = RECORDS[1]
     variant = Variant(arm=record, gripper="jaws", ros2_control=True)
@@ -314,8 +300,10 @@ def test_an_arm_on_the_world_stands_there_in_mujoco_and_gazebo() -> None:
 
 
 @sdf_reading.needs_libsdformat
-@pytest.mark.parametrize("parent", ["bluerov", "world"])
-@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+@pytest.mark.tools
+@pytest.mark.parametrize(
+    ("parent", "gripper"), [("bluerov", "locked"), ("world", "jaws")]
+)
 def test_libsdformat_accepts_model_and_world(
     parent: str, gripper: str, tmp_path: Path
 ) -> None:
@@ -333,16 +321,20 @@ def test_libsdformat_accepts_model_and_world(
 
 
 @pytest.mark.parametrize("parent", ["link_2", "base_link"])
-def test_a_carrier_named_as_the_arm_is_refused(parent: str) -> None:
+@pytest.mark.parametrize(
+    "write",
+    [
+        lambda arm: urdf(Variant(arm=arm)),
+        lambda arm: mjcf(MjcfOptions(arm=arm)),
+        lambda arm: sdf(SdfOptions(arm=arm)),
+    ],
+)
+def test_a_carrier_named_as_the_arm_is_refused(write: Any, parent: str) -> None:
     mount = own.random_mount(3)
     taken = Pose(mount.position, mount.rotation, parent)
-    record = dataclasses.replace(RECORDS[2], mount=taken)
-    for write in (
-        lambda: mjcf(MjcfOptions(arm=record)),
-        lambda: sdf(SdfOptions(arm=record)),
-    ):
-        with pytest.raises(InputError, match=r"mount\.parent: expected a name that no"):
-            write()
+    with pytest.raises(InputError) as caught:
+        write(dataclasses.replace(RECORDS[2], mount=taken))
+    assert "parent" in caught.value.name
 
 
 # --- names, poses and pairs -----------------------------------------------------------
@@ -372,28 +364,6 @@ def test_named_poses_lie_within_the_limits(record: Alpha5Parameters) -> None:
     rod = record.joints[4]
     assert states["closed"] == {"axis_a": rod.lower}
     assert states["open"] == {"axis_a": rod.upper}
-
-
-def test_own_limits_cut_a_named_pose() -> None:
-    record = RECORDS[0]
-    narrow = dataclasses.replace(record.joints[1], lower=0.9, upper=1.2)
-    joints = (record.joints[0], narrow, *record.joints[2:])
-    cut = dataclasses.replace(record, joints=joints)
-    assert states_of(srdf(arm=cut))["home"]["axis_d"] == 0.9
-    assert states_of(srdf(arm=cut))["reach"]["axis_d"] == 1.2
-
-
-def test_the_sea_bed_is_below_a_mount() -> None:
-    """At any height of the mount, it is as far below base_link."""
-    mount = Pose(np.array([0.0, 0.0, -2.0]), np.eye(3), "rov")
-    record = dataclasses.replace(RECORDS[1], mount=mount)
-    depths = []
-    for arm in (None, record):
-        files = mjcf_files(MjcfOptions(arm=arm))
-        geom = ET.fromstring(files["scene.xml"]).find(".//geom[@name='sea_bed']")
-        assert geom is not None
-        depths.append([float(x) for x in str(geom.get("pos")).split()])
-    assert depths == [[0.0, 0.0, -0.6], [0.0, 0.0, -2.6]]
 
 
 def test_all_descriptions_have_the_arms_name() -> None:
@@ -439,26 +409,6 @@ def test_pairs_that_never_meet_are_checked_for_other_lengths(
     assert excluded(mjcf(options)) & set(NEVER_PAIRS) == pairs
 
 
-def test_estimated_water_is_the_catalogues_in_the_links() -> None:
-    record = RECORDS[2]
-    for options, write in ((MjcfOptions, mjcf), (SdfOptions, sdf)):
-        ours = ET.fromstring(write(options(hydrodynamics=True)))
-        theirs = ET.fromstring(write(options(hydrodynamics=True, arm=record)))
-        found = 0
-        for tag in ("geom[@class='strip']", "plugin", "fluid_added_mass"):
-            expected = [ET.canonicalize(_text(x)) for x in ours.iterfind(f".//{tag}")]
-            of_record = [
-                ET.canonicalize(_text(x)) for x in theirs.iterfind(f".//{tag}")
-            ]
-            assert of_record == expected
-            found += len(expected)
-        assert found > 0
-
-
-def _text(element: ET.Element) -> str:
-    return ET.tostring(element, encoding="unicode").strip()
-
-
 # --- the command ----------------------------------------------------------------------
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
@@ -484,26 +434,17 @@ def test_generate_writes_the_arm_of_a_file(
     assert capsys.readouterr().out == expected(a5.arm_file(EXAMPLE))
 
 
-def test_generate_writes_one_file_for_xacro_and_srdf(
-    tmp_path: Path, capsys: Any
-) -> None:
+def test_generate_writes_one_file_for_xacro(tmp_path: Path, capsys: Any) -> None:
     numbers = tmp_path / "mine.yaml"
-    arm = ["--arm", str(EXAMPLE)]
-    assert main(["generate", "--format", "xacro", *arm, "--output", str(numbers)]) == 0
-    poses = tmp_path / "mine.srdf"
-    assert main(["generate", "--format", "srdf", *arm, "--output", str(poses)]) == 0
-    assert {path.name for path in tmp_path.iterdir()} == {"mine.yaml", "mine.srdf"}
+    words = ["generate", "--format", "xacro", "--output"]
+    assert main([*words, str(numbers), "--arm", str(EXAMPLE)]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.yaml"]
     assert numbers.read_text("utf-8") == parameter_yaml(a5.arm_file(EXAMPLE))
-
-    capsys.readouterr()
-    wrong = ["generate", "--format", "srdf", "--output", str(tmp_path / "mine.urdf")]
-    assert main(wrong) == 2
-    assert ".srdf" in capsys.readouterr().err
-    assert main(["generate", "--format", "xacro", "--output", "folder"]) == 2
-    assert "give a file name, such as parameters.yaml" in capsys.readouterr().err
+    for wrong in ("mine.urdf", "folder"):
+        assert main([*words, str(tmp_path / wrong)]) == 2
+        assert len(capsys.readouterr().err.splitlines()) <= 2
 
 
-def test_generate_without_an_arm_writes_the_committed_parameters(capsys: Any) -> None:
-    assert main(["generate", "--format", "xacro"]) == 0
+def test_the_committed_parameters_are_fresh() -> None:
     committed = Path(XACRO_PATH).with_name("parameters.yaml")
-    assert capsys.readouterr().out == committed.read_text("utf-8")
+    assert committed.read_text("utf-8") == parameter_yaml(parameters())

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+import yaml
 from fk import fk
 
 import alpha5_model as a5
@@ -125,6 +126,10 @@ def test_the_vehicle_keeps_its_mass_and_the_arm_its_own(vehicle):
     total = pin.computeTotalMass(model) + model.inertias[0].mass
     carried = pin.computeTotalMass(arm) + arm.inertias[0].mass
     assert total == pytest.approx(13.5 + carried, abs=1e-12)
+
+
+def test_a_launch_file_may_read_it_as_yaml(vehicle):
+    assert isinstance(yaml.safe_load(vehicle), str)
 
 
 def test_limits_and_interfaces_are_the_examples(vehicle):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import subprocess
 import sys
@@ -12,12 +13,18 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import reference
+import yaml
 from lazily import Lazy
 
 import alpha5_model as a5
-from alpha5_model._support.paths import JAWS_URDF_PATH
+from alpha5_model._support.paths import JAWS_URDF_PATH, XACRO_PATH
+from alpha5_model.cli import main
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.geometry.collision_capsules import collision_capsules
+from alpha5_model.numbers.parameters import parameters
 
+mujoco = Lazy("mujoco")
 yourdfpy = Lazy("yourdfpy")
 FRAMES = [f"link_{i}" for i in range(5)]
 
@@ -183,10 +190,164 @@ def test_open_fingers_move_apart():
     assert gaps[1] == pytest.approx(0.031 + 2 * 0.085 * math.sin(51 * 0.012), abs=1e-12)
 
 
-def test_check_urdf_accepts_the_committed_files():
+def test_the_committed_files_are_fresh():
+    for path, gripper in ((a5.URDF_PATH, "locked"), (JAWS_URDF_PATH, "jaws")):
+        assert Path(path).read_text("utf-8") == urdf(Variant(gripper=gripper))
+
+
+def test_check_urdf_accepts_every_version(tmp_path):
     program = Path(sys.executable).with_name("check_urdf")  # the pin wheel brings it
-    for path in (a5.URDF_PATH, JAWS_URDF_PATH):
+    newest = tmp_path / "newest.urdf"
+    newest.write_text(urdf(fast(limits=(0.5, 4.0), collision="capsules")))
+    for path in (a5.URDF_PATH, JAWS_URDF_PATH, newest):
         result = subprocess.run(
             [program, path], capture_output=True, text=True, check=False
         )
         assert "Successfully Parsed XML" in result.stdout, result.stderr
+        assert "Warning" not in result.stderr
+
+
+# --- what a launch file and other tools make of it
+
+
+def plain_xacro(*arguments: str) -> str:
+    """What the program ``xacro`` makes of the committed sources."""
+    program = Path(sys.executable).with_name("xacro")
+    command = [program, XACRO_PATH, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return done.stdout
+
+
+def test_a_launch_file_may_read_it_as_yaml():
+    """As ROS does with a parameter of which nobody said that it is a string."""
+    own = dataclasses.replace(parameters(), name="mine")
+    texts = [
+        Path(a5.URDF_PATH).read_text("utf-8"),
+        urdf(Variant(corrections=(), gripper="jaws", collision="none")),
+        urdf(Variant(arm=own, collision="none", parent="rov")),
+        plain_xacro("gripper:=jaws", "ros2_control:=true", "dh_frames:=true"),
+    ]
+    for text in texts:
+        assert isinstance(yaml.safe_load(text), str)
+    with pytest.raises(yaml.YAMLError):
+        yaml.safe_load(texts[0].replace("Generated from", "Generated from:"))
+
+
+@pytest.mark.parametrize(
+    ("prefix", "expected"),
+    [
+        ("", "link_0.obj"),
+        ("meshes", "meshes/link_0.obj"),
+        ("package://mine/meshes", "package://mine/meshes/link_0.obj"),
+        ("package://mine/meshes/", "package://mine/meshes/link_0.obj"),
+    ],
+)
+def test_meshes_lie_in_the_folder_that_is_named(prefix, expected):
+    text = urdf(Variant(mesh_prefix=prefix, collision="none"))
+    assert f'<mesh filename="{expected}"/>' in text
+
+
+def test_the_command_takes_a_uri_of_meshes(capsys):
+    words = ["generate", "--collision", "none", "--mesh-uri"]
+    assert main([*words, "package://mine/meshes"]) == 0
+    assert '"package://mine/meshes/link_0.obj"' in capsys.readouterr().out
+    assert main([*words, "http"]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_no_link_of_the_arm_is_the_parent(gripper):
+    """Each of its names is refused, and so none of them is forgotten."""
+    options = {"gripper": gripper, "dh_frames": True, "prefix": "l_"}
+    root = ET.fromstring(urdf(Variant(collision="none", **options)))
+    for name in [link.get("name") for link in root.iter("link")]:
+        with pytest.raises(InputError) as caught:
+            urdf(Variant(parent=name, **options))
+        assert caught.value.name == "parent"
+    assert 'parent link="tcp"' in urdf(Variant(parent="tcp", **options))
+
+
+# --- URDF 1.1 and 1.2
+
+
+def fast(limits: tuple[float, float], **options) -> Variant:
+    """The arm in URDF 1.2, with an acceleration and a jerk of axis_d."""
+    acceleration, jerk = limits
+    record = parameters()
+    joints = list(record.joints)
+    joints[1] = dataclasses.replace(joints[1], acceleration=acceleration, jerk=jerk)
+    own = dataclasses.replace(record, name="fast", joints=tuple(joints))
+    return Variant(**{"arm": own, "urdf_version": "1.2", **options})
+
+
+def test_1_2_has_the_accelerations_of_an_arm_file():
+    root = ET.fromstring(urdf(fast(limits=(0.5, 4.0), gripper="jaws")))
+    assert root.get("version") == "1.2"
+    limits = {j.get("name"): j.find("limit") for j in root.iter("joint")}
+    assert limits["axis_d"].get("acceleration") == "0.5"
+    assert limits["axis_d"].get("jerk") == "4.0"
+    for name, limit in limits.items():
+        if limit is not None:
+            assert ("jerk" in limit.attrib) is (name == "axis_d")
+    older = urdf(fast(limits=(0.5, 4.0), urdf_version="1.1"))
+    assert "acceleration" not in older
+    assert 'version="1.1"' in older
+    assert "version=" not in urdf().split("<link")[0].split("?>")[1]
+
+
+def test_the_command_writes_the_accelerations_of_a_file(tmp_path, capsys):
+    arm = tmp_path / "arm.toml"
+    arm.write_text("format = 1\n[joint_limits.axis_d]\nmax_acceleration = 0.5\n")
+    words = ["generate", "--arm", str(arm), "--collision", "none"]
+    assert main([*words, "--urdf-version", "1.2"]) == 0
+    limit = ET.fromstring(capsys.readouterr().out).find("joint[@name='axis_d']/limit")
+    assert limit.get("acceleration") == "0.5"
+    assert main([*words, "--urdf-version", "2.0"]) == 2
+
+
+def test_plain_xacro_takes_accelerations_of_a_file_of_limits(tmp_path):
+    path = tmp_path / "limits.yaml"
+    path.write_text("joint_limits: {axis_c: {max_acceleration: 0.25, max_jerk: 2}}")
+    text = plain_xacro(f"limits_file:={path}", "urdf_version:=1.2", "collision:=none")
+    limit = ET.fromstring(text).find("joint[@name='axis_c']/limit")
+    assert (limit.get("acceleration"), limit.get("jerk")) == ("0.25", "2")
+
+
+def test_capsules_are_those_of_mujoco_in_every_reader():
+    text = urdf(Variant(collision="capsules", urdf_version="1.1"))
+    model = pin.buildModelFromXML(text)
+    shapes = pin.GeometryModel()
+    pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION, shapes)
+    expected = collision_capsules()
+    assert shapes.ngeoms == len(expected)
+    for shape in shapes.geometryObjects:
+        capsule = expected[shape.name.rpartition("_")[0]]
+        placed = model.frames[shape.parentFrame].placement.actInv(shape.placement)
+        half = shape.geometry.halfLength
+        for end, z in ((capsule.start, -half), (capsule.end, half)):
+            found = placed.act(np.array([0.0, 0.0, z]))
+            np.testing.assert_allclose(found, end, rtol=0, atol=1e-12)
+        assert shape.geometry.radius == capsule.radius
+
+    root = ET.fromstring(text)
+    for link in root.iter("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+    there = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
+    is_capsule = there.geom_type == int(mujoco.mjtGeom.mjGEOM_CAPSULE)
+    assert is_capsule.sum() == len(expected)
+
+
+def test_a_version_that_cannot_hold_it_is_refused():
+    for name, options in (
+        ("urdf_version", {"collision": "capsules"}),
+        ("collision", {"collision": "capsules", "gripper": "jaws"}),
+    ):
+        with pytest.raises(InputError) as caught:
+            Variant(**options)
+        assert caught.value.name == name
+    with pytest.raises(UnknownNameError):
+        Variant(urdf_version="1.3")
+    for arguments in (["collision:=capsules"], ["urdf_version:=2.0"]):
+        with pytest.raises(subprocess.CalledProcessError):
+            plain_xacro(*arguments)

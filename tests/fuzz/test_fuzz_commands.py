@@ -58,7 +58,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     "--explain": ("body.mass", "tool.offset", ""),
     "--fluid": ("sea", "fresh", "air", "1025", "0", "1.025", "1e5", "-3"),
     "--format": (
-        *("urdf", "srdf", "xacro", "mjcf", "sdf", "usd", "c", "water", "lighthill"),
+        *("urdf", "srdf", "xacro", "mjcf", "sdf", "usd", "c", "water"),
         *("text", "json", "junit"),
     ),
     "--frame": ("link_2", "tcp"),
@@ -103,7 +103,7 @@ WRITTEN = {
 ARGUMENTS: dict[str, tuple[tuple[str, ...], ...]] = {
     "arm": (("check", "show", "new", "x"), VALUES["--arm"]),
     "calibrate": (("plan", "fit", "motors"), ("readings.toml", *RECORDINGS)),
-    "check": (),
+    "check": (ROBOTS,),
     "compare": (ROBOTS,),
     "dh": (),
     "fk": (NUMBERS,) * 4,
@@ -119,7 +119,6 @@ ARGUMENTS: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 #: Options that a command always has here: for speed, or because it would run for ever.
 ALWAYS = {
-    "check": ["--urdf"],
     "compare": ["--samples"],
     "sweep": ["--output"],
     "torque": ["--q"],

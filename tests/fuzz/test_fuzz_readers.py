@@ -24,7 +24,6 @@ from alpha5_model._support.text import plain
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import Alpha5Error
-from alpha5_model.numbers.arm_writing import new_arm_file
 from alpha5_model.planning.obstacle_file import read_obstacles
 from alpha5_model.proofs.comparison.arm_of_model import arm_of_model, arm_text
 from alpha5_model.studies.sweep.study import read_study
@@ -151,6 +150,10 @@ def obstacles(path: Path) -> Any:
     return len(read_obstacles(path))
 
 
+def arm_template() -> str:
+    return a5.arm_file_text(a5.parameters(), every_key=True)
+
+
 def session_text() -> str:
     session = a5.calibrate.session(a5.calibrate.weight(), np.full((3, 4), 1.0))
     return a5.calibrate.session_text(session)
@@ -194,7 +197,7 @@ TOML: dict[str, tuple[Callable[[], str], Callable[[Path], Any]]] = {
     "obstacles": (lambda: OBSTACLES, obstacles),
     "readings": (session_text, a5.calibrate.read_session),
     "arm": (lambda: ARM, written_again),
-    "arm template": (new_arm_file, written_again),
+    "arm template": (arm_template, written_again),
 }
 #: What a reading is that nobody has taken yet.
 MISSING = frozenset({"readings", "joints", "loads"})

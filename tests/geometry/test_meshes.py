@@ -366,7 +366,6 @@ def test_committed_files_are_what_is_drawn():
     from io import BytesIO
 
     import trimesh
-
     from generate import mesh_files
 
     drawn = mesh_files()

@@ -434,13 +434,13 @@ def test_the_outer_torus_is_measured_within_the_limits_of_theta_2(
     """The audit's longest distance from shoulder to tcp obeys the law of cosines."""
     from dataclasses import replace
 
-    from alpha5_model.proofs.audit import tori as rows
+    from alpha5_model.proofs.audit import geometry
 
     p = a5.parameters()
     joints = list(p.joints)
     joints[2] = replace(joints[2], lower=limits[0], upper=limits[1])
     limited = replace(p, joints=tuple(joints))
-    found = {row.claim: row for row in rows.audit(a5.published(), limited)}
+    found = {row.claim: row for row in geometry.rows(a5.published(), limited)}
     nearest = min(max(STRETCHED, limits[0]), limits[1])
     bend = math.pi - abs(nearest - STRETCHED)
     longest = math.sqrt(L_1**2 + L_2**2 - 2 * L_1 * L_2 * math.cos(bend))

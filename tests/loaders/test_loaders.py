@@ -19,10 +19,7 @@ from reference import LOWER, UPPER
 from water_reference import Reference
 
 import alpha5_model as a5
-from alpha5_model._support.writing import atomic_write
-from alpha5_model.errors import MissingDependencyError
-from alpha5_model.loaders import alpha5_description, alpha5_mj_description
-from alpha5_model.loaders.files import loader_class, robot_files
+from alpha5_model import loaders
 
 SCRIPT = (
     Path(__file__).resolve().parents[2]
@@ -71,40 +68,23 @@ def same_arm(model: pin.Model) -> None:
 
 
 def test_paths_lead_somewhere():
-    for name in ("URDF_PATH", "JAWS_URDF_PATH", "XACRO_PATH", "SRDF_PATH"):
-        path = Path(getattr(alpha5_description, name))
+    for name in ("URDF_PATH", "JAWS_URDF_PATH", "XACRO_PATH", "SRDF_PATH", "MJCF_PATH"):
+        path = Path(getattr(loaders, name))
         assert path.is_file()
-        assert Path(alpha5_description.REPOSITORY_PATH) in path.parents
-    assert (
-        Path(alpha5_description.PACKAGE_PATH)
-        == Path(alpha5_description.URDF_PATH).parent
-    )
-    assert alpha5_description.URDF_PATH == a5.URDF_PATH
+        assert Path(loaders.REPOSITORY_PATH) in path.parents
+    assert Path(loaders.PACKAGE_PATH) == Path(loaders.URDF_PATH).parent
+    assert loaders.URDF_PATH == a5.URDF_PATH
 
 
 def test_postures_are_those_of_the_srdf_and_within_the_limits():
-    model = pin.buildModelFromUrdf(alpha5_description.URDF_PATH)
-    pin.loadReferenceConfigurations(model, alpha5_description.SRDF_PATH, False)
-    postures = alpha5_description.REFERENCE_POSTURES
+    model = pin.buildModelFromUrdf(loaders.URDF_PATH)
+    pin.loadReferenceConfigurations(model, loaders.SRDF_PATH, False)
+    postures = loaders.REFERENCE_POSTURES
     assert set(postures) == {"stow", "home", "reach"}
     for name, q in postures.items():
         np.testing.assert_array_equal(model.referenceConfigurations[name], q)
         assert np.all(model.lowerPositionLimit <= q)
         assert np.all(q <= model.upperPositionLimit)
-
-
-def test_metadata_is_true():
-    metadata = alpha5_description.DESCRIPTION
-    text = (Path(a5.REPOSITORY_PATH) / str(metadata["license_file"])).read_text("utf-8")
-    assert "BSD 3-Clause" in text
-    assert metadata["license_spdx"] == "BSD-3-Clause"
-    assert metadata["dof"] == pin.buildModelFromUrdf(a5.URDF_PATH).nv
-
-
-MODULES = {
-    "alpha5_description": alpha5_description,
-    "alpha5_mj_description": alpha5_mj_description,
-}
 
 
 @pytest.fixture
@@ -113,8 +93,8 @@ def loader(monkeypatch):
     pytest.importorskip(
         "robot_descriptions", reason="robot_descriptions is not installed"
     )
-    for name, module in MODULES.items():
-        monkeypatch.setitem(sys.modules, f"robot_descriptions.{name}", module)
+    name = "robot_descriptions.alpha5_description"
+    monkeypatch.setitem(sys.modules, name, loaders)
 
     def of(tool: str) -> Callable[..., Any]:
         if importlib.util.find_spec(tool) is None:
@@ -131,18 +111,16 @@ def test_robot_descriptions_loads_the_module(loader):
     assert robot.visual_model.ngeoms == 7
     index = pytest.importorskip("robot_descriptions._descriptions")
     known = index.Format.__members__
-    for module, has in ((alpha5_description, "urdf"), (alpha5_mj_description, "mjcf")):
-        metadata = dict(module.DESCRIPTION)
-        # Version 2 has no name for SRDF.
-        formats = {
-            known[name]
-            for name in metadata.pop("formats")
-            if name != "SRDF" or name in known
-        }
-        entry = index.Description(formats=formats, **metadata)
-        assert [entry.has_urdf, entry.has_mjcf] == [has == "urdf", has == "mjcf"]
-        assert getattr(entry, "has_srdf", has == "urdf") == (has == "urdf")
-        assert (Path(a5.REPOSITORY_PATH) / entry.license_file).is_file()
+    metadata = dict(loaders.DESCRIPTION)
+    # Version 2 has no name for SRDF.
+    formats = [name for name in metadata.pop("formats") if name in known]
+    entry = index.Description(formats={known[name] for name in formats}, **metadata)
+    assert entry.has_urdf
+    assert entry.has_mjcf
+    assert getattr(entry, "has_srdf", True)
+    assert entry.dof == robot.model.nv
+    text = (Path(a5.REPOSITORY_PATH) / entry.license_file).read_text("utf-8")
+    assert "BSD 3-Clause" in text
 
 
 def test_its_loaders_of_the_urdf_read_the_same_arm(loader):
@@ -170,39 +148,9 @@ def test_mujocos_loader_takes_each_variant(loader):
         ("scene", 4),
         ("scene_jaws", 7),
     ):
-        model = load("alpha5_mj_description", variant=variant)
+        model = load("alpha5_description", variant=variant)
         assert model.njnt == joints
         assert model.nkey >= 3
-    with pytest.raises(ValueError, match="not an MJCF description"):
-        load("alpha5_description")
-
-
-def test_example_robot_data_loads_the_folder(tmp_path):
-    pytest.importorskip(
-        "example_robot_data.utils", reason="its loaders are not installed"
-    )
-    robots = tmp_path / "example-robot-data" / "robots"
-    for path, content in robot_files().items():
-        atomic_write(robots / path, content)
-    loader = loader_class()
-    # The base class looks for the folder in its own installation, twice.
-    loader.model_path = str(robots)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("example_robot_data.utils.getModelPath", lambda *_: str(robots))
-        robot = loader().robot
-    same_arm(robot.model)
-    home = alpha5_description.REFERENCE_POSTURES["home"]
-    np.testing.assert_array_equal(robot.q0, home)
-    assert robot.visual_model.ngeoms == 7
-    stop_at_first_collision = False
-    assert not pin.computeCollisions(
-        robot.model,
-        robot.data,
-        robot.collision_model,
-        robot.collision_data,
-        robot.q0,
-        stop_at_first_collision,
-    )
 
 
 @pytest.fixture
@@ -269,13 +217,3 @@ def test_a_checkout_of_version_4_is_refused(checkout):
     script = runpy.run_path(str(SCRIPT))
     with pytest.raises(SystemExit, match="older than version 5, which is expected"):
         script["patch"](checkout)
-
-
-def test_a_missing_collection_is_one_clear_line(monkeypatch):
-    monkeypatch.delitem(
-        sys.modules, "alpha5_model.loaders.alpha5_loader", raising=False
-    )
-    monkeypatch.setitem(sys.modules, "example_robot_data.utils", None)
-    with pytest.raises(MissingDependencyError) as caught:
-        loader_class()
-    assert "\n" not in str(caught.value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import time
 import tomllib
 import warnings
@@ -22,8 +23,9 @@ from alpha5_model.errors import (
     MissingFileError,
 )
 from alpha5_model.numbers import arm_schema
-from alpha5_model.numbers.arm_writing import new_arm_file
-from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.arm_writing import arm_file_text
+from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
+from alpha5_model.numbers.tables import JOINT_NAMES
 
 ARM = a5.parameters()
 #: An attached body with no more than it needs.
@@ -128,14 +130,16 @@ def test_sources_and_half_widths_are_kept(tmp_path: Path) -> None:
 
 
 def test_a_new_file_is_the_catalogue_exactly(tmp_path: Path) -> None:
-    assert flat(read(tmp_path, new_arm_file())) == flat(ARM)
+    assert flat(read(tmp_path, arm_file_text(ARM, every_key=True))) == flat(ARM)
     assert flat(read(tmp_path, "format = 1")) == flat(ARM)
+    assert is_catalogue(read(tmp_path, "format = 1"))
+    assert not is_catalogue(read(tmp_path, 'format = 1\nname = "mine"'))
     literal = read(tmp_path, "format = 1\ncorrections = []")
     assert flat(literal) == flat(a5.parameters(()))
 
 
 def test_a_new_file_shows_every_key() -> None:
-    text = new_arm_file()
+    text = arm_file_text(ARM, every_key=True)
     shown = text.replace("\n# ", "\n")
     lines = [line.split("#")[0] for line in shown.split("\n")]
     for table in (arm_schema.MOUNT, arm_schema.ATTACHED, arm_schema.TOOL):
@@ -148,9 +152,10 @@ def test_a_new_file_shows_every_key() -> None:
         ("joint_limits", arm_schema.JOINT_LIMITS),
         ("links", arm_schema.LINKS),
     ):
-        assert {n: {*given[part][n]} for n in schema} == {
-            n: {*schema[n]} for n in schema
-        }
+        unknown = {"max_acceleration", "max_jerk"}  # no catalogue has them
+        for name, keys in schema.items():
+            assert given[part][name].keys() == keys.keys() - unknown
+    assert given["signs"] == dict.fromkeys(JOINT_NAMES, 1)
     for name in ("supply_voltage", "constants", *arm_schema.DRIVES):
         assert any(line.startswith(f"{name} = ") for line in lines), name
     assert arm_schema.ACTUATORS.keys() <= given["motors"].keys()
@@ -169,6 +174,28 @@ def test_the_tool_of_a_file(tmp_path: Path) -> None:
     assert both.tool is not None
     assert both.tool.position == pytest.approx([0, 0, -0.202], abs=1e-15)
     assert both.tool.rotation.tolist() == np.eye(3).tolist()
+
+
+def test_signs_accelerations_and_jerks(tmp_path: Path) -> None:
+    own = read(
+        tmp_path,
+        """
+format = 1
+[signs]
+axis_b = -1
+[joint_limits.axis_c]
+max_acceleration = {value = 90, unit = "deg/s^2", source = "MoveIt"}
+max_jerk = 20
+[joint_limits.axis_a]
+max_acceleration = {value = 10, unit = "mm/s^2"}
+""",
+    )
+    assert [joint.sign for joint in own.joints] == [1, 1, 1, -1, 1]
+    assert own.signs.tolist() == [1.0, 1.0, 1.0, -1.0, 1.0]
+    assert own.joints[2].acceleration == pytest.approx(math.pi / 2, rel=1e-15)
+    assert (own.joints[2].jerk, own.joints[4].acceleration) == (20.0, 0.01)
+    assert own.joints[0].acceleration is own.joints[0].jerk is None
+    assert flat(read(tmp_path, arm_file_text(own))) == flat(own)
 
 
 # --- numbers --------------------------------------------------------------------------
@@ -235,7 +262,9 @@ ODD = {
     "[joint_limits.axis_c]\nmax_velocity = 0.6": "joint_limits.axis_c.max_velocity",
     "[links.link_2]\nmass = 0.2": "links.link_2.mass",
     "[links.link_2]\ncob = [0.3, 0, 0]": "links.link_2.cob",
-    "[links.link_2]\ninertia = [[2, 0, 0], [0, 2, 0], [0, 0, 2]]": "link_2.inertia",
+    "[links.link_2]\ninertia = [[2, 0, 0], [0, 2, 0], [0, 0, 2]]": (
+        "links.link_2.inertia"
+    ),
     SENSOR: "attached.s.volume",
 }
 
@@ -273,7 +302,15 @@ WRONG = {
     "[lengths]\nalpha_1 = 0.003": "lengths",
     '[lengths]\na_0 = {value = 2, unit = "inch"}': "lengths.a_0",
     "[lengths]\na_0 = {valeu = 2}": "lengths.a_0",
-    '[lengths]\na_0 = {unit = "mm"}': "lengths.a_0",
+    '[lengths]\na_0 = {unit = "mm"}': "lengths.a_0.value",
+    '[lengths]\na_0 = {value = 20, unit = "m m"}': "lengths.a_0",
+    "[signs]\naxis_b = 0": "signs.axis_b",
+    '[signs]\naxis_b = "-1"': "signs.axis_b",
+    "[signs]\naxis_z = -1": "signs",
+    "[joint_limits.axis_e]\nmax_acceleration = -1": (
+        "joint_limits.axis_e.max_acceleration"
+    ),
+    "[joint_limits.axis_e]\nmax_jerk = 0": "joint_limits.axis_e.max_jerk",
     '[lengths]\na_0 = "20 mm"': "lengths.a_0",
     "[lengths]\na_0 = nan": "lengths.a_0",
     "[zeros]\naxis_a = 0.01": "zeros",
@@ -333,7 +370,8 @@ WRONG = {
     SENSOR_4 + SENSOR_4: "attached[1].name",
     SENSOR_4 + "spacer = 22": "attached.s.spacer",
     SENSOR_4.replace("link_4", "link_3") + "spacer = 0.02": "attached.s.spacer",
-    SENSOR_4 + "spacer = 0.02\n[tool]\nxyz = [0, 0, -0.2]": "tool.xyz",
+    SENSOR_4 + "spacer = 0.02\n[tool]\nxyz = [0, 0, -0.18]": "tool.xyz",
+    SENSOR_4 + "spacer = 0.02\n[tool]\nxyz = [0, 0, -0.19]": "tool.xyz",
     SENSOR.replace("mass = 0.5", "mass = -0.5"): "attached.s.mass",
 }
 #: Whole content -> what the error names.
@@ -364,15 +402,15 @@ def test_an_error_is_one_line_with_the_file_and_the_key(tmp_path: Path) -> None:
 
 
 def test_a_unit_that_was_forgotten_is_proposed(tmp_path: Path) -> None:
-    """Fifteen centimetres in mm, degrees, grammes, litres and percent."""
+    """Fifteen centimetres in mm, degrees, grammes, litres."""
     for text, unit in {
         "[lengths]\na_1 = 150.9": "mm",
         "[zeros]\naxis_d = 20": "deg",
         "[links.link_2]\nmass = 341": "g",
         "[links.link_2]\nvolume = 0.218": "L",
-        "[motors]\nefficiency = 86": "%",
+        "[joint_limits.axis_c]\nmax_acceleration = 60": "deg/s^2",
     }.items():
-        with pytest.raises(FileFormatError, match=f"is it in {unit}\\?$"):
+        with pytest.raises(FileFormatError, match=f"if it is in {re.escape(unit)}, "):
             read(tmp_path, f"format = 1\n{text}")
 
 

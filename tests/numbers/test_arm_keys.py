@@ -46,7 +46,8 @@ _WATER = f"{_DYNAMICS} mjcf sdf water"
 #: Kind of key -> what is written, and the products that it changes. Every key changes
 #: the record and the arm file that is written of it.
 KINDS = {
-    "name": ('name = "other"', f"{_ROBOTS} srdf"),
+    # The parameters for xacro have it in a comment only.
+    "name": ('name = "other"', "urdf mjcf sdf srdf"),
     "corrections": ("corrections = []", f"{_DYNAMICS} {_ROBOTS} srdf"),
     "mount.parent": ('[mount]\nparent = "rov"', _ROBOTS),
     "mount.xyz": ("[mount]\nxyz = [0.1, 0, 0]", _ROBOTS),
@@ -61,6 +62,10 @@ KINDS = {
         "[joint_limits.axis_c]\nmax_velocity = 0.12",
         f"limits trajectory viewer {_ROBOTS}",
     ),
+    # So far only the record has them.
+    "max_acceleration": ("[joint_limits.axis_c]\nmax_acceleration = 0.5", ""),
+    "max_jerk": ("[joint_limits.axis_c]\nmax_jerk = 5", ""),
+    "signs": ("[signs]\naxis_c = -1", "devices recordings"),
     "max_effort": (
         "[joint_limits.axis_c]\nmax_effort = 1.5",
         f"limits trajectory sweep viewer {_ROBOTS}",
@@ -130,7 +135,8 @@ def plain(value: Any) -> Any:
 
 
 def record(arm: Alpha5Parameters) -> Any:
-    return {**vars(arm), "measurements": ()}
+    names = [field.name for field in dataclasses.fields(arm)]
+    return {name: getattr(arm, name) for name in names if name != "measurements"}
 
 
 def written(arm: Alpha5Parameters) -> Any:
@@ -139,6 +145,20 @@ def written(arm: Alpha5Parameters) -> Any:
 
 def limits(arm: Alpha5Parameters) -> Any:
     return a5.load(arm=arm).limits
+
+
+def devices(arm: Alpha5Parameters) -> Any:
+    return a5.devices_from_q(Q, arm)
+
+
+def recordings(arm: Alpha5Parameters) -> Any:
+    lines = ["time_secs," + ",".join(f"axis_{x}_pos" for x in "edcb")]
+    lines += [f"{k / 10},{2 + k / 100},1.1,1.7,2.0" for k in range(9)]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "motion.csv")
+        file.write_text("\n".join(lines), encoding="utf-8")
+        # The driver of a joint with another sign is out of range, which is a warning.
+        return a5.trajectory.read_motion(file, arm=arm).position
 
 
 def inverse_kinematics(arm: Alpha5Parameters) -> Any:
@@ -259,7 +279,7 @@ def viewer(arm: Alpha5Parameters) -> Any:
 
 
 #: Products that need no URDF, and no more than 20 ms an arm.
-QUICK = (record, written, inverse_kinematics, motors, sdf)
+QUICK = (record, written, devices, recordings, inverse_kinematics, motors, sdf)
 OTHERS = (
     limits,
     kinematics,
@@ -286,7 +306,9 @@ def arms(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Alpha5Parameters
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", a5.errors.ImplausibleWarning)
         for kind, text in {**texts, "nothing": "", "attached": BODY}.items():
-            file.write_text(f"format = 1\n{text}", encoding="utf-8")
+            # Products name an arm that is not the catalogue's.
+            own = "" if kind == "name" else 'name = "mine"'
+            file.write_text(f"format = 1\n{own}\n{text}", encoding="utf-8")
             read[kind] = a5.arm_file(file)
     return read
 

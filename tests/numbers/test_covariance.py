@@ -22,37 +22,27 @@ names = ["zeros.axis_d", "links.link_2.com.x"]
 deviation = [0.0175, 0.005]
 factor = [[0.6, 0.0], [0.3, 0.4]]
 """
-#: What is replaced, by what, and the message after the file's name.
+#: What is replaced, by what, and the key that the error names.
 WRONG = (
-    ("names = [", "nams = [", "covariance: unknown 'nams', did you mean 'names'?"),
-    ("factor = [[0.6, 0.0], [0.3, 0.4]]", "", "covariance.factor: missing"),
-    ("com.x", "com.w", "unknown 'links.link_2.com.w', did you mean"),
-    ('["zeros.axis_d", ', '[3, "zeros.axis_d", ', "covariance.names: 3; expected"),
-    ('"links.link_2.com.x"', '"zeros.axis_d"', "covariance.names: "),
-    (", half_width = 0.001", "", "but links.link_2.com has no half_width"),
-    ("[0.0175, 0.005]", "[0.0175]", "covariance.deviation: 1 numbers; expected 2"),
-    ("[0.0175, 0.005]", "[0.0175, 0]", "covariance.deviation: 0.0; expected numbers"),
-    ("[0.0175, 0.005]", "[0.0175, nan]", "covariance.deviation[1]: NaN; expected"),
-    ("[0.0175, 0.005]", "3", "covariance.deviation: 3; expected 2 numbers"),
-    ("[0.3, 0.4]]", "[0.3]]", "covariance.factor[1]: 1 numbers; expected 2"),
-    ("[0.3, 0.4]]", "[0.3, true]]", "covariance.factor[1][1]: True; expected"),
-    ("[0.3, 0.4]]", "[0.9, 0.9]]", "largest singular value is at most 1"),
-    ("[[0.6, 0.0], [0.3, 0.4]]", "[[0.6, 0.0]]", "expected 2 rows of numbers"),
-    ("[0.3, 0.4]]", "[0.3, 0.4], [0, 0]]", "expected 2 rows of numbers"),
-    ("[[0.6, 0.0], [0.3, 0.4]]", "[3, 3]", "covariance.factor[0]: 3; expected 0 "),
-    ("[0.0175, 0.005]", "[0.1, 0.1, 0.1]", "deviation: 3 numbers; expected 2"),
-    ("[0.0175, 0.005]", "[0.1, 1000000]", "deviation[1]: 1000000; expected a number"),
-    (
-        '["zeros.axis_d", ',
-        f"[{'3, ' * 80}",
-        "a list of names such as links.link_2.com.x",
-    ),
-    (
-        "[[0.6, 0.0], [0.3, 0.4]]",
-        f"[[{'0, ' * 80}], [0, 0]]",
-        "80 numbers; expected at most 79 numbers in a row",
-    ),
-    ("[covariance]\n", "[[covariance]]\n", "covariance: "),
+    ("names = [", "nams = [", "covariance"),
+    ("factor = [[0.6, 0.0], [0.3, 0.4]]", "", "covariance.factor"),
+    ("com.x", "com.w", "covariance.names"),
+    ('["zeros.axis_d", ', '[3, "zeros.axis_d", ', "covariance.names"),
+    ('"links.link_2.com.x"', '"zeros.axis_d"', "covariance.names"),
+    (", half_width = 0.001", "", "covariance.names"),
+    ("[0.0175, 0.005]", "[0.0175]", "covariance.deviation"),
+    ("[0.0175, 0.005]", "[0.0175, 0]", "covariance.deviation"),
+    ("[0.0175, 0.005]", "[0.0175, nan]", "covariance.deviation"),
+    ("[0.0175, 0.005]", "3", "covariance.deviation"),
+    ("[0.3, 0.4]]", "[0.3]]", "covariance.factor"),
+    ("[0.3, 0.4]]", "[0.3, true]]", "covariance.factor"),
+    ("[0.3, 0.4]]", "[0.9, 0.9]]", "covariance.factor"),
+    ("[[0.6, 0.0], [0.3, 0.4]]", "[[0.6, 0.0]]", "covariance.factor"),
+    ("[0.3, 0.4]]", "[0.3, 0.4], [0, 0]]", "covariance.factor"),
+    ("[[0.6, 0.0], [0.3, 0.4]]", "[3, 3]", "covariance.factor"),
+    ("[0.0175, 0.005]", "[0.1, 0.1, 0.1]", "covariance.deviation"),
+    ('["zeros.axis_d", ', f"[{'3, ' * 80}", "covariance.names"),
+    ("[covariance]\n", "[[covariance]]\n", "covariance"),
 )
 
 
@@ -75,13 +65,6 @@ def test_what_a_file_says(tmp_path: Path) -> None:
     assert key_of("links.link_2.mass") == "links.link_2.mass"
 
 
-def test_a_deviation_below_a_million_is_a_number(tmp_path: Path) -> None:
-    text = GOOD.replace("[0.0175, 0.005]", "[0.0175, 999999]")
-    found = a5.arm_file(written(tmp_path, text)).covariance
-    assert found is not None
-    assert found.deviation.tolist() == [0.0175, 999999.0]
-
-
 def test_it_is_written_and_read_again(tmp_path: Path) -> None:
     arm = a5.arm_file(written(tmp_path, GOOD))
     again = a5.arm_file(written(tmp_path, a5.arm_file_text(arm))).covariance
@@ -100,16 +83,16 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("old", "new", "message"), WRONG)
+@pytest.mark.parametrize(("old", "new", "place"), WRONG)
 def test_a_wrong_table_gets_one_line(
-    old: str, new: str, message: str, tmp_path: Path
+    old: str, new: str, place: str, tmp_path: Path
 ) -> None:
     assert old in GOOD
     path = written(tmp_path, GOOD.replace(old, new, 1))
     with pytest.raises(FileFormatError) as caught:
         a5.arm_file(path)
     assert str(caught.value).startswith(f"{path}, ")
-    assert message in str(caught.value)
+    assert caught.value.place == place
     assert "\n" not in str(caught.value)
 
 

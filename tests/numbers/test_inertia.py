@@ -110,10 +110,6 @@ def test_second_moments_and_pseudo_inertia(seed: int) -> None:
         rtol=0,
         atol=1e-12 * pseudo.max(),
     )
-    gyration = mod.radii_of_gyration(cloud.mass, cloud.tensor())
-    np.testing.assert_allclose(
-        gyration[2] ** 2, np.average((cloud.p[:, :2] ** 2).sum(1), weights=cloud.m)
-    )
 
 
 @settings(deadline=None)  # the first example imports Pinocchio
@@ -169,7 +165,6 @@ def test_batches_equal_single_calls() -> None:
         ("point_mass_tensor", (m, c)),
         ("second_moments", (t,)),
         ("principal_moments", (t,)),
-        ("radii_of_gyration", (m, t)),
     ):
         function = getattr(mod, name)
         batch = function(*arguments)
@@ -211,7 +206,6 @@ CALLS = {
     "second_moments": {"inertia": TENSOR},
     "pseudo_inertia": BODY,
     "principal_moments": {"inertia": TENSOR},
-    "radii_of_gyration": {"mass": ONE, "inertia": TENSOR},
     "inconsistencies": BODY | {"bounds": np.array([[-1.0, 1.0]] * 3), "tolerance": 0.0},
 }
 
@@ -248,7 +242,6 @@ def test_leading_shapes_must_fit_one_another() -> None:
         lambda: mod.tensor_at_com(two, np.zeros((3, 3)), np.zeros((3, 3))),
         lambda: mod.rotate_tensor(np.array([np.eye(3)] * 2), np.zeros((3, 3, 3))),
         lambda: mod.pseudo_inertia(three, np.zeros((2, 3)), np.eye(3)),
-        lambda: mod.radii_of_gyration(three, np.array([np.eye(3)] * 2)),
     ):
         with pytest.raises(ShapeError, match="leading shapes that broadcast"):
             call()
@@ -268,12 +261,6 @@ def test_leading_shapes_must_fit_one_another() -> None:
         mod.inconsistencies(1.0, np.zeros((2, 3)), np.eye(3))
     with pytest.raises(ShapeError, match=r"shape \(3, 2\)"):
         mod.inconsistencies(1.0, np.zeros(3), np.eye(3), np.zeros((2, 3, 2)))
-
-
-def test_a_body_without_mass_has_no_radius_of_gyration() -> None:
-    for mass, tensor in ((0.0, np.eye(3)), (-1.0, np.eye(3)), (1.0, -np.eye(3))):
-        with pytest.raises(InputError, match="masses above 0"):
-            mod.radii_of_gyration(mass, tensor)
 
 
 # --- physical consistency -------------------------------------------------------------
@@ -392,7 +379,6 @@ def test_a_body_that_is_taken_out_of_nothing() -> None:
     assert mass == -cloud.mass
     np.testing.assert_allclose(com, cloud.com, atol=1e-14)
     np.testing.assert_allclose(left, -tensor, atol=1e-14)
-    assert mod.radii_of_gyration(1.0, np.zeros((3, 3))).tolist() == [0.0, 0.0, 0.0]
 
 
 @pytest.mark.parametrize("i", range(5))

@@ -118,13 +118,17 @@ IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: link(bounds=[[-20, 40], [-20, 20], [-14, 67]]),
         "link_1.bounds: .* in mm",
     ),
-    "limits in degrees": (
-        lambda: joint(upper=351.97),
-        "axis_e.upper: .* in deg, write 6.14",
+    "speed in degrees": (
+        lambda: joint(velocity=30.0),
+        "axis_e.velocity: .* in deg/s, write 0.523",
+    ),
+    "acceleration in degrees": (
+        lambda: joint(acceleration=90.0),
+        r"axis_e.acceleration: .* in deg/s\^2, write 1.57",
     ),
     "rod's limits in mm": (
         lambda: dataclasses.replace(P.joints[4], upper=13.3),
-        "axis_a.upper: 13.3 m is .* for the jaws; if it is in mm, write 0.0133$",
+        "axis_a.upper: 13.3 m is .*; if it is in mm, write 0.0133$",
     ),
     "base_yaw in degrees": (
         lambda: dataclasses.replace(P, base_yaw=180.0),
@@ -132,7 +136,7 @@ IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "a vehicle of no known unit": (
         lambda: vehicle(mass=0.7, volume=11.4, inertia=np.diag([0.01, 0.01, 0.01])),
-        "is 0.0614 kg/m.3, implausible, expected 100 to 10000 for a vehicle$",
+        "is 0.0614 kg/m.3, implausible, expected 100 to 10000 kg/m.3$",
     ),
     "a_1 in mm": (
         lambda: dataclasses.replace(P.dh[1], a=150.7),
@@ -192,10 +196,7 @@ IMPOSSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
     "fluid": (lambda: a5.load(-0.5), "fluid_density: expected a number of at least 0"),
     "payload": (lambda: payload(-0.5), "mass: expected a number of at least 0"),
     "vehicle": (lambda: vehicle(mass=-11.5), "mass: expected a number of at least 0"),
-    "limits": (
-        lambda: joint(upper=-1.0),
-        "axis_e.upper: expected a number of at least 0.01745",
-    ),
+    "limits": (lambda: joint(upper=-1.0), "axis_e.range"),
     "efficiency in %": (lambda: motor(efficiency=86), "efficiency: expected at most 1"),
     "resistance": (lambda: motor(resistance=-0.5), "resistance"),
     "rotor": (
@@ -286,6 +287,17 @@ def test_replaced_records_hold_arrays_of_their_own_that_nobody_can_write() -> No
     given[0] = 7.0
     assert made.com.tolist() == [0.01, 0.0, 0.02]
     assert not made.com.flags.writeable
+
+
+def test_in_a_file_another_unit_is_an_error() -> None:
+    with plausibility.of_file("arm.toml"):
+        with pytest.raises(InputError, match=r"mass: .* in g, write 0\.5") as caught:
+            plausibility.check("mass", 500.0, plausibility.MASS)
+        with pytest.warns(ImplausibleWarning, match=r"^arm\.toml: odd$"):
+            plausibility.warn("odd")
+    assert caught.value.name == "mass"
+    with pytest.warns(ImplausibleWarning, match="^mass: "):
+        plausibility.check("mass", 500.0, plausibility.MASS)
 
 
 def test_calls_in_a_loop_never_warn() -> None:

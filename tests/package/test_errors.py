@@ -32,7 +32,6 @@ def instances() -> list[errors.Alpha5Error]:
         errors.ShapeError("q", (3,), "shape (..., 4)"),
         errors.NonFiniteError("q", float("nan"), (1, 2)),
         errors.UnknownNameError("frame", "tpc", ("tcp", "base_link")),
-        errors.PublishedDataError("table_2.rows[0].mass", "missing"),
         errors.JointLimitError("axis_d", 4.0, 3.4),
         errors.UnreachableError((1.0, 0.0, 0.0), 0.25, (0.75, 0.0, 0.0)),
         errors.SelfCollisionError(
@@ -48,9 +47,7 @@ def instances() -> list[errors.Alpha5Error]:
         errors.FileFormatError("log.csv", "not a number", "line 3"),
         errors.KernelError("inverse_dynamics", "rows"),
         errors.OutputError("out.urdf", "no space left"),
-        errors.PortInUseError(7000),
         errors.ViewerError("the viewer is closed"),
-        errors.NoDisplayError("give --html FILE"),
         errors.MissingDependencyError(
             "matplotlib", "plotting", "pip install 'alpha5-model[plot]'"
         ),

@@ -440,12 +440,6 @@ def _inertia_calls(rows: _TheoryRows) -> list[_Row]:
         ),
         ("pseudo_inertia", inertia.pseudo_inertia, pulled, {}),
         (
-            "radii_of_gyration",
-            inertia.radii_of_gyration,
-            {"mass": rows.mass, "inertia": rows.tensor},
-            {},
-        ),
-        (
             "rotate_tensor",
             inertia.rotate_tensor,
             {"rotation_a_to_b": rows.rotation, "inertia": rows.tensor_at_origin},

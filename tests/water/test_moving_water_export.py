@@ -274,9 +274,7 @@ def test_the_readme_says_what_is_estimated_and_what_is_missing():
     assert "oving water" not in mjcf_files()["README.md"].decode()
 
 
-def test_drag_and_hydrodynamics_exclude_each_other():
-    with pytest.raises(InputError, match="not both"):
-        MjcfOptions(drag=True, hydrodynamics=True)
+def test_hydrodynamics_is_a_flag():
     for options in (MjcfOptions, SdfOptions):
         with pytest.raises(InputError, match="hydrodynamics"):
             options(hydrodynamics="yes")

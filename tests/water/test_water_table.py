@@ -8,13 +8,10 @@ import current_load
 import numpy as np
 import pinocchio as pin
 import pytest
-import yaml
 from own_arm_dynamics import RECORDS
-from water_reference import VOLUME
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.description.lighthill import LighthillOptions, lighthill_files
 from alpha5_model.description.water_table import WaterOptions, water_files
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.numbers.hydrodynamics import LEVELS
@@ -25,26 +22,6 @@ STRAIGHT = {f"link_{i}": f"link_{i}" for i in range(5)}
 
 def table(**options) -> dict:
     return json.loads(water_files(WaterOptions(**options))["water.json"])
-
-
-def lighthill(**options) -> dict:
-    """The file, checked and read as lighthill's ``config.py`` does."""
-    text = lighthill_files(LighthillOptions(**options))["lighthill.yaml"]
-    content = yaml.safe_load(text)
-    links = {}
-    for raw in content["links"]:
-        assert raw["volume"] >= 0
-        assert raw["added_mass"]["kind"] == "matrix"
-        added_mass = np.reshape(raw["added_mass"]["matrix"], (6, 6))
-        assert np.abs(added_mass - added_mass.T).max() < 1e-9
-        links[raw["name"]] = {
-            "volume": raw["volume"],
-            "center": np.array(raw["center_of_buoyancy"]),
-            "added_mass": added_mass,
-            "linear": np.diag(raw["linear_damping"]),
-            "quadratic": np.reshape(raw["quadratic_damping"], (6, 6)),
-        }
-    return {"density": content["density"], "links": links}
 
 
 def jacobian_at_com(
@@ -216,62 +193,30 @@ def test_the_table_of_an_arm_of_your_own_has_what_is_attached(record):
         np.testing.assert_allclose(torque, arm.buoyancy_torque(q), atol=1e-11)
 
 
-# --- lighthill ------------------------------------------------------------------------
-
-
-def test_lighthills_file_has_the_tables_numbers_at_its_level():
-    for level in LEVELS:
-        rows = lighthill(level=level)["links"]
-        found = table()["links"]
-        assert list(rows) == list(found) == list(STRAIGHT)
-        for name, row in rows.items():
-            expected = found[name]
-            assert row["volume"] * 1000 == pytest.approx(VOLUME[name], rel=1e-12)
-            center = expected["center_of_buoyancy_from_com"]
-            np.testing.assert_array_equal(row["center"], center)
-            added_mass = expected["added_mass"][level]
-            np.testing.assert_array_equal(row["added_mass"], added_mass)
-            drag = expected["quadratic_drag"][level]
-            np.testing.assert_array_equal(row["quadratic"], drag)
-            assert not row["linear"].any()
-
-
-def test_links_in_lighthills_file_weigh_what_the_arm_weighs_in_water():
+def test_the_arm_weighs_in_water_what_it_should():
     """The volumes that others guess make it weightless."""
-    found = lighthill(fluid_density=1025.0)
+    found = table(fluid_density=1025.0)
     displaced = sum(row["volume"] for row in found["links"].values())
-    weight = 9.81 * (1.272 - found["density"] * displaced)
+    weight = 9.81 * (1.272 - found["fluid_density"] * displaced)
     assert weight == pytest.approx(6.7, abs=0.05)
-
-
-def test_a_rod_that_displaces_no_water_has_zeros():
-    rows = lighthill(gripper="jaws")["links"]
-    assert list(rows)[5:] == ["jaw_rod", "finger_1", "finger_2"]
-    assert rows["jaw_rod"]["volume"] == 0
-    assert not rows["jaw_rod"]["added_mass"].any()
-    assert rows["finger_1"]["added_mass"].any()
 
 
 # --- The command ----------------------------------------------------------------------
 
 
-def test_the_command_writes_both(tmp_path, capsys):
-    for form, name in (("water", "water.json"), ("lighthill", "lighthill.yaml")):
-        file = tmp_path / name
-        arguments = ["generate", "--format", form, "--fluid", "fresh"]
-        assert main([*arguments, "--output", str(file)]) == 0
-        assert name in capsys.readouterr().out
-        assert main(arguments) == 0
-        assert capsys.readouterr().out == file.read_text(encoding="utf-8")
-        assert [path.name for path in tmp_path.iterdir()] == [name]
-        file.unlink()
+def test_the_command_writes_the_table(tmp_path, capsys):
+    file = tmp_path / "mine.json"
+    arguments = ["generate", "--format", "water", "--fluid", "fresh"]
+    assert main([*arguments, "--output", str(file)]) == 0
+    assert "mine.json" in capsys.readouterr().out
+    assert main(arguments) == 0
+    assert capsys.readouterr().out == file.read_text(encoding="utf-8")
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.json"]
 
 
 def test_the_command_refuses_in_one_line(tmp_path, capsys):
     for arguments in (
-        ["--format", "water", "--level", "low"],
-        ["--format", "lighthill", "--level", "highest"],
-        ["--format", "lighthill", "--prefix", "left_"],
+        ["--format", "water", "--prefix", "left_"],
         ["--format", "water", "--fluid", "-1"],
         ["--format", "water", "--output", str(tmp_path)],
     ):
@@ -284,5 +229,3 @@ def test_bad_options_are_refused():
         WaterOptions(fluid_density=-1.0)
     with pytest.raises(UnknownNameError):
         WaterOptions(gripper="open")
-    with pytest.raises(UnknownNameError):
-        LighthillOptions(level="medium")

@@ -7,8 +7,9 @@ References:
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,9 @@ from alpha5_model.kinematics.half_plane import (
 from alpha5_model.kinematics.workspace import cross_section_area, revolved, volume
 from alpha5_model.numbers.parameters import parameters
 from alpha5_model.numbers.printed import published
+from alpha5_model.numbers.quantity import Quantity
+from alpha5_model.numbers.tables import Published
+from alpha5_model.proofs.audit.row import si
 
 __all__ = [
     "PublishedErrors",
@@ -90,24 +94,45 @@ def published_tori() -> tuple[Torus, Torus, Torus]:
 
     They contain 39.94 mm, where Table 1 has 40. d_3 is negative.
     """
-    row_0, row_1, row_2, row_3, _ = parameters().dh
-    printed = published().workspace
-    shoulder = (row_0.a, row_0.d)
-    inner_radius = math.hypot(
-        printed.inner_offset.si + row_2.a, printed.inner_length.si + row_3.d
-    )
+    return tori(si(printed_lengths(published())))
+
+
+def printed_lengths(printed: Published) -> list[Quantity]:
+    """The printed lengths in the formulas of the tori.
+
+    Returns:
+        a_0, d_0, a_2, d_3 of Table 1, the two lengths of its elbow, and the three
+        numbers of Section 1.2.
+    """
+    row_0, _, row_2, row_3, _ = printed.table_1.rows
+    assert isinstance(row_0.a, Quantity)
+    assert isinstance(row_2.a, Quantity)
+    elbow = printed.elbow
+    torus = printed.workspace
+    return [
+        *(row_0.a, row_0.d, row_2.a, row_3.d),
+        *(elbow.opposite, elbow.adjacent),
+        *(torus.inner_offset, torus.inner_length, torus.downward_drop),
+    ]
+
+
+def tori(lengths: FloatArray) -> tuple[Torus, Torus, Torus]:
+    """The three limits for other lengths, in the order of `printed_lengths` [m]."""
+    a_0, d_0, a_2, d_3, opposite, adjacent, offset, length, drop = lengths
     outer = Torus(
         name="outer",
-        center=shoulder,
-        radius=row_1.a + math.sqrt(row_3.d**2 + row_2.a**2),
+        center=(a_0, d_0),
+        radius=math.hypot(opposite, adjacent) + math.hypot(d_3, a_2),
         inside=True,
     )
-    inner = Torus(name="inner", center=shoulder, radius=inner_radius, inside=False)
-    downward = Torus(
-        name="downward",
-        center=(row_0.a, row_0.d - printed.downward_drop.si),
-        radius=-row_3.d,
+    inner = Torus(
+        name="inner",
+        center=(a_0, d_0),
+        radius=math.hypot(offset + a_2, length + d_3),
         inside=False,
+    )
+    downward = Torus(
+        name="downward", center=(a_0, d_0 - drop), radius=-d_3, inside=False
     )
     return outer, inner, downward
 
@@ -128,9 +153,13 @@ def published_reachable(positions: ArrayLike) -> BoolArray:
 
 def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
     """Which points (R, z) [m] satisfy the three inequalities of Section 1.2, (...)."""
-    radius, z = checks.together(radius=radius, z=z)
+    return _satisfied(published_tori(), *checks.together(radius=radius, z=z))
+
+
+def _satisfied(limits: Sequence[Torus], radius: FloatArray, z: FloatArray) -> BoolArray:
+    """Which points satisfy the inequalities of tori, (...)."""
     inside = np.ones(radius.shape, np.bool_)
-    for torus in published_tori():
+    for torus in limits:
         center_radius, center_z = torus.center
         with np.errstate(over="ignore"):  # infinitely far is outside as well
             squared = (radius - center_radius) ** 2 + (z - center_z) ** 2
@@ -147,7 +176,9 @@ def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
     Args:
         side: As for `alpha5_model.workspace.boundary`.
     """
-    return _difference(checks.choice("side", side, SIDES), published=True)
+    return difference(
+        published_tori(), checks.choice("side", side, SIDES), published=True
+    )
 
 
 def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
@@ -156,30 +187,39 @@ def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
     Args:
         side: As for `alpha5_model.workspace.boundary`.
     """
-    return _difference(checks.choice("side", side, SIDES), published=False)
+    return difference(
+        published_tori(), checks.choice("side", side, SIDES), published=False
+    )
 
 
-@cache
-def _difference(side: str, published: bool) -> tuple[Arc, ...]:
-    """Boundary of what is published but not reached, or reached but not published."""
+@lru_cache(maxsize=64)
+def difference(
+    limits: tuple[Torus, ...], side: str, published: bool
+) -> tuple[Arc, ...]:
+    """Boundary of what tori claim and the arm does not reach, or the other way round.
+
+    Args:
+        limits: The tori.
+        side: As for `alpha5_model.workspace.boundary`.
+        published: Claimed but not reached; else reached but not claimed.
+    """
     geometry = Geometry.of(parameters())
-    arcs = _printed_arcs()
+    arcs = _arcs(limits)
     for pose in POSES:
         arcs += critical_arcs(geometry, pose)
 
     def differs(radius: FloatArray, z: FloatArray) -> BoolArray:
-        claimed = in_tori(radius, z)
+        claimed = _satisfied(limits, radius, z)
         reached = contains(geometry, radius, z, side, limits=True)
         return np.asarray((claimed == published) & (reached != published))
 
     return trace(geometry, arcs, differs)
 
 
-def _printed_arcs() -> list[Arc]:
-    """The circles of the three limits."""
-    arcs = []
-    for torus in published_tori():
-        arc = Arc(
+def _arcs(limits: Sequence[Torus]) -> list[Arc]:
+    """The circles of tori."""
+    return [
+        Arc(
             center=torus.center,
             radius=torus.radius,
             start=0.0,
@@ -188,15 +228,15 @@ def _printed_arcs() -> list[Arc]:
             cause=torus.name,
             side="published",
         )
-        arcs.append(arc)
-    return arcs
+        for torus in limits
+    ]
 
 
 @cache
 def published_errors() -> PublishedErrors:
     """How much of the published region cannot be reached, and what it misses."""
     geometry = Geometry.of(parameters())
-    claimed = trace(geometry, _printed_arcs(), in_tori)
+    claimed = trace(geometry, _arcs(published_tori()), in_tori)
     wrong = {side: published_but_unreachable(side) for side in SIDES}
     missed = {side: reachable_but_unpublished(side) for side in SIDES}
     return PublishedErrors(

@@ -7,18 +7,7 @@ from functools import cache
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.tables import Published
-from alpha5_model.proofs.audit import (
-    bodies,
-    circulating_water,
-    frames,
-    motors,
-    outside_evidence,
-    planar_arms,
-    printed_formulas,
-    relative_pose,
-    shares,
-    tori,
-)
+from alpha5_model.proofs.audit import bodies, geometry, lecture, motors
 from alpha5_model.proofs.audit.row import AuditRow
 
 
@@ -38,11 +27,7 @@ def audit() -> tuple[AuditRow, ...]:
         Frozen rows, in the order of the topics; computed once.
     """
     record = parameters()
-    return (
-        *audit_of_document(published(), record),
-        *planar_arms.audit(),
-        *relative_pose.audit(record),
-    )
+    return (*audit_of_document(published(), record), *lecture.rows(record))
 
 
 def audit_of_document(
@@ -55,12 +40,7 @@ def audit_of_document(
         parameters: The same in SI units.
     """
     return [
-        *frames.audit(printed, parameters),
-        *printed_formulas.audit(printed, parameters),
-        *tori.audit(printed, parameters),
-        *shares.audit(printed, parameters),
-        *bodies.audit(printed, parameters),
-        *motors.audit(printed, parameters),
-        *circulating_water.audit(parameters),
-        *outside_evidence.audit(printed),
+        *geometry.rows(printed, parameters),
+        *bodies.rows(printed, parameters),
+        *motors.rows(printed, parameters),
     ]

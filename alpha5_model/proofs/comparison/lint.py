@@ -2,7 +2,8 @@
 
 Each finding names the programs that stumble: urdfdom, which ROS and Pinocchio use,
 Pinocchio, MuJoCo, Drake and yourdfpy. ``tests/proofs/test_lint.py`` runs those that are
-installed on a file for each finding.
+installed on a file for each finding. What is said of Drake is what its documentation
+says.
 """
 
 from __future__ import annotations
@@ -52,16 +53,14 @@ def lint(
     yield from _file(robot)
     names = [joint.name for joint in joints]
     ours_of = dict(zip(names, record.joints, strict=False))
+    is_first = robot.version in VERSIONS[:3]
     for joint in robot.joints.values():
         ours = ours_of.get(joint.name)
         where = joint.name if ours is None else ours.name
         right = [advice[joint.name]] if joint.name in advice else []
-        if joint.kind in ("revolute", "prismatic"):
-            yield from _range(joint, where, right)
-        if joint.kind == "continuous":
-            yield from _ignored_range(joint, where)
+        yield from _range(joint, where, is_first, right)
         if joint.limit is not None:
-            yield from _ratings(joint, where, ours, robot.version)
+            yield from _ratings(joint, where, ours, is_first)
         if joint.dynamics is not None:
             yield from _dynamics(joint, where, ours, record)
         if joint.mimic is not None and joint.mimic not in robot.joints:
@@ -80,9 +79,9 @@ def _file(robot: UrdfRobot) -> Iterator[Finding]:
     if robot.version not in VERSIONS:
         yield finding("lint.version", version=robot.version)
 
-    is_first = robot.version in VERSIONS[:2]
+    has_none_of_1_1 = robot.version in VERSIONS[:2]
     for remark in robot.remarks:
-        if remark.kind in ("doubled", "number"):
+        if remark.kind in ("doubled", "number", "shapes"):
             yield finding(
                 f"lint.{remark.kind}",
                 remark.where,
@@ -94,7 +93,7 @@ def _file(robot: UrdfRobot) -> Iterator[Finding]:
         if not remarks:
             continue
         subject = kind
-        if kind in ("quaternion", "capsule") and is_first:
+        if kind in ("quaternion", "capsule") and has_none_of_1_1:
             subject = f"{kind}_1_0"
         yield finding(
             f"lint.{subject}",
@@ -110,49 +109,85 @@ def _scales(robot: UrdfRobot) -> Iterator[Finding]:
     for link in robot.links.values():
         for file in link.files:
             scales[file] = link.scales.get(file, (1.0, 1.0, 1.0))
-    for file, scale in scales.items():
-        if len(scale) != 3:
-            yield finding("lint.scale_unread", file)
-        elif not all(SCALES[0] <= abs(factor) <= SCALES[1] for factor in scale):
-            yield finding("lint.scale", file, scale=text_of(scale))
 
+    unread = [file for file, scale in scales.items() if len(scale) != 3]
+    odd = []
+    small: dict[str, str] = {}  # kind of file -> scale
+    for file, scale in scales.items():
+        if not all(SCALES[0] <= abs(factor) <= SCALES[1] for factor in scale):
+            odd.append(file)
+        elif len(scale) == 3 and max(map(abs, scale)) < 0.1:
+            small[_kind(file)] = text_of(scale)
     # A mesh in mm has a scale of 0.001. One without it among others that have it is a
     # thousand times too large.
-    small = [file for file, scale in scales.items() if max(map(abs, scale)) < 0.1]
-    others = [file for file, scale in scales.items() if scale == (1.0, 1.0, 1.0)]
-    for file in others:
-        kind = file.rpartition(".")[2].lower()
-        if any(other.lower().endswith(f".{kind}") for other in small):
-            scale = text_of(scales[small[0]])
-            yield finding("lint.scale_missing", file, count=len(small), scale=scale)
+    unscaled = []
+    for file, scale in scales.items():
+        if scale == (1.0, 1.0, 1.0) and _kind(file) in small:
+            unscaled.append(file)
+
+    if unread:
+        yield finding("lint.scale_unread", files=_some(unread))
+    if odd:
+        shown = text_of(scales[odd[0]])
+        yield finding("lint.scale", files=_some(odd), scale=shown)
+    if unscaled:
+        shown = small[_kind(unscaled[0])]
+        yield finding("lint.scale_missing", files=_some(unscaled), scale=shown)
+
+
+def _kind(file: str) -> str:
+    """The end of a file's name, such as ``stl``."""
+    return file.rpartition(".")[2].lower()
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first of some names, and how many there are."""
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    return ", ".join(names[:3]) + more
 
 
 # --- joints ---------------------------------------------------------------------------
 
 
 def _range(
-    joint: UrdfJoint, where: str, right: Sequence[Correction]
+    joint: UrdfJoint, where: str, is_first: bool, right: Sequence[Correction]
 ) -> Iterator[Finding]:
-    """A range that is missing, reversed or empty."""
+    """A range that is missing, reversed, empty or ignored.
+
+    Args:
+        joint: The joint.
+        where: Its name in findings.
+        is_first: Whether the file has a version before 1.2.
+        right: What to write in the joint, if it is one of the arm's.
+    """
+    has_range = joint.kind in ("revolute", "prismatic")
     if joint.limit is None:
-        yield finding("lint.no_limit", where, corrections=right)
+        if has_range:
+            yield finding("lint.no_limit", where, corrections=right)
         return
     missing = [name for name in ("lower", "upper") if name not in joint.limit]
     if missing:
-        ends = " and ".join(missing)
-        yield finding("lint.no_range", where, missing=ends, corrections=right)
-    lower, upper = joint.lower, joint.upper
-    if lower is None or upper is None:
+        if has_range:
+            ends = " and ".join(missing)
+            yield finding("lint.no_range", where, missing=ends, corrections=right)
         return
-    if lower > upper:
+
+    lower = _number(joint.limit["lower"])
+    upper = _number(joint.limit["upper"])
+    if lower > upper and (has_range or not is_first):
         limit = {"lower": text_of(upper), "upper": text_of(lower)}
         turned = Correction("joint", joint.name, {"limit": limit})
         yield finding(
             "lint.reversed", where, lower=lower, upper=upper, corrections=[turned]
         )
-    if lower == upper:
+    if lower == upper and has_range:
         fixed = right or [_fixed(joint, lower)]
         yield finding("lint.equal", where, value=lower, corrections=fixed)
+    if 0 < upper - lower < 1e3 and joint.kind == "continuous":
+        turning = Correction("joint", joint.name, {"joint": {"type": "revolute"}})
+        yield finding(
+            "lint.continuous", where, lower=lower, upper=upper, corrections=[turning]
+        )
 
 
 def _fixed(joint: UrdfJoint, position: float) -> Correction:
@@ -167,38 +202,33 @@ def _fixed(joint: UrdfJoint, position: float) -> Correction:
     return Correction("joint", joint.name, elements)
 
 
-def _ignored_range(joint: UrdfJoint, where: str) -> Iterator[Finding]:
-    """The range of a continuous joint, if it is one that a joint can have."""
-    limit = joint.limit or {}
-    lower = _number(limit.get("lower", ""))
-    upper = _number(limit.get("upper", ""))
-    if 0 < upper - lower < 1e3:
-        turning = Correction("joint", joint.name, {"joint": {"type": "revolute"}})
-        yield finding(
-            "lint.continuous", where, lower=lower, upper=upper, corrections=[turning]
-        )
-
-
 def _ratings(
-    joint: UrdfJoint, where: str, ours: JointParameters | None, version: str
+    joint: UrdfJoint, where: str, ours: JointParameters | None, is_first: bool
 ) -> Iterator[Finding]:
-    """A velocity or effort that is missing, zero or negative."""
-    # Since URDF 1.2 a fixed joint needs neither.
-    if joint.kind == "fixed" and version == VERSIONS[-1]:
-        return
+    """A velocity or effort that is missing, zero or negative.
+
+    Args:
+        joint: The joint, which has a ``<limit>``.
+        where: Its name in findings.
+        ours: Our joint, if it is one of the arm's.
+        is_first: Whether the file has a version before 1.2, which need not have them.
+    """
+    moves = joint.kind in ("revolute", "prismatic", "continuous")
     for name in ("velocity", "effort"):
         right = []
         if ours is not None:
             limit = {"limit": {name: text_of(getattr(ours, name))}}
             right = [Correction("joint", joint.name, limit)]
         value = getattr(joint, name)
-        if name not in (joint.limit or {}):
+        if is_first and name not in (joint.limit or {}):
             yield finding(f"lint.no_{name}", where, corrections=right)
-        elif value is not None and value < 0:
+        if value is None:
+            continue
+        if value < 0 and (moves or not is_first):
             yield finding(
                 "lint.negative", where, limit=name, value=value, corrections=right
             )
-        elif value == 0 and joint.kind != "fixed":
+        if value == 0 and moves:
             yield finding(f"lint.{name}_zero", where, corrections=right)
 
 
@@ -255,7 +285,7 @@ def _bodies(robot: UrdfRobot) -> Iterator[Finding]:
         smallest = 0.0
         if mass > LEAST:
             _, _, tensor = combine(
-                [link.mass for link, _ in massive],
+                [link.mass or 0.0 for link, _ in massive],
                 [at[:3, :3] @ link.com + at[:3, 3] for link, at in massive],
                 [at[:3, :3] @ link.inertia @ at[:3, :3].T for link, at in massive],
             )

@@ -226,13 +226,13 @@ def _jaws(record: Alpha5Parameters, parts: Sequence[Part]) -> list[Body] | None:
         jaws = split_link_4(record)
     except InputError:  # the arm's link_4 leaves no possible wrist
         return None
-    found = []
+    found = {}
     for part in parts:
         for body, closed in zip(jaws.bodies, jaws.closed, strict=True):
             ours = pose(body.origin, (body.roll, 0.0, 0.0))
             if np.abs(part.pose - ours).max() < SAME_FRAME:
-                found.append(_body_of(closed))
-    return found if len(found) == len(parts) == len(jaws.bodies) else None
+                found[body.name] = _body_of(closed)
+    return [*found.values()] if len(found) == len(parts) == len(jaws.bodies) else None
 
 
 # --- One link -------------------------------------------------------------------------

@@ -27,6 +27,7 @@ from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import Alpha5Error, FileFormatError
 from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER
+from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.studies.calibration.sensors import (
     ANY_MASS,
@@ -87,8 +88,15 @@ _HEAD = {
 }
 
 
-def session_text(planned: Session) -> str:
-    """The text of a file of poses, with their readings if there are any."""
+def session_text(planned: Session, arm: Alpha5Parameters | None = None) -> str:
+    """The text of a file of poses, with their readings if there are any.
+
+    Args:
+        planned: The poses.
+        arm: Record of the arm, whose joints report angles with its signs; None for the
+            catalogue's.
+    """
+    signs = chosen_arm(arm).signs[:4]
     sensor = planned.sensor
     kind = sensor.kind
     unit, size = next(iter(UNITS[kind].items()))
@@ -106,8 +114,8 @@ def session_text(planned: Session) -> str:
     ]
     joints = ", ".join(JOINT_NAMES[:4])
     channels = ", ".join(sensor.channels)
-    degrees = np.degrees(planned.motion.q)
-    rows = zip(degrees, planned.readings / size, strict=True)
+    degrees = signs * np.degrees(planned.motion.q)
+    rows = zip(degrees, _of_driver(sensor, signs, planned.readings) / size, strict=True)
     for number, (angles, readings) in enumerate(rows, 1):
         known = np.isfinite(readings).any()
         lines += [
@@ -119,11 +127,13 @@ def session_text(planned: Session) -> str:
     return "\n".join(lines) + "\n"
 
 
-def read_session(path: PathLike) -> Session:
+def read_session(path: PathLike, arm: Alpha5Parameters | None = None) -> Session:
     """The session of a file, its angles and readings in SI units.
 
     Args:
         path: As `session_text` makes it.
+        arm: Record of the arm, whose joints report angles with its signs; None for the
+            catalogue's.
 
     Raises:
         MissingFileError: No such file.
@@ -135,16 +145,25 @@ def read_session(path: PathLike) -> Session:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise FileFormatError(path, "expected TOML, which is UTF-8 text") from None
-    reader = _Reader(path, toml_tables(text, str(path)))
+    signs = chosen_arm(arm).signs[:4]
+    reader = _Reader(path, toml_tables(text, str(path)), signs)
     return reader.session()
+
+
+def _of_driver(sensor: Sensor, signs: FloatArray, readings: FloatArray) -> FloatArray:
+    """Readings in the directions of the driver, or from there: efforts turn."""
+    return signs * readings if sensor.kind == "efforts" else readings
 
 
 class _Reader:
     """Reads the tables of a file."""
 
-    def __init__(self, path: PathLike, given: dict[str, Any]) -> None:
+    def __init__(
+        self, path: PathLike, given: dict[str, Any], signs: FloatArray
+    ) -> None:
         self._path = path
         self._given = given
+        self._signs = signs
 
     def session(self) -> Session:
         """What the file says."""
@@ -164,8 +183,8 @@ class _Reader:
         try:
             return session(
                 sensor,
-                np.radians(angles),
-                readings * units[unit],
+                self._signs * np.radians(angles),
+                _of_driver(sensor, self._signs, readings * units[unit]),
                 fluid_density=self._density(),
                 gravity=given.get("gravity"),
                 name=str(self._path),

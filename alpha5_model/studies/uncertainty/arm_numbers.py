@@ -21,9 +21,10 @@ from alpha5_model.numbers.inertia import second_moments
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     LinkParameters,
+    is_catalogue,
     parameters,
 )
-from alpha5_model.numbers.pose import printed_tool
+from alpha5_model.numbers.pose import has_own_tool_point, printed_tool
 from alpha5_model.numbers.rigid_body import AttachedBody
 from alpha5_model.numbers.tables import BODY_NAMES, JOINT_NAMES
 from alpha5_model.studies.uncertainty import printed
@@ -142,7 +143,7 @@ class ArmNumbers:
         given = dict(zip(self.names, values.tolist(), strict=True))
         own = self.arm
         arm = printed.parameter_set(given, self.alternatives, own.corrections)
-        if own is parameters(own.corrections):
+        if is_catalogue(own):
             return arm
         return replace(
             arm,
@@ -393,7 +394,7 @@ def _with_actuators(arm: Alpha5Parameters, moved: dict[str, float]) -> tuple[Any
 
 def _tool(arm: Alpha5Parameters, changed: Alpha5Parameters) -> Any:
     """The tool of an arm whose lengths have changed: a spacer keeps it at the jaws."""
-    if arm.tool is None or not arm.spacer:
+    if arm.tool is None or not arm.spacer or has_own_tool_point(arm):
         return arm.tool
     wrist = printed_tool(changed.dh[3], changed.dh[4]).position
     position = wrist - np.array([0.0, 0.0, arm.spacer])

@@ -25,7 +25,7 @@ from alpha5_model.numbers.parameters import Alpha5Parameters, parameters_from_ta
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import DECIMAL_SHIFT, Quantity
 from alpha5_model.numbers.tables import Published
-from alpha5_model.proofs.audit.masses import implied_mass
+from alpha5_model.proofs.audit.bodies import implied_mass
 
 #: Other readings of numbers that contradict each other or have two meanings: name ->
 #: what is believed instead of the plain reading.

@@ -1,13 +1,9 @@
-"""Loaders of the Reach Alpha 5, as example-robot-data has them for each robot.
+"""Loaders of the Reach Alpha 5."""
 
-``scripts/robots/add_to_example_robot_data.py`` copies this module there as
-``alpha5.py``, and adds the arm's folder and names.
-"""
-
-from example_robot_data.utils import RobotLoader
+from .utils import RobotLoader
 
 
-class Alpha5Loader(RobotLoader):  # type: ignore[misc]
+class Alpha5Loader(RobotLoader):
     """Four joints, jaws locked; reference posture ``home``."""
 
     path = "alpha5_description"

@@ -1,1 +1,0 @@
-"""Modules and files for the robot loaders of other packages."""
