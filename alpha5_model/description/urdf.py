@@ -24,6 +24,7 @@ from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
+from alpha5_model.numbers.tables import BODY_NAMES
 
 COLLISIONS = ("primitives", "capsules", "none")
 VERSIONS = ("1.0", "1.1", "1.2")
@@ -151,19 +152,28 @@ def urdf(variant: Variant | None = None) -> str:
     """
     chosen = variant or Variant()
     arm = chosen_arm(chosen.arm, chosen.corrections)
+    mount = arm.mount
+    parent = chosen.parent or (mount.parent if mount is not None else "")
+    if parent in _link_names(chosen):
+        expected = "a name that no link of the arm has; a prefix renames the arm's"
+        raise InputError("parent", parent, expected)
+
     numbers = parameter_yaml(arm)
     with tempfile.TemporaryDirectory() as folder:
         # The committed YAML may be stale, so a fresh one is written.
         file = Path(folder) / "parameters.yaml"
         file.write_text(numbers, encoding="utf-8")
-        text = expand_xacro(XACRO_PATH, _xacro_arguments(chosen, file))
+        return expand_xacro(XACRO_PATH, _xacro_arguments(chosen, file))
 
-    mount = arm.mount
-    parent = chosen.parent or (mount.parent if mount is not None else "")
-    if parent and text.count(f'<link name="{parent}"') > 1:
-        expected = "a name that no link of the arm has; a prefix renames the arm's"
-        raise InputError("parent", parent, expected)
-    return text
+
+def _link_names(variant: Variant) -> list[str]:
+    """Names of the links of the arm."""
+    names = ["base_link", *BODY_NAMES, "tcp"]
+    if variant.gripper == "jaws":
+        names += ["jaw_rod", "finger_1", "finger_2"]
+    if variant.dh_frames:
+        names += [f"dh_{i}" for i in range(1, 6)]
+    return [variant.prefix + name for name in names]
 
 
 def _xacro_arguments(variant: Variant, parameter_file: Path) -> dict[str, str]:

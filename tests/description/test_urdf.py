@@ -255,6 +255,18 @@ def test_the_command_takes_a_uri_of_meshes(capsys):
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_no_link_of_the_arm_is_the_parent(gripper):
+    """Each of its names is refused, and so none of them is forgotten."""
+    options = {"gripper": gripper, "dh_frames": True, "prefix": "l_"}
+    root = ET.fromstring(urdf(Variant(collision="none", **options)))
+    for name in [link.get("name") for link in root.iter("link")]:
+        with pytest.raises(InputError) as caught:
+            urdf(Variant(parent=name, **options))
+        assert caught.value.name == "parent"
+    assert 'parent link="tcp"' in urdf(Variant(parent="tcp", **options))
+
+
 # --- URDF 1.1 and 1.2
 
 

@@ -99,7 +99,7 @@ def test_compare_a_model(capsys: pytest.CaptureFixture[str]) -> None:
     assert text.startswith("The model differs")
     for words in (
         "mass 0.255 kg in place of 0.355 kg",
-        "y is wrong (mirrored)",
+        "y has the wrong sign",
         "SolidWorks sign",
     ):
         assert words in text

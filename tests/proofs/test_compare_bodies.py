@@ -63,7 +63,7 @@ def add_link(
 
 
 def gravity_difference(root: ET.Element) -> float:
-    """Second route: Pinocchio parses both files; the seeded positions are drawn again."""
+    """Second route: Pinocchio parses both files, at the seeded positions."""
     models = [pin.buildModelFromXML(text) for text in (OWN, text_of(root))]
     q = np.random.default_rng(0).uniform(reference.LOWER, reference.UPPER, (SAMPLES, 4))
     torques = [

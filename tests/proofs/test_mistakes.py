@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import re
 import tempfile
 from pathlib import Path
 
@@ -22,6 +23,7 @@ import alpha5_model as a5
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import ImplausibleWarning
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.proofs.comparison.mistakes import FITTED, MISTAKES
 from alpha5_model.proofs.comparison.result import Comparison
 
 #: How many of the single mistakes the fast test makes.
@@ -234,3 +236,17 @@ def test_no_mistake_is_named_for_random_numbers(tmp_path: Path) -> None:
         found = {f.id: f.mistake for f in result.findings if f.where == "link_2"}
         assert {"body.mass", "body.com", "body.inertia"} <= set(found)
         assert not any(found.values())
+
+
+def test_the_guide_lists_every_mistake() -> None:
+    """Its ids, with ranges such as `dh_0` to `dh_5`, are those of the table."""
+    guide = Path(__file__).parents[2] / "docs" / "guides" / "compare.md"
+    text = guide.read_text("utf-8").partition("## Mistakes that it names")[2]
+    listed = set()
+    for first, last in re.findall(r"`(\w+_\d)` to `(\w+_\d)`", text):
+        stem = first[:-1]
+        listed |= {f"{stem}{k}" for k in range(int(first[-1]), int(last[-1]) + 1)}
+    listed |= set(re.findall(r"`([a-z]\w*)`", text.partition("\n\nOf joints")[0]))
+    ids = {mistake.id for mistake in (*MISTAKES, *FITTED)}
+    assert ids <= listed
+    assert listed - ids == {"other_frame", "rounded"}

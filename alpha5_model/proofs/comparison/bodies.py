@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from alpha5_model._support.spatial import moved
 from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
 from alpha5_model.proofs.comparison.corrections import (
     LEVER,
-    TOKEN_RADIUS,
     angle_between,
     token_inertial,
 )
@@ -145,15 +144,11 @@ def _findings_of_body(
     if bare:
         yield finding("body.partly", where=body.name, links=", ".join(bare))
 
+    dummies = _dummies_of(parts)
+    yield from _dummies(body.name, dummies, moving)
+    names = [part.link for part in dummies]
+    parts = [part for part in parts if part.link not in names]
     wrong = wrong_numbers(evidence.arm, k, parts, digits)
-    is_explained = wrong and all(number.mistake for number in wrong)
-    if _dummies_of(parts) and not is_explained:
-        # A single mistake may look like a dummy, such as a mass divided by 1000 twice.
-        written = parts
-        parts = _without_dummies(parts, moving)
-        wrong = wrong_numbers(evidence.arm, k, parts, digits)
-        emptied = {number.link for number in wrong if not number.right.mass}
-        yield from _dummies(body.name, written, moving, emptied)
     by_link = {part.link: part for part in parts}
     several = sum(part.body.mass > 0 for part in parts) > 1
     for number in wrong:
@@ -194,60 +189,37 @@ def _bare_links(evidence: Evidence, body: BodyDifference) -> list[str]:
 # --- Dummies --------------------------------------------------------------------------
 
 
-def _dummies_of(parts: Sequence[Part]) -> list[str]:
-    """Links of hardly any mass, but with a large inertia, beside real ones."""
+def _dummies_of(parts: Sequence[Part]) -> list[Part]:
+    """Links of hardly any mass that have the inertia of a large ball, beside real ones.
+
+    People write such inertials in frames. Another mistake with a light link, such as
+    its tensor in other units, gives no ball.
+    """
     dummies = []
-    real = []
     for part in parts:
-        largest = float(np.abs(part.body.inertia).max())
-        is_light = 0 < part.body.mass <= LIGHT
-        if is_light and largest > REACH**2 * part.body.mass:
-            dummies.append(part.link)
-        elif part.body.mass > 0 and largest <= REACH**2 * part.body.mass:
-            real.append(part.link)
-    return dummies if real else []
+        mass = part.body.mass
+        moment = float(part.body.inertia[0, 0])
+        is_ball = np.allclose(part.body.inertia, moment * np.eye(3), rtol=1e-6)
+        if is_ball and 0 < mass <= LIGHT and moment > REACH**2 * mass:
+            dummies.append(part)
+    names = [part.link for part in dummies]
+    masses = [part.body.mass for part in parts if part.link not in names]
+    return dummies if any(masses) else []
 
 
-def _without_dummies(parts: Sequence[Part], moving: set[str]) -> list[Part]:
-    """The links that are no dummies, and dummies that move as they should be."""
-    dummies = _dummies_of(parts)
-    kept = []
-    for part in parts:
-        if part.link not in dummies:
-            kept.append(part)
-        elif part.link in moving:
-            kept.append(_token(part, part.body.mass))
-    return kept
-
-
-def _token(part: Part, mass: float) -> Part:
-    """A part with the inertial that `token_inertial` writes."""
-    tensor = mass * TOKEN_RADIUS**2 * np.eye(3)
-    return part._replace(body=Body(mass=mass, com=np.zeros(3), inertia=tensor))
-
-
-def _dummies(
-    name: str,
-    parts: Sequence[Part],
-    moving: set[str],
-    emptied: Collection[str] = (),
-) -> Iterator[Finding]:
-    """Links whose inertia is far too large for their mass, equal ones together.
+def _dummies(name: str, dummies: Sequence[Part], moving: set[str]) -> Iterator[Finding]:
+    """Dummies, equal ones together.
 
     Args:
         name: Of the body.
-        parts: Its links as they are written.
+        dummies: Its links that are dummies.
         moving: Links that a joint moves.
-        emptied: Links that lose their mass anyway.
     """
     equal: dict[tuple[float, float], list[str]] = {}
-    dummies = _dummies_of(parts)
-    for part in parts:
-        if part.link in dummies:
-            largest = float(np.abs(part.body.inertia).max())
-            equal.setdefault((part.body.mass, largest), []).append(part.link)
-
-    for (mass, largest), links in equal.items():
+    for part in dummies:
+        size = (part.body.mass, float(part.body.inertia[0, 0]))
+        equal.setdefault(size, []).append(part.link)
+    for (mass, moment), links in equal.items():
         several = len(links) > 1
         yield finding(
             "dummy",
@@ -256,12 +228,9 @@ def _dummies(
             s="s" if several else "",
             have="have" if several else "has",
             grams=mass * 1e3,
-            inertia=largest,
-            radius=math.sqrt(largest / mass),
-            corrections=[
-                _emptied(link, link in moving, 0.0 if link in emptied else mass)
-                for link in links
-            ],
+            inertia=moment,
+            radius=math.sqrt(moment / mass),
+            corrections=[_emptied(link, link in moving) for link in links],
         )
 
 
@@ -365,10 +334,10 @@ def _right_inertial(
     return Correction("link", link, elements)
 
 
-def _emptied(link: str, moves: bool, mass: float = 0.0) -> Correction:
+def _emptied(link: str, moves: bool) -> Correction:
     """A link that has no body: a joint still needs an inertia to move."""
     if moves:
-        return token_inertial(link, mass)
+        return token_inertial(link)
     return Correction("link", link, {"inertial": None})
 
 

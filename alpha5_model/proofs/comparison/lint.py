@@ -2,7 +2,8 @@
 
 Each finding names the programs that stumble: urdfdom, which ROS and Pinocchio use,
 Pinocchio, MuJoCo, Drake and yourdfpy. ``tests/proofs/test_lint.py`` runs those that are
-installed on a file for each finding.
+installed on a file for each finding. What is said of Drake is what its documentation
+says.
 """
 
 from __future__ import annotations
@@ -108,21 +109,41 @@ def _scales(robot: UrdfRobot) -> Iterator[Finding]:
     for link in robot.links.values():
         for file in link.files:
             scales[file] = link.scales.get(file, (1.0, 1.0, 1.0))
-    for file, scale in scales.items():
-        if len(scale) != 3:
-            yield finding("lint.scale_unread", file)
-        elif not all(SCALES[0] <= abs(factor) <= SCALES[1] for factor in scale):
-            yield finding("lint.scale", file, scale=text_of(scale))
 
+    unread = [file for file, scale in scales.items() if len(scale) != 3]
+    odd = []
+    small: dict[str, str] = {}  # kind of file -> scale
+    for file, scale in scales.items():
+        if not all(SCALES[0] <= abs(factor) <= SCALES[1] for factor in scale):
+            odd.append(file)
+        elif len(scale) == 3 and max(map(abs, scale)) < 0.1:
+            small[_kind(file)] = text_of(scale)
     # A mesh in mm has a scale of 0.001. One without it among others that have it is a
     # thousand times too large.
-    small = [file for file, scale in scales.items() if max(map(abs, scale)) < 0.1]
-    others = [file for file, scale in scales.items() if scale == (1.0, 1.0, 1.0)]
-    for file in others:
-        kind = file.rpartition(".")[2].lower()
-        if any(other.lower().endswith(f".{kind}") for other in small):
-            theirs = text_of(scales[small[0]])
-            yield finding("lint.scale_missing", file, count=len(small), scale=theirs)
+    unscaled = []
+    for file, scale in scales.items():
+        if scale == (1.0, 1.0, 1.0) and _kind(file) in small:
+            unscaled.append(file)
+
+    if unread:
+        yield finding("lint.scale_unread", files=_some(unread))
+    if odd:
+        shown = text_of(scales[odd[0]])
+        yield finding("lint.scale", files=_some(odd), scale=shown)
+    if unscaled:
+        shown = small[_kind(unscaled[0])]
+        yield finding("lint.scale_missing", files=_some(unscaled), scale=shown)
+
+
+def _kind(file: str) -> str:
+    """The end of a file's name, such as ``stl``."""
+    return file.rpartition(".")[2].lower()
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first of some names, and how many there are."""
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    return ", ".join(names[:3]) + more
 
 
 # --- joints ---------------------------------------------------------------------------

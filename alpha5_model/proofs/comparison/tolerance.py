@@ -140,14 +140,15 @@ class Tolerance:
             (...).
         """
         numbers = np.asarray(computed, np.float64)
-        entries = tuple(range(-np.ndim(written), 0))
+        typed = np.asarray(written, np.float64)
+        entries = tuple(range(-typed.ndim, 0))
         # A number in another unit has its least difference in that unit.
         unit = np.ones_like(numbers.max(entries, keepdims=True))
         if self._size:
             unit = np.abs(numbers).max(entries, keepdims=True) / self._size
-        half = self._precision.half_digit(written)
+        half = self._precision.half_digit(typed)
         if not any_digits:
             half = np.minimum(half, MOST[self.quantity] * unit)
         # The slack follows from written numbers, so it is in their unit already.
         least = LEAST[self.quantity] * unit + self._slack
-        return np.asarray((np.abs(numbers - written) <= half + least).all(entries))
+        return np.asarray((np.abs(numbers - typed) <= half + least).all(entries))

@@ -6,7 +6,7 @@ typed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -54,6 +54,11 @@ class Part(NamedTuple):
     link: str
     body: Body
     pose: FloatArray
+
+    @property
+    def to_link(self) -> FloatArray:
+        """transform_ours_to_link, (4, 4)."""
+        return np.asarray(np.linalg.inv(self.pose), np.float64)
 
 
 class WrongNumber(NamedTuple):
@@ -104,7 +109,10 @@ def wrong_numbers(
         wrong = _wrong_in_link(arm, arm.body, heaviest[:1], 0, digits)
         for part in heaviest[1:]:
             wrong.append(WrongNumber(part.link, "mass", None, nothing))
-    return _explained_by_two(arm, heaviest, wrong, digits)
+    wrong = _explained_by_two(arm, heaviest, wrong, digits)
+    if len(heaviest) > 1 and not all(number.mistake for number in wrong):
+        wrong = _explained_as_whole(arm, heaviest, wrong, digits)
+    return wrong
 
 
 def _options(
@@ -114,14 +122,14 @@ def _options(
     nominal = _jaws(arm.record, parts) if arm.index == 4 else None
     if nominal:
         found = []
-        for place, right in enumerate(nominal):
-            found += _wrong_in_link(arm, right, parts, place, digits)
+        for place, body in enumerate(nominal):
+            found += _wrong_in_link(arm, body, parts, place, digits)
         yield found
     for place, part in enumerate(parts):
         others = [other.body.at(other.pose) for other in parts if other is not part]
-        right = _less(arm.body, others)
-        if right is not None:
-            yield _wrong_in_link(arm, right, parts, place, digits)
+        rest = _less(arm.body, others)
+        if rest is not None:
+            yield _wrong_in_link(arm, rest, parts, place, digits)
 
 
 def _unlikely(wrong: Sequence[WrongNumber]) -> int:
@@ -218,13 +226,13 @@ def _jaws(record: Alpha5Parameters, parts: Sequence[Part]) -> list[Body] | None:
         jaws = split_link_4(record)
     except InputError:  # the arm's link_4 leaves no possible wrist
         return None
-    found = []
+    found = {}
     for part in parts:
         for body, closed in zip(jaws.bodies, jaws.closed, strict=True):
             ours = pose(body.origin, (body.roll, 0.0, 0.0))
             if np.abs(part.pose - ours).max() < SAME_FRAME:
-                found.append(_body_of(closed))
-    return found if len(found) == len(parts) == len(jaws.bodies) else None
+                found[body.name] = _body_of(closed)
+    return [*found.values()] if len(found) == len(parts) == len(jaws.bodies) else None
 
 
 # --- One link -------------------------------------------------------------------------
@@ -243,7 +251,7 @@ def _wrong_in_link(
         digits: Of the file.
     """
     part = parts[place]
-    here = right.at(np.linalg.inv(part.pose))
+    here = right.at(part.to_link)
     wrong: dict[Quantity, Tolerance] = {}
     for quantity, tolerance in _tolerances(here, parts, place, digits).items():
         written = getattr(part.body, quantity)
@@ -356,21 +364,20 @@ def _attempts(arm: _Arm, right: Body, part: Part) -> Iterator[_Attempt]:
 
     by_count: list[list[tuple[Mistake, Case]]] = [[], [], []]
     for source, tables, body in sources:
-        here = np.linalg.inv(part.pose)
         case = Case(
             index=arm.index,
             source=tables,
-            right=body.at(here),
+            right=body.at(part.to_link),
             in_ours=body,
-            to_link=here,
+            to_link=part.to_link,
             frames=arm.frames,
             written=part.body,
         )
-        before = int(source is not RIGHT)
-        by_count[before].append((source, case))
+        count = int(source is not RIGHT)
+        by_count[count].append((source, case))
         if elsewhere:
             unmoved = replace(case, right=body, to_link=np.eye(4))
-            by_count[before + 1].append((_joined(source, frame), unmoved))
+            by_count[count + 1].append((_joined(source, frame), unmoved))
 
     ours, one, two = by_count
     for before, case in ours:
@@ -387,27 +394,72 @@ def _explained_by_two(
     arm: _Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
 ) -> list[WrongNumber]:
     """The wrong numbers, those without an explanation tried with two mistakes."""
-    names = [part.link for part in parts]
-    found = list(wrong)
-    for k, number in enumerate(wrong):
-        if number.mistake is not None or not number.right.mass:
-            continue
-        place = names.index(number.link)
-        part = parts[place]
-        tolerance = _tolerances(number.right, parts, place, digits)[number.quantity]
-        attempts = _double_attempts(arm, number.right.at(part.pose), part)
-        mistakes = _explained(attempts, part, {number.quantity: tolerance})
-        found[k] = number._replace(mistake=mistakes.get(number.quantity))
+    mistakes: dict[tuple[str, Quantity], Mistake] = {}
+    for place, part in enumerate(parts):
+        open_ones = {}
+        for number in wrong:
+            is_open = number.mistake is None and number.right.mass > 0
+            if is_open and number.link == part.link:
+                tolerances = _tolerances(number.right, parts, place, digits)
+                open_ones[number.quantity] = tolerances[number.quantity]
+                right = number.right.at(part.pose)
+        if open_ones:
+            attempts = _double_attempts(arm, right, part, tuple(open_ones))
+            for quantity, mistake in _explained(attempts, part, open_ones).items():
+                mistakes[part.link, quantity] = mistake
+    return _with_mistakes(wrong, mistakes)
+
+
+def _with_mistakes(
+    wrong: Sequence[WrongNumber], mistakes: Mapping[tuple[str, Quantity], Mistake]
+) -> list[WrongNumber]:
+    """The wrong numbers, with mistakes by link and quantity where there is none."""
+    found = []
+    for number in wrong:
+        mistake = number.mistake or mistakes.get((number.link, number.quantity))
+        found.append(number._replace(mistake=mistake))
     return found
 
 
-def _double_attempts(arm: _Arm, right: Body, part: Part) -> Iterator[_Attempt]:
-    """Two mistakes with our numbers."""
-    first_attempt = next(_attempts(arm, right, part))
+def _double_attempts(
+    arm: _Arm, right: Body, part: Part, quantities: Iterable[Quantity]
+) -> Iterator[_Attempt]:
+    """Two mistakes with our numbers, the first of which changes one of some kind."""
+    ours = next(_attempts(arm, right, part)).case
     for first in PAIRED:
-        for body in first.make(first_attempt.case):
-            case = replace(first_attempt.case, right=body, in_ours=body.at(part.pose))
-            yield _Attempt(first, case, PAIRED)
+        for body in first.make(ours):
+            changes = False
+            for quantity in quantities:
+                unchanged = getattr(ours.right, quantity)
+                changes |= not np.array_equal(getattr(body, quantity), unchanged)
+            if changes:
+                case = replace(ours, right=body, in_ours=body.at(part.pose))
+                yield _Attempt(first, case, PAIRED)
+
+
+def _explained_as_whole(
+    arm: _Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
+) -> list[WrongNumber]:
+    """The wrong numbers of the heaviest link, explained by those of all links together.
+
+    So a body is recognized whose author split another revision's.
+    """
+    bodies = [part.body.at(part.pose) for part in parts]
+    mass = sum(body.mass for body in bodies)
+    if not mass:
+        return list(wrong)
+    com = np.sum([body.mass * body.com for body in bodies], axis=0) / mass
+    inertia = np.zeros((3, 3))
+    for body in bodies:
+        inertia += body.inertia + parallel_axis(body.mass, body.com - com)
+    whole = Part("", Body(mass=mass, com=com, inertia=inertia), np.eye(4))
+    mistakes: dict[tuple[str, Quantity], Mistake] = {}
+    for number in _wrong_in_link(arm, arm.body, [whole], 0, digits):
+        if number.mistake:
+            words = f"all its links together have {number.mistake.words}"
+            mistake = number.mistake._replace(words=words)
+            mistakes[parts[0].link, number.quantity] = mistake
+    return _with_mistakes(wrong, mistakes)
 
 
 def _joined(*mistakes: Mistake) -> Mistake:
