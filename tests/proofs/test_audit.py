@@ -1208,6 +1208,7 @@ def test_the_relative_pose_is_no_pose_in_the_base(rows: dict[str, AuditRow]) -> 
     assert row.effect == pytest.approx(1000 * np.linalg.norm(apart[-1][:3, 3]))
 
 
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 def test_a_stall_torque_below_the_joints_effort_has_no_effect() -> None:
     printed = a5.published()
     joint = a5.parameters().joints[0]
