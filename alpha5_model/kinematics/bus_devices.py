@@ -138,5 +138,6 @@ def _check_range(
         unit = "mm" if joint.name == _ROD else "rad"
         factor = _devices_unit(joint)
         low, high = sorted((factor * joint.lower, factor * joint.upper))
-        ends = f"{low:.4g} to {high:.4g} {unit}"
+        # Adding zero turns a negative zero into zero.
+        ends = f"{low + 0.0:.4g} to {high + 0.0:.4g} {unit}"
         raise InputError(name, value, f"{joint.name} in its range of {ends}")
