@@ -171,7 +171,7 @@ def check(
             break
     if _file.get():
         raise InputError(name, given.tolist(), expected)
-    warn(f"{name}: {_written(given)} {plausible.unit} is implausible, not {expected}")
+    warn(f"{name}: {_written(given)} {plausible.unit} is implausible, expected {expected}")
 
 
 def check_body(

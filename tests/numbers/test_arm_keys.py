@@ -105,11 +105,11 @@ KINDS = {
     "current_limit": ("[motors]\ncurrent_limit = {axis_c = 1.2}", "trajectory"),
     "rotor_inertia": (
         "[motors]\nrotor_inertia = {axis_c = 5e-7}",
-        "motors trajectory sweep urdf xacro mjcf",
+        "motors trajectory sweep urdf xacro mjcf sdf",
     ),
     "friction": (
         "[motors]\nfriction = {axis_c = 0.003}",
-        "motors trajectory sweep urdf xacro mjcf",
+        "motors trajectory sweep urdf xacro mjcf sdf",
     ),
     "resistance": ("[motors]\nresistance = {axis_c = 1.1}", "motors trajectory sweep"),
 }

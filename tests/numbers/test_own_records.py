@@ -95,8 +95,8 @@ REFUSED = {
     "a negative jerk": (lambda: with_joint(0, jerk=-1.0), "axis_e.jerk"),
     "no sign": (lambda: with_joint(3, sign=0), "axis_b.sign"),
     "a sign that is a truth value": (lambda: with_joint(3, sign=True), "axis_b.sign"),
-    "a COM outside": (
-        lambda: dataclasses.replace(ARM.links[2], com=[0.073, -0.034, 0.0]),
+    "a COM far outside": (
+        lambda: dataclasses.replace(ARM.links[2], com=[0.73, -0.34, 0.0]),
         "links.link_2.com",
     ),
     "a negative mass": (
@@ -482,3 +482,10 @@ def test_the_rod_turns_the_fingers() -> None:
     height = ARM.jaws.collar_base + rod.lower
     assert split.rod.origin.tolist() == [0.0, 0.0, -height]
     assert split.wrist.origin.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_a_com_beside_the_body_is_warned_of() -> None:
+    """The bounds are the printed body's, and yours may be another one."""
+    with pytest.warns(ImplausibleWarning, match=r"links\.link_2\.com"):
+        link = dataclasses.replace(ARM.links[2], com=[0.073, -0.034, 0.0])
+    assert link.com.tolist() == [0.073, -0.034, 0.0]

@@ -399,7 +399,6 @@ def test_close_frees_the_port_and_a_taken_one_is_named() -> None:
         with pytest.raises(Alpha5Error, match=f"port {port} is in use") as caught:
             a5.view(a5.load(), port=port)
         assert isinstance(caught.value, OSError)
-        assert caught.value.port == port
     finally:
         first.close()
     second = a5.view(a5.load(), port=port)
