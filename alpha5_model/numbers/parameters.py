@@ -642,5 +642,5 @@ def _values_of(value: Any) -> Any:
     if is_dataclass(value):
         return tuple(_values_of(getattr(value, f.name)) for f in fields(value))
     if isinstance(value, tuple):
-        return tuple(map(_content, value))
+        return tuple(map(_values_of, value))
     return tuple(value.ravel().tolist()) if isinstance(value, np.ndarray) else value
