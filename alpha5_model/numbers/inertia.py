@@ -142,18 +142,13 @@ def combine(
     (m,) = fitting(masses=(masses, ()))
     n = m.size
     m = array("masses", m, n)
-    return combined(m, array("coms", coms, n, 3), array("inertias", inertias, n, 3, 3))
-
-
-def combined(
-    m: FloatArray, coms: FloatArray, inertias: FloatArray
-) -> tuple[float, FloatArray, FloatArray]:
-    """`combine` of checked arrays."""
+    c = array("coms", coms, n, 3)
+    tensors = array("inertias", inertias, n, 3, 3)
     mass = float(m.sum())
     if mass == 0:
         raise InputError("masses", m.tolist(), "masses that do not add up to zero")
-    com = (m[:, None] * coms).sum(axis=0) / mass
-    return mass, com, (inertias + _point_mass_tensor(m, coms - com)).sum(axis=0)
+    com = (m[:, None] * c).sum(axis=0) / mass
+    return mass, com, (tensors + _point_mass_tensor(m, c - com)).sum(axis=0)
 
 
 def second_moments(inertia: ArrayLike) -> FloatArray:

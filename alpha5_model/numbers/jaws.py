@@ -26,7 +26,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, frozen, real
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.inertia import combined
+from alpha5_model.numbers.inertia import combine
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
 from alpha5_model.numbers.pose import Pose, tool_of
 from alpha5_model.numbers.rigid_body import AttachedBody, RigidBody, joined
@@ -263,10 +263,10 @@ def _finger_joint(name: str, parameters: Alpha5Parameters) -> FingerJoint:
 def _remainder(link: RigidBody, moving: Sequence[JawBody]) -> JawBody:
     """The wrist: what remains of link 4 without the moving bodies, jaws closed."""
     taken = [_in_link_4(body) for body in moving]
-    mass, com, inertia = combined(
-        np.array([link.mass, *(-body.mass for body in taken)]),
-        np.array([link.com, *(body.com for body in taken)]),
-        np.array([link.inertia, *(-body.inertia for body in taken)]),
+    mass, com, inertia = combine(
+        masses=[link.mass, *(-body.mass for body in taken)],
+        coms=[link.com, *(body.com for body in taken)],
+        inertias=[link.inertia, *(-body.inertia for body in taken)],
     )
     volume = link.volume - sum(body.volume for body in taken)
     if not volume > 0.0:

@@ -108,20 +108,20 @@ class LinkParameters(RigidBody):
     bounds: FloatArray
 
     @property
-    def place(self) -> str:
+    def _place(self) -> str:
         """Its key in an arm file, ``links.link_2``; errors name it."""
         return f"links.{self.name}"
 
     def __post_init__(self) -> None:
-        bounds = frozen(array(f"{self.place}.bounds", self.bounds, 3, 2))
+        bounds = frozen(array(f"{self._place}.bounds", self.bounds, 3, 2))
         if (bounds[:, 0] > bounds[:, 1]).any():
             expected = "the lower end of each axis before the upper one"
-            raise InputError(f"{self.place}.bounds", bounds.tolist(), expected)
-        com = array(f"{self.place}.com", self.com, 3)
-        arm_checks.check_inside(f"{self.place}.com", com, bounds)
+            raise InputError(f"{self._place}.bounds", bounds.tolist(), expected)
+        com = array(f"{self._place}.com", self.com, 3)
+        arm_checks.check_inside(f"{self._place}.com", com, bounds)
         super().__post_init__()
         farthest = bounds.ravel()[np.abs(bounds).argmax()]
-        plausibility.check(f"{self.place}.bounds", farthest, plausibility.POSITION)
+        plausibility.check(f"{self._place}.bounds", farthest, plausibility.POSITION)
         fill(self, bounds=bounds)
 
 
@@ -376,9 +376,9 @@ class Alpha5Parameters:
         return sum((body.spacer for body in self.attached), 0.0)
 
     @cached_property
-    def content(self) -> tuple[Any, ...]:
+    def _values(self) -> tuple[Any, ...]:
         """All numbers and texts of the record in nested tuples, for comparisons."""
-        return tuple(_content(getattr(self, f.name)) for f in fields(self))
+        return tuple(_values_of(getattr(self, f.name)) for f in fields(self))
 
     def _check_parts(self) -> None:
         """Check the type of each field."""
@@ -634,13 +634,13 @@ def is_catalogue(arm: Alpha5Parameters) -> bool:
     A copy is, too, and the arm of a file that changes nothing.
     """
     catalogue = _of_catalogue(arm.corrections)
-    return arm is catalogue or arm.content == catalogue.content
+    return arm is catalogue or arm._values == catalogue._values
 
 
-def _content(value: Any) -> Any:
+def _values_of(value: Any) -> Any:
     """The numbers and texts of a record in tuples, which can be compared."""
     if is_dataclass(value):
-        return tuple(_content(getattr(value, f.name)) for f in fields(value))
+        return tuple(_values_of(getattr(value, f.name)) for f in fields(value))
     if isinstance(value, tuple):
-        return tuple(map(_content, value))
+        return tuple(map(_values_of, value))
     return tuple(value.ravel().tolist()) if isinstance(value, np.ndarray) else value

@@ -171,7 +171,8 @@ def check(
             break
     if _file.get():
         raise InputError(name, given.tolist(), expected)
-    warn(f"{name}: {_written(given)} {plausible.unit} is implausible, expected {expected}")
+    message = f"{name}: {_written(given)} {plausible.unit} is implausible"
+    warn(f"{message}, expected {expected}")
 
 
 def check_body(

@@ -14,11 +14,16 @@ from typing import Any
 
 from alpha5_model.numbers import tables as t
 from alpha5_model.numbers.quantity import Quantity
+from alpha5_model.numbers.tables import Published
+
+
+def published() -> Published:
+    """The manufacturer's tables as printed, in printed units, each with its source."""
+    return _published()
 
 
 @cache
-def published() -> t.Published:
-    """The manufacturer's tables as printed, in printed units, each with its source."""
+def _published() -> Published:
     return parse(_text("reach_alpha_mk2_v7.toml"), _text("supplementary.toml"))
 
 
@@ -35,12 +40,12 @@ def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
     return parse_hydrodynamics(_text(f"{numbers}_hydrodynamics.toml"))
 
 
-def parse(document_text: str, supplementary_text: str) -> t.Published:
+def parse(document_text: str, supplementary_text: str) -> Published:
     """Tables 1-4 and the supplementary values from the texts of their files."""
     document = tomllib.loads(document_text)
     head = document["document"]
     numbers = document["workspace"]
-    return t.Published(
+    return Published(
         table_1=_table(head, document["table_1"], t.DHRow),
         elbow=_record(t.Elbow, document["table_1"]["elbow"]),
         workspace=_record(

@@ -20,7 +20,7 @@ from alpha5_model._support.checks import (
 )
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.inertia import check_possible, combined
+from alpha5_model.numbers.inertia import check_possible, combine
 from alpha5_model.numbers.pose import Pose
 from alpha5_model.numbers.tables import BODY_NAMES
 
@@ -58,19 +58,19 @@ class RigidBody:
     cob: FloatArray
 
     @property
-    def place(self) -> str:
+    def _place(self) -> str:
         """What errors call the body, before the name of a field."""
         return self.name
 
     def __post_init__(self) -> None:
-        mass = real(f"{self.place}.mass", self.mass, minimum=0.0)
-        com = frozen(array(f"{self.place}.com", self.com, 3))
-        inertia = frozen(array(f"{self.place}.inertia", self.inertia, 3, 3))
-        volume = real(f"{self.place}.volume", self.volume, minimum=0.0)
-        cob = frozen(array(f"{self.place}.cob", self.cob, 3))
+        mass = real(f"{self._place}.mass", self.mass, minimum=0.0)
+        com = frozen(array(f"{self._place}.com", self.com, 3))
+        inertia = frozen(array(f"{self._place}.inertia", self.inertia, 3, 3))
+        volume = real(f"{self._place}.volume", self.volume, minimum=0.0)
+        cob = frozen(array(f"{self._place}.cob", self.cob, 3))
         if not self._may_be_a_point or np.any(inertia):
-            check_possible(f"{self.place}.inertia", mass, com, inertia)
-        plausibility.check_body(mass, com, inertia, volume, cob, f"{self.place}.")
+            check_possible(f"{self._place}.inertia", mass, com, inertia)
+        plausibility.check_body(mass, com, inertia, volume, cob, f"{self._place}.")
         fill(self, mass=mass, com=com, inertia=inertia, volume=volume, cob=cob)
 
     def at(self, pose: Pose) -> Self:
@@ -98,10 +98,11 @@ def joined(name: str, bodies: Sequence[RigidBody]) -> RigidBody:
     Raises:
         InputError: Their masses add up to zero.
     """
-    masses = np.array([body.mass for body in bodies])
-    coms = np.array([body.com for body in bodies])
-    inertias = np.array([body.inertia for body in bodies])
-    mass, com, inertia = combined(masses, coms, inertias)
+    mass, com, inertia = combine(
+        masses=[body.mass for body in bodies],
+        coms=[body.com for body in bodies],
+        inertias=[body.inertia for body in bodies],
+    )
 
     volumes = np.array([body.volume for body in bodies])
     volume = float(volumes.sum())
@@ -146,7 +147,7 @@ class AttachedBody(RigidBody):
     spacer: float = 0.0
 
     @property
-    def place(self) -> str:
+    def _place(self) -> str:
         """Its key in an arm file, ``attached.sensor``; errors name it."""
         return f"attached.{self.name}"
 
@@ -158,19 +159,19 @@ class AttachedBody(RigidBody):
     def __post_init__(self) -> None:
         plain_name("attached.name", self.name)
         super().__post_init__()
-        choice(f"{self.place}.link", self.link, BODY_NAMES)
-        position = frozen(array(f"{self.place}.position", self.position, 3))
-        rotation = frozen(array(f"{self.place}.rotation", self.rotation, 3, 3))
-        spacer = real(f"{self.place}.spacer", self.spacer, minimum=0.0)
+        choice(f"{self._place}.link", self.link, BODY_NAMES)
+        position = frozen(array(f"{self._place}.position", self.position, 3))
+        rotation = frozen(array(f"{self._place}.rotation", self.rotation, 3, 3))
+        spacer = real(f"{self._place}.spacer", self.spacer, minimum=0.0)
         if not is_rotation(rotation):
             expected = "a rotation matrix, (3, 3)"
-            raise InputError(f"{self.place}.rotation", rotation.tolist(), expected)
+            raise InputError(f"{self._place}.rotation", rotation.tolist(), expected)
         farthest = position[np.abs(position).argmax()]
-        plausibility.check(f"{self.place}.position", farthest, plausibility.POSITION)
-        plausibility.check(f"{self.place}.spacer", spacer, plausibility.JAW_LENGTH)
+        plausibility.check(f"{self._place}.position", farthest, plausibility.POSITION)
+        plausibility.check(f"{self._place}.spacer", spacer, plausibility.JAW_LENGTH)
         if spacer and self.link != _JAWS_LINK:
             expected = f"none on {self.link}: only {_JAWS_LINK} carries the jaws"
-            raise InputError(f"{self.place}.spacer", spacer, expected)
+            raise InputError(f"{self._place}.spacer", spacer, expected)
         fill(self, position=position, rotation=rotation, spacer=spacer)
 
     def in_link(self) -> AttachedBody:
