@@ -380,6 +380,10 @@ class Alpha5Parameters:
         """All numbers and texts of the record in nested tuples, for comparisons."""
         return tuple(_values_of(getattr(self, f.name)) for f in fields(self))
 
+    def __getstate__(self) -> dict[str, Any]:
+        # Equal records have equal pickles, whether they were compared before or not.
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
     def _check_parts(self) -> None:
         """Check the type of each field."""
         parts = {

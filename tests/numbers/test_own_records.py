@@ -264,7 +264,9 @@ def test_a_copy_of_the_catalogue_is_the_catalogue() -> None:
             copy.deepcopy(record),
             dataclasses.replace(record),
         ]
+        packed = [pickle.dumps(record) for record in copies]
         assert all(map(is_catalogue, copies))
+        assert [pickle.dumps(record) for record in copies] == packed
         assert is_catalogue(pickle.loads(pickle.dumps(copies[1])))
     measured = (Measurement(key="links.link_2.mass", half_width=0.001),)
     others = [
