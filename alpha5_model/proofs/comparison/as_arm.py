@@ -327,7 +327,7 @@ def _notes_on_bodies(
         bounds = catalogue.links[k].bounds
         outside = (link.com < bounds[:, 0]) | (link.com > bounds[:, 1])
         if outside.any():
-            at = ", ".join(f"{x * 1e3:.1f}" for x in link.com)
+            at = ", ".join(f"{x * 1e3:z.1f}" for x in link.com)
             yield f"warning: {link.name} has its COM outside the link, at ({at}) mm"
 
 
@@ -342,7 +342,7 @@ def _has_no_wrist(record: Alpha5Parameters) -> bool:
 
 def _note_on_wrist(link: LinkParameters) -> str:
     """What the model says of such a link_4."""
-    at = ", ".join(f"{x * 1e3:.1f}" for x in link.com)
+    at = ", ".join(f"{x * 1e3:z.1f}" for x in link.com)
     text = f"link_4 has {link.mass:.4g} kg with its COM at ({at}) mm"
     return f"{text}, which leaves no wrist beside the jaws: the printed one is kept"
 
