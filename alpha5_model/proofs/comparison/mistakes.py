@@ -370,9 +370,11 @@ MISTAKES: tuple[Mistake, ...] = (
     Mistake("scaled_with_mass", "scaled with the wrong mass", _by_mass),
 )
 
-#: Mistakes that take all the numbers of another body, or exchange any axes: too many.
+#: Mistakes that take all numbers of another body, or exchange any axes: in pairs they
+#: would give too many numbers.
 UNPAIRED = frozenset(
     ["zero", "axes", "whole_body", "water", "scaled_with_mass"]
+    + ["pounds", "lb_in2"]
     + [f"{name}_{k}" for name in ("link", "dh", "frame") for k in range(6)]
 )
 

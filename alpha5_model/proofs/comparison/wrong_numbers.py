@@ -6,7 +6,7 @@ typed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -394,27 +394,47 @@ def _explained_by_two(
     arm: _Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
 ) -> list[WrongNumber]:
     """The wrong numbers, those without an explanation tried with two mistakes."""
-    names = [part.link for part in parts]
-    found = list(wrong)
-    for k, number in enumerate(wrong):
-        if number.mistake is not None or not number.right.mass:
-            continue
-        place = names.index(number.link)
-        part = parts[place]
-        tolerance = _tolerances(number.right, parts, place, digits)[number.quantity]
-        attempts = _double_attempts(arm, number.right.at(part.pose), part)
-        mistakes = _explained(attempts, part, {number.quantity: tolerance})
-        found[k] = number._replace(mistake=mistakes.get(number.quantity))
+    mistakes: dict[tuple[str, Quantity], Mistake] = {}
+    for place, part in enumerate(parts):
+        open_ones = {}
+        for number in wrong:
+            is_open = number.mistake is None and number.right.mass > 0
+            if is_open and number.link == part.link:
+                tolerances = _tolerances(number.right, parts, place, digits)
+                open_ones[number.quantity] = tolerances[number.quantity]
+                right = number.right.at(part.pose)
+        if open_ones:
+            attempts = _double_attempts(arm, right, part, tuple(open_ones))
+            for quantity, mistake in _explained(attempts, part, open_ones).items():
+                mistakes[part.link, quantity] = mistake
+    return _with_mistakes(wrong, mistakes)
+
+
+def _with_mistakes(
+    wrong: Sequence[WrongNumber], mistakes: Mapping[tuple[str, Quantity], Mistake]
+) -> list[WrongNumber]:
+    """The wrong numbers, with mistakes by link and quantity where there is none."""
+    found = []
+    for number in wrong:
+        mistake = number.mistake or mistakes.get((number.link, number.quantity))
+        found.append(number._replace(mistake=mistake))
     return found
 
 
-def _double_attempts(arm: _Arm, right: Body, part: Part) -> Iterator[_Attempt]:
-    """Two mistakes with our numbers."""
-    first_attempt = next(_attempts(arm, right, part))
+def _double_attempts(
+    arm: _Arm, right: Body, part: Part, quantities: Iterable[Quantity]
+) -> Iterator[_Attempt]:
+    """Two mistakes with our numbers, the first of which changes one of some kind."""
+    ours = next(_attempts(arm, right, part)).case
     for first in PAIRED:
-        for body in first.make(first_attempt.case):
-            case = replace(first_attempt.case, right=body, in_ours=body.at(part.pose))
-            yield _Attempt(first, case, PAIRED)
+        for body in first.make(ours):
+            changes = False
+            for quantity in quantities:
+                unchanged = getattr(ours.right, quantity)
+                changes |= not np.array_equal(getattr(body, quantity), unchanged)
+            if changes:
+                case = replace(ours, right=body, in_ours=body.at(part.pose))
+                yield _Attempt(first, case, PAIRED)
 
 
 def _explained_as_whole(
@@ -428,23 +448,18 @@ def _explained_as_whole(
     mass = sum(body.mass for body in bodies)
     if not mass:
         return list(wrong)
-    com = sum(body.mass * body.com for body in bodies) / mass
+    com = np.sum([body.mass * body.com for body in bodies], axis=0) / mass
     inertia = np.zeros((3, 3))
     for body in bodies:
         inertia += body.inertia + parallel_axis(body.mass, body.com - com)
     whole = Part("", Body(mass=mass, com=com, inertia=inertia), np.eye(4))
-    mistakes = {}
+    mistakes: dict[tuple[str, Quantity], Mistake] = {}
     for number in _wrong_in_link(arm, arm.body, [whole], 0, digits):
         if number.mistake:
             words = f"all its links together have {number.mistake.words}"
-            mistakes[number.quantity] = number.mistake._replace(words=words)
-    found = []
-    for number in wrong:
-        mistake = number.mistake
-        if mistake is None and number.link == parts[0].link:
-            mistake = mistakes.get(number.quantity)
-        found.append(number._replace(mistake=mistake))
-    return found
+            mistake = number.mistake._replace(words=words)
+            mistakes[parts[0].link, number.quantity] = mistake
+    return _with_mistakes(wrong, mistakes)
 
 
 def _joined(*mistakes: Mistake) -> Mistake:
