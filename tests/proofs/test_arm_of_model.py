@@ -4,34 +4,25 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from dataclasses import replace
 
 import model_defects
 import model_edits as edits
 import numpy as np
 import pinocchio as pin
 import pytest
+from compared_models import AXES, described
 from urdf_edits import OWN
 
 import alpha5_model as a5
-from alpha5_model.description.reading import parse_urdf
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.proofs.comparison.arm_of_model import (
-    ArmOfModel,
-    arm_of_robot,
-)
+from alpha5_model.proofs.comparison.as_arm import ArmOfModel
 
 pytestmark = pytest.mark.filterwarnings(
     "ignore::alpha5_model.errors.ImplausibleWarning"
 )
 RECORD = a5.parameters()
-AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
 VOLUMES = "volumes and centres of buoyancy, which no URDF has: Table 3's are kept"
 SHAPES = "shapes and meshes"
-
-
-def described(root: ET.Element) -> ArmOfModel:
-    return arm_of_robot(parse_urdf(ET.tostring(root)))
 
 
 def signs_of(arm: ArmOfModel) -> np.ndarray:
@@ -223,13 +214,10 @@ def test_a_joint_without_limits_has_the_printed_ones_in_its_positions(
     root = ET.fromstring(OWN)
     joint = root.find("joint[@name='axis_b']")
     edits.shift_zero(joint, 0.4)
-    robot = parse_urdf(ET.tostring(root))
-    ends = {"lower": None, "upper": None}
-    if missing != "both":
-        del ends["upper" if missing == "lower" else "lower"]
-    endless = replace(robot.joints["axis_b"], **ends)
-    joints = robot.joints | {"axis_b": endless}
-    arm = arm_of_robot(replace(robot, joints=joints))
+    for end in ("lower", "upper"):
+        if missing in (end, "both"):
+            del joint.find("limit").attrib[end]
+    arm = described(root)
     assert "axis_b has no limits: the catalogue's are kept" in arm.left_out
     found = arm.record.joints[3]
     printed = RECORD.joints[3]

@@ -14,9 +14,13 @@ from urdf_edits import OWN, with_mass
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import UnknownNameError
-from alpha5_model.proofs.comparison.findings import explanation, finding_ids
 from alpha5_model.proofs.comparison.junit import junit_report
-from alpha5_model.proofs.comparison.records import Finding
+from alpha5_model.proofs.comparison.result import (
+    Correction,
+    Finding,
+    explanation,
+    finding_ids,
+)
 
 COMPARISON = Path(a5.__file__).parent / "proofs" / "comparison"
 #: In the order of the file. Scripts of other people have these: add, rename none.
@@ -120,7 +124,7 @@ def test_no_name_breaks_the_report():
     hostile = Finding(
         where='link <"&\x00\ud800',
         text="]]> \x1b[31m \ufffe <x>",
-        instead="\x0b &amp;",
+        corrections=(Correction("link", "\x0b &amp;", {}),),
         cost=math.inf,
         id="body.mass",
     )

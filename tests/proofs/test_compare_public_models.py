@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import pytest
 import shared_recordings as recordings
+from alpha5_model.proofs.comparison.chains import find_chains
+from alpha5_model.proofs.comparison.measure import compare
 
 import alpha5_model as a5
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.numbers.parameters import parameters
-from alpha5_model.proofs.comparison.chains import find_chains
-from alpha5_model.proofs.comparison.measure import compare
 
 MODELS = recordings.RECORDINGS / "models"
 HKOLANO = {

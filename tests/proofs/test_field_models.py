@@ -338,3 +338,83 @@ def test_mistakes_in_other_frames_are_named(seed: int, tmp_path: Path) -> None:
     assert {f.mistake for f in result.findings if f.where == link} & expected, name
     assert compared(mended(wrong, result), tmp_path).agrees
     assert math.isclose(sum(result.gravity_error), 0.0, abs_tol=1e-6)
+
+
+def fused_base(rng: np.random.Generator) -> str:
+    """link_0 and base_link as one link."""
+    root = ET.fromstring(LOCKED)
+    base, link_0 = dm.named(root, "link", "base_link"), dm.named(root, "link", "link_0")
+    base.extend(list(link_0))
+    root.remove(link_0)
+    root.remove(dm.named(root, "joint", "link_0_fixed"))
+    dm.named(root, "joint", "axis_e").find("parent").set("link", "base_link")
+    return ET.tostring(root, encoding="unicode")
+
+
+def part_to(link: str, joint: str, other: str, rng: np.random.Generator) -> str:
+    """A part of a link given to the one at the other end of a fixed joint."""
+    root = ET.fromstring(LOCKED)
+    whole = pin_inertia(dm.named(root, "link", link))
+    shift = whole.lever + rng.uniform(-0.01, 0.01, 3)
+    part = pin.Inertia(0.1 * whole.mass, shift, 0.05 * whole.inertia)
+    to_parent = read_origin(dm.named(root, "joint", joint).find("origin"))
+    is_parent = dm.named(root, "joint", joint).find("parent").get("link") == other
+    frame = to_parent if is_parent else to_parent.inverse()
+    write_inertial(dm.named(root, "link", other), frame.act(part))
+    write_inertial(dm.named(root, "link", link), whole - part)
+    return ET.tostring(root, encoding="unicode")
+
+
+def part_in_base(rng: np.random.Generator) -> str:
+    return part_to("link_0", "link_0_fixed", "base_link", rng)
+
+
+def part_in_tool(rng: np.random.Generator) -> str:
+    return part_to("link_4", "tcp_fixed", "tcp", rng)
+
+
+@pytest.mark.parametrize("make", [fused_base, part_in_base, part_in_tool])
+def test_bodies_that_are_shared_out_otherwise_agree(
+    make: Callable[[np.random.Generator], str], tmp_path: Path
+) -> None:
+    text = make(np.random.default_rng(1))
+    assert compared(text, tmp_path).agrees
+    renamed = text.replace('"link_', '"body_').replace('"axis_', '"joint_')
+    assert compared(renamed, tmp_path).agrees
+
+
+@pytest.mark.parametrize("on_vehicle", [False, True])
+@pytest.mark.parametrize(
+    ("length", "mass", "units"),
+    [
+        (1e3, 1, ("millimetres", None, "kg_mm2")),
+        (1e3, 1e3, ("millimetres", "grams", "g_mm2")),
+        (1e2, 1, ("centimetres", None, "kg_cm2")),
+    ],
+)
+def test_a_file_in_other_units_is_named_and_mended(
+    on_vehicle: bool,
+    length: float,
+    mass: float,
+    units: tuple[str, str | None, str],
+    tmp_path: Path,
+) -> None:
+    root = ET.fromstring(LOCKED)
+    if on_vehicle:
+        vehicle = ET.SubElement(root, "link", name="vehicle")
+        write_inertial(vehicle, pin.Inertia(11.0, np.zeros(3), 0.3 * np.eye(3)))
+        joint = ET.SubElement(root, "joint", name="mount", type="fixed")
+        ET.SubElement(joint, "origin", xyz="0.3 -0.2 0.5", rpy="0 0 0")
+        ET.SubElement(joint, "parent", link="vehicle")
+        ET.SubElement(joint, "child", link="base_link")
+    for element in root.iter("origin"):
+        element.set("xyz", dm.text_of(dm.numbers(element.get("xyz")) * length))
+    for element in root.iter("mass"):
+        element.set("value", repr(float(element.get("value")) * mass))
+    for element in root.iter("inertia"):
+        for name, value in element.attrib.items():
+            element.set(name, repr(float(value) * mass * length**2))
+
+    expected = {(f"link_{k}", unit) for k in range(5) for unit in units if unit}
+    expected |= {(j, units[0]) for j in ("axis_d", "axis_c", "axis_b", "tcp_fixed")}
+    check(ET.tostring(root, encoding="unicode"), expected, tmp_path)

@@ -4,30 +4,26 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import own_arm_dynamics as own
+import pinocchio as pin
 import pytest
 import shared_recordings as recordings
+from compared_models import compared
+from compared_models import described as described_arm
 from urdf_edits import OWN
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.proofs.comparison.arm_of_model import (
-    ArmOfModel,
-    arm_of_model,
-    arm_of_robot,
-    arm_text,
-)
-from alpha5_model.proofs.comparison.measure import arms_of_model, compare_robots
-from alpha5_model.proofs.comparison.model_file import read_model
+from alpha5_model.proofs.comparison.as_arm import ArmOfModel, arm_of_model, arm_text
 
 pytestmark = pytest.mark.filterwarnings(
     "ignore::alpha5_model.errors.ImplausibleWarning"
@@ -55,7 +51,7 @@ def mount_of(record: Alpha5Parameters) -> np.ndarray:
 def test_an_arm_comes_back_from_its_urdf(k: int, tmp_path: Path) -> None:
     """Kinematics and dynamics in air are Newton's of the record that made the URDF."""
     record = own.RECORDS[k]
-    described = arm_of_robot(parse_urdf(urdf(Variant(arm=record))))
+    described = described_arm(urdf(Variant(arm=record)))
     back = read_back(described, tmp_path)
     q, v, a = own.states(record, 5)
     arm = a5.load(0.0, arm=back)
@@ -87,7 +83,7 @@ def edited(joint: str, written: str, instead: str) -> ArmOfModel:
     before, name, after = OWN.partition(f'<joint name="{joint}"')
     assert written in after
     text = before + name + after.replace(written, instead, 1)
-    return arm_of_robot(parse_urdf(text))
+    return described_arm(text)
 
 
 def assert_lengths_of_the_catalogue(record: Alpha5Parameters) -> None:
@@ -108,27 +104,27 @@ def test_an_axis_beside_the_plane_is_left_out_of_the_file() -> None:
 
 
 def test_the_name_of_an_arm_starts_with_a_letter() -> None:
-    robot = dataclasses.replace(parse_urdf(OWN), name="5th/arm")
-    assert arm_of_robot(robot).record.name == "arm_5th_arm"
+    named = OWN.replace('<robot name="alpha5"', '<robot name="5th/arm"')
+    assert described_arm(named).record.name == "arm_5th_arm"
 
 
 @pytest.mark.parametrize("k", [1, 9])
 def test_a_model_of_your_arm_agrees_with_it_alone(k: int) -> None:
     record = own.RECORDS[k]
-    robot = parse_urdf(urdf(Variant(arm=record)))
-    found = compare_robots(robot, samples=50, arm=record)
+    robot = urdf(Variant(arm=record))
+    found = compared(robot, samples=50, arm=record)
     assert found.agrees, [one.text for one in found.findings if one.serious]
     assert found.verdict == f"The model agrees with {record.name}."
     assert found.tip_error < 1e-9
     assert found.gravity_error.max() < 1e-9
     assert found.mass_matrix_error < 1e-9
-    assert not compare_robots(robot, samples=50).agrees
+    assert not compared(robot, samples=50).agrees
 
 
 def test_an_arm_to_the_letter_is_refused() -> None:
     """Its link_0 is turned, and the numbers of link_0 are compared in base_link."""
     with pytest.raises(InputError, match="with the correction base_frame"):
-        compare_robots(parse_urdf(OWN), arm=own.RECORDS[8])
+        compared(OWN, arm=own.RECORDS[8])
 
 
 def changed_urdf(*changes: tuple[str, str]) -> str:
@@ -163,7 +159,7 @@ def test_what_no_arm_file_takes_is_as_printed_and_listed(
     change: tuple[str, str], said: str, tmp_path: Path
 ) -> None:
     """Velocities of 100 and efforts of 1000 are what exporters write for 'any'."""
-    described = arm_of_robot(parse_urdf(changed_urdf(change)))
+    described = described_arm(changed_urdf(change))
     listed = [text for text in described.left_out if said in text]
     assert listed, described.left_out
     assert all(text.endswith("is kept") for text in listed)
@@ -175,18 +171,41 @@ def test_what_no_arm_file_takes_is_as_printed_and_listed(
         assert own_body.com == pytest.approx(body.com)
 
 
+def test_a_com_outside_its_link_is_written_with_a_warning(tmp_path: Path) -> None:
+    """A link lost 99 % of its mass to a body beside it, and another was replaced."""
+    text = Path(a5.URDF_PATH).read_text(encoding="utf-8")
+    com = "0.0736 -0.0709 -0.0007"
+    text = text.replace("0.073563 -9.1e-05 -0.000734", com)
+    described = described_arm(text)
+    back = read_back(described, tmp_path)
+    assert back.links[2].mass == a5.parameters().links[2].mass
+    assert back.links[2].com == pytest.approx([0.0736, -0.0709, -0.0007])
+    assert back.attached == ()
+    (said,) = [note for note in described.left_out if note.startswith("warning")]
+    assert "link_2 has its COM outside the link" in said
+
+
+def test_a_wrist_that_is_kept_is_said_with_its_own_numbers() -> None:
+    """A link of 0.333 kg was said to have 0.000355."""
+    text = Path(a5.URDF_PATH).read_text(encoding="utf-8")
+    text = text.replace("-3e-05 -0.001482 -0.100881", "0 0 0.065")
+    described = described_arm(text)
+    (said,) = [note for note in described.left_out if "is kept" in note]
+    assert "link_4 has 0.355 kg with its COM at (0.0, 0.0, 65.0) mm" in said
+
+
 def test_a_length_that_no_arm_file_takes_is_as_printed(tmp_path: Path) -> None:
     record = a5.parameters()
-    row = dataclasses.replace(record.dh[2], a=2.5)
+    row = dataclasses.replace(record.dh[2], a=0.95)
     long = dataclasses.replace(record, dh=(*record.dh[:2], row, *record.dh[3:]))
-    described = arm_of_robot(parse_urdf(urdf(Variant(arm=long))))
-    assert "a_2 is 2.5 m: the printed one is kept" in described.left_out
+    described = described_arm(urdf(Variant(arm=long)))
+    assert "a_2 is 0.95 m: the printed one is kept" in described.left_out
     assert read_back(described, tmp_path).dh[2].a == record.dh[2].a
 
 
 def test_the_notes_of_a_model_stay_in_the_comments(tmp_path: Path) -> None:
     """Names with line ends wrote tables into the file of somebody else's arm."""
-    described = arm_of_robot(parse_urdf(OWN))
+    described = described_arm(OWN)
     described = described._replace(left_out=("x\n[links.link_2]\nmass = 3",))
     back = read_back(described, tmp_path)
     assert back.links[2].mass == a5.parameters().links[2].mass
@@ -201,8 +220,8 @@ def changed_link(record: Alpha5Parameters) -> Alpha5Parameters:
 
 def test_a_difference_from_your_arm_is_found() -> None:
     record = own.RECORDS[0]
-    robot = parse_urdf(urdf(Variant(arm=changed_link(record))))
-    found = compare_robots(robot, samples=50, arm=record)
+    robot = urdf(Variant(arm=changed_link(record)))
+    found = compared(robot, samples=50, arm=record)
     wrong = [one for one in found.findings if one.serious]
     assert {one.where for one in wrong} == {"link_2"}
     assert found.bodies[2].mass_error == pytest.approx(0.02)
@@ -227,37 +246,41 @@ def test_public_models_come_back(name: str, tmp_path: Path) -> None:
     """Axes, tool, gravity torques and mass matrix of the model as it is meant."""
     described = arm_of_model(MODELS / name)
     back = read_back(described, tmp_path)
-    model = read_model(MODELS / name, None, None, False)
-    arms = arms_of_model(model, None, None, a5.parameters())
-    assert arms is not None
-    reversed_joints = [
-        any(text.startswith(f"axis_{x} turns") for text in described.left_out)
-        for x in "edcb"
-    ]
-    sign = np.where(reversed_joints, -1.0, 1.0)
+    text = (MODELS / name).read_text()
+    for cut, whole in (("1.57079", math.pi / 2), ("3.14159", math.pi)):
+        text = re.sub(rf"(?<=[ \"-]){cut}(?=[ \"])", repr(whole), text)
+    full = pin.buildModelFromXML(text)
+    joints = a5.compare(MODELS / name, samples=1).joints
+    four = [full.getJointId(joint) for joint in joints.values()]
+    rest = np.clip(pin.neutral(full), full.lowerPositionLimit, full.upperPositionLimit)
+    frozen = [k for k in range(1, full.njoints) if k not in four]
+    model = pin.buildReducedModel(full, frozen, rest)
+    data = model.createData()
+    sign = np.array(
+        [
+            -1.0
+            if any(t.startswith(f"axis_{x} turns") for t in described.left_out)
+            else 1.0
+            for x in "edcb"
+        ]
+    )
     arm = a5.load(0.0, arm=back)  # its mount turns gravity
-    q = np.random.default_rng(0).uniform(-2, 2, (20, 4))
-    still = np.zeros((20, 4))
-    torque = arm.inverse_dynamics_batch(q, still, still)
-    theirs = sign * arms.meant.gravity_torque(sign * q)
-    matrices = arms.meant.mass_matrix(sign * q) * np.outer(sign, sign)
-    # One model's link 4 weighs 0.4 g, which leaves no wrist beside the jaws.
-    impossible = [text for text in described.left_out if "possible body" in text]
-    assert len(impossible) == (name == "diff_uvms.urdf")
-    if not impossible:
-        assert torque == pytest.approx(theirs, abs=1e-9)
-        for k in range(20):
-            assert arm.mass_matrix(q[k]) == pytest.approx(matrices[k], abs=1e-9)
-    expected = sign[:, None] * arms.meant.axis_lines(np.zeros(4)).directions
-    directions = mount_of(back)[:3, :3] @ arm.jacobian(np.zeros(4))[3:]
-    found = directions.T
-    assert found == pytest.approx(expected, abs=1e-9)
-    if arms.meant.tool:
-        tool = arms.meant.link_poses[arms.meant.tool]
-        for k in range(20):
-            tip = arms.meant.poses(sign * q[k])[4] @ tool
-            ours = mount_of(back) @ arm.forward_kinematics(q[k]).homogeneous
-            assert ours == pytest.approx(tip, abs=1e-9)
+    kept = [text for text in described.left_out if "printed one is kept" in text]
+    # One model's COM of link 4 is on the other side, which leaves no wrist.
+    assert len(kept) == (name == "diff_uvms.urdf")
+    still = np.zeros(4)
+    for q in np.random.default_rng(0).uniform(-2, 2, (20, 4)):
+        if not kept:
+            torque = pin.computeGeneralizedGravity(model, data, sign * q) * sign
+            found = arm.inverse_dynamics_batch(q[None], still[None], still[None])[0]
+            assert found == pytest.approx(torque, abs=5e-6)
+            matrix = pin.crba(model, data, sign * q) * np.outer(sign, sign)
+            assert arm.mass_matrix(q) == pytest.approx(matrix, abs=5e-7)
+        pin.forwardKinematics(model, data, sign * q)
+        turned = mount_of(back)[:3, :3] @ arm.jacobian(q)[3:]
+        jacobian = pin.computeJointJacobian(model, data, sign * q, 4)
+        theirs = data.oMi[4].rotation @ jacobian[3:] * sign
+        assert turned == pytest.approx(theirs, abs=5e-6)
 
 
 def test_the_command_writes_a_file_once(tmp_path: Path, capsys: Any) -> None:

@@ -125,17 +125,17 @@ def buoyancy_for_com(root):
 #: defect -> where it must be found, and words of the diagnosis
 DEFECTS: dict[Defect, tuple[str, str]] = {
     no_inertial: ("link_2", "no <inertial>"),
-    wrong_side: ("link_4", "on the wrong side of the joint"),
+    wrong_side: ("link_4", "z has the wrong sign"),
     other_zero: ("axis_c", "zero is shifted by"),
     about_the_link_frame: ("link_3", "about the link frame, not the COM"),
     solidworks_sign: ("link_1", "products of inertia have the SolidWorks sign"),
     zeroed_products: ("link_2", "the products of inertia are zeroed"),
-    guessed_cylinder: ("link_4", "a guess without products of inertia"),
+    guessed_cylinder: ("link_4", "inertia differs, ixx is 0.000994"),
     dummy_link: ("link_4", "more than the whole arm"),
     too_much_water: ("volume", "0.800 L"),
     greedy_mimic: ("finger_joint", "beyond its own limit"),
     reversed_axis: ("axis_d", "turns the other way"),
     high_shoulder: ("axis_d", "up to 0.80 mm off"),
     wrong_mass: ("link_0", "that of link_1"),
-    buoyancy_for_com: ("link_0", "the centre of buoyancy of Table 3"),
+    buoyancy_for_com: ("link_0", "the centre of buoyancy"),
 }

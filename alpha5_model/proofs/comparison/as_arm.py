@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,7 +21,7 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, wrap
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
-from alpha5_model.numbers import arm_schema as schema
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.arm_checks import FARTHEST_TOOL
 from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
@@ -51,8 +52,6 @@ ROUNDING = 1e-12
 LEFT_OUT = 1e-7
 #: A base_link whose d_0 differs by more is another frame [m].
 OTHER_BASE = 0.1
-#: What a file takes as limits of a turning joint.
-LIMITS = schema.JOINT_LIMITS["axis_e"]
 #: Names that a parent of base_link cannot have.
 TAKEN = ("base_link", "tcp", *BODY_NAMES)
 
@@ -100,8 +99,16 @@ def arm_of_robot(
 ) -> ArmOfModel:
     """`arm_of_model` of a model that has been read.
 
-    An arm whose joints are named as ours, or by the caller, may have any lengths.
+    An arm whose joints are named as ours, or by the caller, may have any lengths. What
+    is odd about its numbers is in ``left_out``, and no warning besides.
     """
+    with plausibility.silenced():
+        return _arm_of_robot(other, names, base)
+
+
+def _arm_of_robot(
+    other: UrdfRobot, names: Mapping[str, str] | None, base: str | None
+) -> ArmOfModel:
     catalogue = chosen_arm(None)
     mended, slips = without_joint_mistakes(other, catalogue, names)
     meant = as_meant(mended)
@@ -192,13 +199,11 @@ def _lengths(described: Described, d_0: float) -> dict[str, tuple[int, str, floa
     }
 
 
-def _problem_of_length(name: str, length: float, printed: float) -> str:
-    """Why an arm file cannot say a length; empty if it can."""
-    if length * printed <= 0:
-        return "which has not the sign of Table 1: the printed one is kept"
-    if not schema.LENGTHS[name].takes(length):
-        return "which no arm file takes: the printed one is kept"
-    return ""
+def _changed(record: Any, field: str, value: Any) -> Any:
+    """A record with another number; None if no arm file takes the number."""
+    with plausibility.of_file("arm"), suppress(InputError):
+        return replace(record, **{field: value})
+    return None
 
 
 def _rows(
@@ -206,12 +211,10 @@ def _rows(
 ) -> tuple[DHParameters, ...]:
     """The rows of Table 1 with the model's lengths and zeros."""
     rows = list(catalogue.dh)
-    for name, (i, field, length) in _lengths(described, d_0).items():
+    for i, field, length in _lengths(described, d_0).values():
         printed = getattr(rows[i], field)
-        changed = abs(length - printed) > ROUNDING
-        if changed and not _problem_of_length(name, length, printed):
-            own: dict[str, Any] = {field: length}
-            rows[i] = replace(rows[i], **own)
+        if abs(length - printed) > ROUNDING and length * printed > 0:
+            rows[i] = _changed(rows[i], field, length) or rows[i]
     for i, zero in enumerate(wrap(zeros).tolist()):
         if zero:
             rows[i] = replace(rows[i], theta_offset=rows[i].theta_offset + zero)
@@ -235,9 +238,10 @@ def _notes_on_axes(
         if sign < 0:
             yield f"{axis} turns the other way: its position is minus the model's"
     for name, (i, field, length) in _lengths(described, d_0).items():
-        problem = _problem_of_length(name, length, getattr(catalogue.dh[i], field))
-        if problem:
-            yield f"{name} is {length:.3g} m, {problem}"
+        if length * getattr(catalogue.dh[i], field) <= 0:
+            yield f"{name} is {length:.3g} m, which has not the sign of Table 1"
+        elif _changed(catalogue.dh[i], field, length) is None:
+            yield f"{name} is {length:.3g} m: the printed one is kept"
 
 
 # --- Bodies ---------------------------------------------------------------------------
@@ -267,7 +271,7 @@ def _links(
     for k, link in enumerate(catalogue.links):
         mass = float(theirs.mass[k])
         inertia = (inertias[k] + inertias[k].T) / 2
-        if _problem_of_body(mass, coms[k], inertia):
+        if _problem_of_body(link, mass, coms[k], inertia):
             links.append(link)
         else:
             links.append(_link(link, mass, coms[k], inertia))
@@ -292,16 +296,17 @@ def _link(
     return replace(link, **changes) if changes else link
 
 
-def _problem_of_body(mass: float, com: FloatArray, inertia: FloatArray) -> str:
-    """Why an arm file cannot say a body; empty if it can."""
+def _problem_of_body(
+    link: LinkParameters, mass: float, com: FloatArray, inertia: FloatArray
+) -> str:
+    """Why an arm file cannot say a body of a link; empty if it can."""
     wrong = inconsistencies(mass, com, inertia) if mass else ["no mass"]
     if wrong:
         return f"is no possible body ({wrong[0]})"
-    if not schema.ATTACHED["mass"].takes(mass):
+    if _changed(link, "mass", mass) is None:
         return f"has {mass:.4g} kg"
-    farthest = float(np.abs(com).max())
-    if not schema.ATTACHED["com"].takes(farthest):
-        return f"has its COM {farthest:.4g} m off"
+    if _changed(link, "com", com) is None:
+        return f"has its COM {np.abs(com).max():.4g} m off"
     return ""
 
 
@@ -315,14 +320,14 @@ def _notes_on_bodies(
     for k, link in enumerate(links):
         mass = float(theirs.mass[k])
         inertia = (described.inertias[k] + described.inertias[k].T) / 2
-        problem = _problem_of_body(mass, described.coms[k], inertia)
+        problem = _problem_of_body(catalogue.links[k], mass, described.coms[k], inertia)
         if problem:
             yield f"{link.name} {problem}: the printed one is kept"
             continue
         bounds = catalogue.links[k].bounds
         outside = (link.com < bounds[:, 0]) | (link.com > bounds[:, 1])
         if outside.any():
-            at = ", ".join(f"{x * 1e3:.1f}" for x in link.com)
+            at = ", ".join(f"{x * 1e3:z.1f}" for x in link.com)
             yield f"warning: {link.name} has its COM outside the link, at ({at}) mm"
 
 
@@ -337,7 +342,7 @@ def _has_no_wrist(record: Alpha5Parameters) -> bool:
 
 def _note_on_wrist(link: LinkParameters) -> str:
     """What the model says of such a link_4."""
-    at = ", ".join(f"{x * 1e3:.1f}" for x in link.com)
+    at = ", ".join(f"{x * 1e3:z.1f}" for x in link.com)
     text = f"link_4 has {link.mass:.4g} kg with its COM at ({at}) mm"
     return f"{text}, which leaves no wrist beside the jaws: the printed one is kept"
 
@@ -358,33 +363,25 @@ def _joints(
         if model.lower is not None and model.upper is not None:
             sign = described.sign[i]
             given = sorted([sign * model.lower, sign * model.upper])
-            if not _problem_of_range(given):
+            if not _problem_of_range(ours, given):
                 ends = given
-        velocity = model.velocity or 0.0
-        effort = model.effort or 0.0
-        joints[i] = replace(
-            ours,
-            lower=float(ends[0]),
-            upper=float(ends[1]),
-            velocity=velocity if _takes("velocity", velocity) else ours.velocity,
-            effort=effort if _takes("effort", effort) else ours.effort,
-        )
+        joints[i] = replace(ours, lower=float(ends[0]), upper=float(ends[1]))
+        for field in ("velocity", "effort"):
+            value = getattr(model, field)
+            if value:
+                joints[i] = _changed(joints[i], field, value) or joints[i]
     return tuple(joints)
 
 
-def _takes(field: str, value: float) -> bool:
-    """Whether an arm file takes a largest velocity or effort."""
-    return value > 0 and LIMITS[f"max_{field}"].takes(value)
-
-
-def _problem_of_range(ends: Sequence[float]) -> str:
+def _problem_of_range(joint: JointParameters, ends: Sequence[float]) -> str:
     """Why an arm file cannot say a range of positions; empty if it can."""
     width = ends[1] - ends[0]
     if not 0 < width < math.tau:
         return f"of {math.degrees(width):.4g} deg"
-    if not all(LIMITS["min_position"].takes(end) for end in ends):
-        return f"from {ends[0]:.4g} to {ends[1]:.4g} rad"
-    return ""
+    with plausibility.of_file("arm"), suppress(InputError):
+        replace(joint, lower=ends[0], upper=ends[1])
+        return ""
+    return f"from {ends[0]:.4g} to {ends[1]:.4g} rad"
 
 
 def _notes_on_limits(
@@ -399,7 +396,7 @@ def _notes_on_limits(
         else:
             sign = described.sign[i]
             problem = _problem_of_range(
-                sorted([sign * model.lower, sign * model.upper])
+                ours, sorted([sign * model.lower, sign * model.upper])
             )
             if problem:
                 yield f"{ours.name} has a range {problem}: the catalogue's is kept"
@@ -407,7 +404,7 @@ def _notes_on_limits(
             value = getattr(model, field)
             if not value or value <= 0:
                 yield f"{ours.name} has no largest {field}: the catalogue's is kept"
-            elif not _takes(field, value):
+            elif _changed(ours, field, value) is None:
                 text = f"{ours.name} has a largest {field} of {value:.4g}"
                 yield f"{text}: the catalogue's is kept"
 

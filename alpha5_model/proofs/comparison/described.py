@@ -264,7 +264,9 @@ def _read(
     base = _frame(rotation_about(z[0], -offsets[0]) @ x_0, z[0], origin)
     base_link, stands, same_base = _base_link(theirs, record, base)
     if same_base:
-        yaw = math.atan2(stands[1, 0], stands[0, 0])
+        x, y = stands[:2, 0], stands[:2, 1]
+        along_axis = math.hypot(*x) < 0.5
+        yaw = math.atan2(-y[0], y[1]) if along_axis else math.atan2(x[1], x[0])
         turn = transform(rotation_about(Z, yaw))
         base = base @ turn
         stands = turn.T @ stands

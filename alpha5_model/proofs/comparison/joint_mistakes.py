@@ -72,13 +72,15 @@ def without_joint_mistakes(
         chains = find_chains(everywhere, record, names)
         if chains and (best is None or chains[0].misfit < best[0].misfit):
             best = chains[0], unit, everywhere
+        if not any(map(_is_far, robot.joints.values())):
+            break  # the units are all one
     if best is None:
         return robot, []
-    chain, unit, mended = best
-    carried = {joint.name for joint in _behind(robot, chain.joints[0])}
-    for name, joint in robot.joints.items():
-        if name not in carried:
-            mended = _with_joints(mended, [_in_si(joint)])
+
+    chain, unit, everywhere = best
+    arm = {joint.name for joint in _behind(robot, chain.joints[0])}
+    carriers = [joint for name, joint in robot.joints.items() if name not in arm]
+    mended = _with_joints(everywhere, map(_in_si, carriers))
     if chain.misfit > MISFIT[0]:
         mended = _with_right_axes(mended, chain, record) or mended
 
@@ -105,6 +107,11 @@ def _with_joints(robot: UrdfRobot, joints: Iterable[UrdfJoint]) -> UrdfRobot:
     return replace(robot, joints={**robot.joints, **changed})
 
 
+def _is_far(joint: UrdfJoint) -> bool:
+    """Whether an origin is too far away to be in metres."""
+    return bool(np.linalg.norm(joint.transform[:3, 3]) > FARTHEST)
+
+
 def _in_si(joint: UrdfJoint, per_metre: float = 1.0) -> UrdfJoint:
     """The joint with its origin in m and rad; the same one if it is.
 
@@ -112,8 +119,7 @@ def _in_si(joint: UrdfJoint, per_metre: float = 1.0) -> UrdfJoint:
         joint: As it is written.
         per_metre: The unit of its origin, if that is too far away to be in m.
     """
-    distance = np.linalg.norm(joint.transform[:3, 3])
-    is_far = per_metre != 1 and bool(distance > FARTHEST)
+    is_far = per_metre != 1 and _is_far(joint)
     texts = joint.printed[1].split()
     in_degrees = any(abs(float(text)) > LARGEST_ANGLE for text in texts)
     if not (is_far or in_degrees):
