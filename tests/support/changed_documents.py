@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
 import alpha5_model as a5
-from alpha5_model.errors import InputError
+from alpha5_model.errors import ImplausibleWarning, InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters_from_tables
 from alpha5_model.numbers.printed import parse
 from alpha5_model.numbers.tables import Published
@@ -31,7 +32,9 @@ def audit_of(
     """The rows of a part of the audit, by claim."""
     printed = parse(document, supplementary)
     try:
-        record = parameters_from_tables(printed, ("base_frame",))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ImplausibleWarning)
+            record = parameters_from_tables(printed, ("base_frame",))
     except InputError:  # no record holds the body that the audit is to judge
         record = a5.parameters()
     return {row.claim: row for row in part(printed, record)}
