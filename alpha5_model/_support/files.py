@@ -7,7 +7,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from alpha5_model.errors import (
     FileFormatError,
@@ -36,10 +36,10 @@ def read_named(path: Any, expected: str, most: int | None = None) -> bytes:
             more than ``most`` bytes, or a device without this bound: some are endless.
     """
     try:
-        if most is None:
-            return _all_of(Path(path), expected)
         with Path(path).open("rb") as stream:
-            content = stream.read(most + 1)
+            if most is None and _is_device(stream):
+                raise FileFormatError(path, f"is a device, {expected} is expected")
+            content = stream.read(-1 if most is None else most + 1)
     except FileFormatError:
         raise
     except (FileNotFoundError, NotADirectoryError):
@@ -52,20 +52,16 @@ def read_named(path: Any, expected: str, most: int | None = None) -> bytes:
     except (TypeError, ValueError):
         # A zero byte, or a character that no file name can have.
         raise InputError("path", path, f"the path of {expected}") from None
-    if len(content) > most:
+    if most is not None and len(content) > most:
         problem = f"more than {most // 1024} KiB, {expected} is expected"
         raise FileFormatError(path, problem)
     return content
 
 
-def _all_of(path: Path, expected: str) -> bytes:
-    """The content of a file or a pipe, or what is typed at a terminal."""
-    with path.open("rb") as stream:
-        mode = os.fstat(stream.fileno()).st_mode
-        device = stat.S_ISCHR(mode) or stat.S_ISBLK(mode)
-        if device and not stream.isatty():
-            raise FileFormatError(path, f"is a device, {expected} is expected")
-        return stream.read()
+def _is_device(stream: BinaryIO) -> bool:
+    """Whether a stream is a device, and no terminal at which somebody types."""
+    mode = os.fstat(stream.fileno()).st_mode
+    return (stat.S_ISCHR(mode) or stat.S_ISBLK(mode)) and not stream.isatty()
 
 
 def is_stream(path: PathLike) -> bool:

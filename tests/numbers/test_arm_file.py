@@ -251,6 +251,44 @@ def test_units_are_known_by_their_spellings(tmp_path: Path, unit: str) -> None:
     assert own.joints[1].effort == 2.0
 
 
+#: Sizes of prefixes and of units, by which a unit's name says its size.
+PREFIXES = {"": 1.0, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6}
+BASES = {
+    **dict.fromkeys(("m", "s", "rad", "N", "A", "V", "Ohm", "H", "1"), 1.0),
+    "g": 1e-3,
+    "L": 1e-3,
+    "deg": math.pi / 180,
+    "%": 1e-2,
+}
+
+
+def size_of(unit: str) -> float:
+    """The size of a unit such as ``mN m/A`` or ``kg mm^2`` in SI units."""
+    above, *below = unit.split("/")
+    size = math.prod(size_of_part(part) for part in above.split())
+    return size / math.prod(size_of_part(part) for part in below)
+
+
+def size_of_part(part: str) -> float:
+    name, _, power = part.partition("^")
+    sizes = [
+        prefix * base
+        for start, prefix in PREFIXES.items()
+        for end, base in BASES.items()
+        if name == start + end
+    ]
+    return sizes[0] ** int(power or 1)
+
+
+def test_the_sizes_of_units_are_those_of_their_names() -> None:
+    assert size_of("g cm^2") == pytest.approx(1e-7)
+    assert size_of("deg/s^2") == pytest.approx(math.pi / 180)
+    for si, others in arm_schema.UNITS.items():
+        assert size_of(si) == 1.0
+        for unit, size in others.items():
+            assert float(size) == pytest.approx(size_of(unit), rel=1e-12), unit
+
+
 # --- warnings -------------------------------------------------------------------------
 
 #: Content -> the key of the warning.
