@@ -398,10 +398,7 @@ def test_close_frees_the_port_and_a_taken_one_is_named() -> None:
         assert f":{port}/" in first.url()
         with pytest.raises(ViewerError, match=f"port {port} is in use"):
             a5.view(a5.load(), port=port)
-<<<<<<< HEAD
         assert isinstance(caught.value, OSError)
-=======
->>>>>>> w24-num
     finally:
         first.close()
     second = a5.view(a5.load(), port=port)
