@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import alpha5_model as a5
-from alpha5_model.proofs.comparison.records import Comparison
+from alpha5_model.proofs.comparison.result import Comparison
 
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])

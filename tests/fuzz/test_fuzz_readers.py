@@ -25,7 +25,7 @@ from alpha5_model.description.reading import read_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import Alpha5Error
 from alpha5_model.planning.obstacle_file import read_obstacles
-from alpha5_model.proofs.comparison.arm_of_model import arm_of_model, arm_text
+from alpha5_model.proofs.comparison.as_arm import arm_of_model, arm_text
 from alpha5_model.studies.sweep.study import read_study
 
 pytestmark = pytest.mark.slow

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -261,7 +262,7 @@ def _wrong(
         correction = _right_inertial(number.link, right, digits, number.quantity)
     else:
         correction = _emptied(number.link, number.link in moving)
-    common = {
+    common: dict[str, Any] = {
         "where": body.name,
         "corrections": [correction],
         "mistake": number.mistake.id if number.mistake else "",

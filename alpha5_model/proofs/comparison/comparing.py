@@ -23,9 +23,10 @@ from alpha5_model.numbers.parameters import (
     chosen_arm,
     is_catalogue,
 )
+from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.proofs.comparison.bodies import bodies_of, findings_of_bodies
-from alpha5_model.proofs.comparison.corrections import angle_between, tool_matrix
+from alpha5_model.proofs.comparison.corrections import angle_between
 from alpha5_model.proofs.comparison.described import Described, describe
 from alpha5_model.proofs.comparison.differences import (
     Evidence,
@@ -326,11 +327,12 @@ def _dynamic_errors(evidence: Evidence) -> tuple[FloatArray, float]:
 def _tool(evidence: Evidence) -> ToolDifference:
     """How far their tool is from ours."""
     described = evidence.described
-    ours = tool_matrix(evidence.record)
+    ours = tool_of(evidence.record).matrix
     expected = evidence.ours.wrist_poses(evidence.q) @ ours
     to_base = described.base
     if described.same_base:
-        to_base = np.linalg.inv(evidence.written.link_poses[described.base_link])
+        base_link = evidence.written.link_poses[described.base_link]
+        to_base = np.asarray(np.linalg.inv(base_link), np.float64)
     tool = tool_in_wrist(evidence, evidence.written)
     there = described.theirs(evidence.q)
     same = to_base @ evidence.written.wrist_poses(evidence.q) @ tool

@@ -113,17 +113,8 @@ def right_tool(
         return None
     (joint,) = (one for one in other.joints.values() if one.child == theirs.tool)
     parent = described.placed[4] @ theirs.link_poses[joint.parent]
-    origin = np.linalg.inv(parent) @ tool_matrix(record)
+    origin = np.linalg.inv(parent) @ tool_of(record).matrix
     return RightJoint(joint=joint, origin=origin, axis=joint.axis)
-
-
-def tool_matrix(record: Alpha5Parameters) -> FloatArray:
-    """Pose of our tcp in link_4, (4, 4)."""
-    tool = tool_of(record)
-    pose = np.eye(4)
-    pose[:3, :3] = tool.rotation
-    pose[:3, 3] = tool.position
-    return pose
 
 
 def wrong_limits(joint: UrdfJoint, ours: JointParameters) -> dict[str, str]:

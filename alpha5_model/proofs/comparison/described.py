@@ -295,7 +295,7 @@ def _read(
         zero=wrap(-sign * (np.array(theta) - offsets)) + 0.0,
         dimensions=dimensions,
         changes=Dimensions(*changes.tolist()),
-        base=np.linalg.inv(base),
+        base=np.asarray(np.linalg.inv(base)),
         base_link=base_link,
         stands=stands,
         same_base=same_base,
@@ -366,7 +366,8 @@ def _base_link(
         in_place = np.linalg.norm(pose[:3, 3]) < SAME_FRAME
         same = distance < SAME_FRAME or (named and bool(in_place))
         if theirs.mass[0]:
-            com = moved(np.linalg.inv(theirs.link_poses[name]), theirs.com[0])
+            to_link = np.asarray(np.linalg.inv(theirs.link_poses[name]), np.float64)
+            com = moved(to_link, theirs.com[0])
             error = float(np.linalg.norm(com - record.links[0].com))
             if error < SAME_COM:
                 same = True

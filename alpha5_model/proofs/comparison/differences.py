@@ -17,6 +17,7 @@ from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.geometry.exported_shapes import exported_primitives
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
+from alpha5_model.numbers.pose import tool_of
 from alpha5_model.proofs.comparison.corrections import (
     LEVER,
     LIMIT_TOLERANCE,
@@ -26,7 +27,6 @@ from alpha5_model.proofs.comparison.corrections import (
     right_joints,
     right_tool,
     seems_in_degrees,
-    tool_matrix,
     velocity_differs,
 )
 from alpha5_model.proofs.comparison.described import Described
@@ -364,7 +364,7 @@ def _dimensions(evidence: Evidence) -> Iterator[Finding]:
 
 def _tip_shift(evidence: Evidence, arm: FourJoints) -> float:
     """How far our tool moves if our arm is replaced by another [m]."""
-    tool = tool_matrix(evidence.record)[:, 3]
+    tool = tool_of(evidence.record).matrix[:, 3]
     shifts = (
         arm.wrist_poses(evidence.q) - evidence.ours.wrist_poses(evidence.q)
     ) @ tool
@@ -380,7 +380,7 @@ def _tool(evidence: Evidence) -> Iterator[Finding]:
         return
     wrist = evidence.described.placed[4]
     theirs = wrist @ evidence.meant.link_poses[evidence.meant.tool]
-    ours = tool_matrix(evidence.record)
+    ours = tool_of(evidence.record).matrix
     length, angle = evidence.tolerance
     off = float(np.linalg.norm(theirs[:3, 3] - ours[:3, 3]))
     turned = angle_between(ours, theirs)
@@ -472,7 +472,7 @@ def tool_in_wrist(evidence: Evidence, reduced: Reduced) -> FloatArray:
     if reduced.tool:
         return reduced.link_poses[reduced.tool]
     wrist = evidence.described.placed[4]
-    return np.asarray(np.linalg.inv(wrist) @ tool_matrix(evidence.record))
+    return np.asarray(np.linalg.inv(wrist) @ tool_of(evidence.record).matrix)
 
 
 # --- Limits ---------------------------------------------------------------------------

@@ -153,7 +153,7 @@ def foot(
     """
     between = point - other
     cosine = direction @ along
-    squared_sine = max(1 - cosine * cosine, 1e-12)
+    squared_sine = np.maximum(1 - cosine * cosine, 1e-12)
     distance = (cosine * (along @ between) - direction @ between) / squared_sine
     return np.asarray(point + distance * direction)
 

@@ -159,7 +159,7 @@ def explanation(key: str) -> str:
     topic, _, subject = choice("finding", key, finding_ids()).partition(".")
     shared = FINDINGS[topic]
     own = shared.get(subject, {})
-    explained: str = own.get("explain", shared["explain"])
+    explained: str = own.get("explain") or shared["explain"]
     return explained
 
 

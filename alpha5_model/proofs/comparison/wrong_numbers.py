@@ -39,8 +39,6 @@ from alpha5_model.proofs.comparison.tolerance import (
     Tolerance,
 )
 
-QUANTITIES: tuple[Quantity, ...] = ("mass", "com", "inertia")
-
 
 class WrongNumber(NamedTuple):
     """A number of a link that has to be changed.
