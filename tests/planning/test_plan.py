@@ -435,3 +435,10 @@ def test_a_target_on_the_yaw_axis_keeps_theta_0() -> None:
     for found in goals(target_of(reached[0]), q0, None, a5.parameters()):
         assert found.q[0] == q0[0]
         assert tip(found.q) == pytest.approx(reached[0], abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["speed", "acceleration"])
+def test_a_limit_that_overflows_is_refused(name: str) -> None:
+    with pytest.raises(InputError) as caught:
+        plan(HOME, [0.2, 0.2, 0.1], **{name: 1e308})
+    assert caught.value.name == name
