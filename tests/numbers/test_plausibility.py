@@ -75,167 +75,116 @@ def flattened() -> a5.Arm:
     return a5.Arm(model, ())
 
 
-#: What is made -> what the warning says.
-IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
-    "density in g/cm^3": (
-        lambda: a5.load(1.025),
-        "fluid_density: 1.025 .* write 1025$",
+#: What is made -> what the warning names, and what to write instead.
+IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str, str]] = {
+    "density in g/cm^3": (lambda: a5.load(1.025), "fluid_density", "write 1025"),
+    "MuJoCo's density": (
+        lambda: MjcfOptions(fluid_density=1.025),
+        "fluid_density",
+        "write 1025",
     ),
-    "MuJoCo's density": (lambda: MjcfOptions(fluid_density=1.025), "write 1025$"),
     "gravity upwards": (
         lambda: a5.load(gravity=(0, 0, 9.81)),
-        r"points up; write \(0, 0, -9.81\)",
-    ),
-    "gravity in mm": (
-        lambda: a5.load(gravity=(0, 0, -9810)),
-        r"mm/s.2, write \(0, 0, -9.81\)$",
+        "gravity",
+        "write (0, 0, -9.81)",
     ),
     "gravity in g": (
         lambda: a5.load(gravity=(0, 0, -1)),
-        r"in g, write \(0, 0, -9.81\)$",
+        "gravity",
+        "write (0, 0, -9.81)",
     ),
-    "payload in g": (lambda: payload(500), "mass: 500 kg .* if it is in g, write 0.5$"),
-    "payload's COM far away": (
+    "payload in g": (lambda: payload(500), "mass", "write 0.5"),
+    "payload's COM in mm": (
         lambda: payload(0.5, (0, 0, 20)),
-        r"com: .* write \(0, 0, 0.02\)$",
+        "com",
+        "write (0, 0, 0.02)",
     ),
-    "payload's litres": (
-        lambda: payload(0.5, volume=0.5),
-        "volume: 0.5 m.3 .* in L, write 0.0005",
-    ),
+    "payload's litres": (lambda: payload(0.5, volume=0.5), "volume", "write 0.0005"),
     "payload's kg mm^2": (
         lambda: payload(0.7, inertia=5 * np.eye(3)),
-        "radius of gyration of 3.273 m .* kg mm.2, multiply it by 1e-06$",
+        "inertia",
+        "kg mm^2, multiply it by 1e-06",
     ),
-    "vehicle's litres": (lambda: vehicle(volume=11.4), "volume is in L, write 0.0114$"),
-    "vehicle in g": (lambda: vehicle(mass=11500), "mass is in g, write 11.5$"),
-    "jaw rod of 5 m": (
-        lambda: jaws(rod_length=5),
-        "rod_length: 5 m .* in mm, write 0.005$",
+    "vehicle's litres": (lambda: vehicle(volume=11.4), "volume", "write 0.0114"),
+    "vehicle in g": (lambda: vehicle(mass=11500), "volume", "write 11.5"),
+    "a vehicle of no known unit": (
+        lambda: vehicle(mass=0.7, volume=11.4, inertia=np.diag([0.01, 0.01, 0.01])),
+        "volume",
+        "0.0614 kg/m^3",
     ),
-    "link in g": (lambda: link(mass=161), "link_1.mass: 161 kg .* write 0.161$"),
-    "bounds in mm": (
-        lambda: link(bounds=[[-20, 40], [-20, 20], [-14, 67]]),
-        "link_1.bounds: .* in mm",
-    ),
-    "speed in degrees": (
-        lambda: joint(velocity=30.0),
-        "axis_e.velocity: .* in deg/s, write 0.523",
-    ),
+    "link in g": (lambda: link(mass=161), "links.link_1.mass", "write 0.161"),
+    "speed in degrees": (lambda: joint(velocity=30), "axis_e.velocity", "write 0.523"),
     "acceleration in degrees": (
         lambda: joint(acceleration=90.0),
-        r"axis_e.acceleration: .* in deg/s\^2, write 1.57",
+        "axis_e.acceleration",
+        "write 1.57",
     ),
     "rod's limits in mm": (
         lambda: dataclasses.replace(P.joints[4], upper=13.3),
-        "axis_a.upper: 13.3 m is .*; if it is in mm, write 0.0133$",
+        "axis_a.upper",
+        "write 0.0133",
     ),
-    "base_yaw in degrees": (
-        lambda: dataclasses.replace(P, base_yaw=180.0),
-        "base_yaw: .* in deg, write 3.14",
-    ),
-    "a vehicle of no known unit": (
-        lambda: vehicle(mass=0.7, volume=11.4, inertia=np.diag([0.01, 0.01, 0.01])),
-        "is 0.0614 kg/m.3, implausible, expected 100 to 10000 kg/m.3$",
-    ),
-    "a_1 in mm": (
-        lambda: dataclasses.replace(P.dh[1], a=150.7),
-        "^a: .* in mm, write 0.1507$",
-    ),
-    "alpha in degrees": (
-        lambda: dataclasses.replace(P.dh[1], alpha=90),
-        "alpha: .* write 1.5708$",
-    ),
-    "K_t in mN m/A": (
-        lambda: motor(torque_constant=13.4),
-        "torque_constant: .* write 0.0134$",
-    ),
+    "a_1 in mm": (lambda: dataclasses.replace(P.dh[1], a=150.7), "a", "write 0.1507"),
     "screw lead in mm": (
         lambda: a5.actuators.actuator("axis_a", screw_lead=1),
-        "screw_lead: 1 m .* in mm, write 0.001$",
-    ),
-    "current in cm/s": (
-        lambda: a5.load().with_hydrodynamics((0, 50, 0)),
-        r"current: .* in cm/s, write \(0, 0.5, 0\)$",
+        "screw_lead",
+        "write 0.001",
     ),
     "strip in mm": (
         lambda: DragStrip((0, 0, 0), (0, 0, 0.1), diameter=40, across=1.0),
-        "diameter: 40 m .* in mm, write 0.04$",
+        "diameter",
+        "write 0.04",
     ),
 }
 
 
 @pytest.mark.parametrize("case", IMPLAUSIBLE)
 def test_an_implausible_quantity_warns_once_here_with_the_unit(case: str) -> None:
-    make, words = IMPLAUSIBLE[case]
-    with pytest.warns(ImplausibleWarning, match=words) as found:
+    make, name, remedy = IMPLAUSIBLE[case]
+    with pytest.warns(ImplausibleWarning) as found:
         make()
     (warning,) = found
     assert warning.filename == __file__
+    assert str(warning.message).startswith(f"{name}: ")
+    assert remedy in str(warning.message)
     assert "\n" not in str(warning.message)
 
 
-#: What is made -> what the error says.
+#: What is made -> what the error names.
 IMPOSSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
-    "link": (
-        lambda: link(mass=-0.4),
-        "link_1.mass: expected a number of at least 0, got -0.4",
-    ),
-    "link's tensor": (
-        lambda: link(inertia=NO_BODY),
-        "link_1.inertia: expected a possible body",
-    ),
-    "link's bounds": (lambda: link(bounds=-P.links[1].bounds), "link_1.bounds"),
-    "link's COM": (lambda: link(com=(0, 0, math.nan)), "link_1.com.*finite"),
-    "link's COM in mm": (
-        lambda: link(com=(7.7, 0.1, 25)),
-        "link_1.com: expected a point inside the body's bounds.*; is it in mm",
-    ),
-    "no mass, but inertia": (lambda: link(mass=0.0), "mass 0 kg is not positive"),
+    "link": (lambda: link(mass=-0.4), "links.link_1.mass"),
+    "link's tensor": (lambda: link(inertia=NO_BODY), "links.link_1.inertia"),
+    "link's bounds": (lambda: link(bounds=-P.links[1].bounds), "links.link_1.bounds"),
+    "link's COM": (lambda: link(com=(0, 0, math.nan)), "links.link_1.com"),
+    "link's COM in mm": (lambda: link(com=(7.7, 0.1, 25)), "links.link_1.com"),
+    "no mass, but inertia": (lambda: link(mass=0.0), "links.link_1.inertia"),
     "rod's length": (lambda: jaws(rod_length=-0.05), "rod_length"),
-    "fluid": (lambda: a5.load(-0.5), "fluid_density: expected a number of at least 0"),
-    "payload": (lambda: payload(-0.5), "mass: expected a number of at least 0"),
-    "vehicle": (lambda: vehicle(mass=-11.5), "mass: expected a number of at least 0"),
+    "fluid": (lambda: a5.load(-0.5), "fluid_density"),
+    "payload": (lambda: payload(-0.5), "mass"),
+    "vehicle": (lambda: vehicle(mass=-11.5), "mass"),
     "limits": (lambda: joint(upper=-1.0), "axis_e.range"),
-    "efficiency in %": (lambda: motor(efficiency=86), "efficiency: expected at most 1"),
+    "efficiency in %": (lambda: motor(efficiency=86), "efficiency"),
     "resistance": (lambda: motor(resistance=-0.5), "resistance"),
     "rotor": (
         lambda: Actuator("axis_e", P.actuators[0], rotor_inertia=-1e-6),
         "rotor_inertia",
     ),
-    "constants": (
-        lambda: Actuator("axis_e", P.actuators[0], "best"),
-        "unknown motor constants",
-    ),
-    "row": (lambda: Actuator("axis_e", P.joints[0]), "ActuatorParameters"),  # type: ignore[arg-type]
-    "five links": (
-        lambda: dataclasses.replace(P, links=P.links[:4]),
-        "5 LinkParameters",
-    ),
+    "five links": (lambda: dataclasses.replace(P, links=P.links[:4]), "links"),
+    "no links": (lambda: dataclasses.replace(P, links=(1, 2, 3, 4, 5)), "links"),
     "strip's diameter": (
         lambda: DragStrip((0, 0, 0), (0, 0, 0.1), diameter=-0.04, across=1.0),
-        "diameter: expected a number of at least 0",
+        "diameter",
     ),
-    "no links": (
-        lambda: dataclasses.replace(P, links=(1, 2, 3, 4, 5)),
-        "a LinkParameters",
-    ),
-    "model's mass": (
-        lambda: heavier_than_nothing(-0.4),
-        "mass on axis_d: expected at least 0",
-    ),
-    "model's tensor": (
-        flattened,
-        "inertia on axis_d: expected an inertia that a body can have",
-    ),
+    "model's mass": (lambda: heavier_than_nothing(-0.4), "mass on axis_d"),
+    "model's tensor": (flattened, "inertia on axis_d"),
 }
 
 
 def test_an_impossible_quantity_raises() -> None:
-    for make, words in IMPOSSIBLE.values():
-        with pytest.raises(a5.errors.Alpha5Error, match=words) as error:
+    for make, name in IMPOSSIBLE.values():
+        with pytest.raises(InputError) as caught:
             make()
-        assert isinstance(error.value, ValueError)
+        assert caught.value.name == name
 
 
 def test_the_jaws_have_no_negative_number_but_an_angle() -> None:

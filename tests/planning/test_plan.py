@@ -495,3 +495,10 @@ def test_the_least_clearance_is_named() -> None:
     assert clearance.obstacle in {"hull", "post"}
     assert clearance.distance >= 0.005
     assert plan(HOME, [0.2, 0.2, 0.1]).clearance is None
+
+
+@pytest.mark.parametrize("name", ["speed", "acceleration"])
+def test_a_limit_that_overflows_is_refused(name: str) -> None:
+    with pytest.raises(InputError) as caught:
+        plan(HOME, [0.2, 0.2, 0.1], **{name: 1e308})
+    assert caught.value.name == name

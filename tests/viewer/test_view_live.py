@@ -396,7 +396,7 @@ def test_close_frees_the_port_and_a_taken_one_is_named() -> None:
     first = a5.view(a5.load(), port=port)
     try:
         assert f":{port}/" in first.url()
-        with pytest.raises(ViewerError, match=f"port {port} is in use"):
+        with pytest.raises(ViewerError, match=f"port {port} is in use") as caught:
             a5.view(a5.load(), port=port)
         assert isinstance(caught.value, OSError)
     finally:
