@@ -19,7 +19,7 @@ from alpha5_model.proofs.comparison.corrections import (
 from alpha5_model.proofs.comparison.described import describe_like
 from alpha5_model.proofs.comparison.differences import Evidence
 from alpha5_model.proofs.comparison.digits import rounded_origins
-from alpha5_model.proofs.comparison.mistakes import Body
+from alpha5_model.proofs.comparison.mistakes import Body, Part
 from alpha5_model.proofs.comparison.result import (
     BodyDifference,
     Correction,
@@ -27,11 +27,7 @@ from alpha5_model.proofs.comparison.result import (
     finding,
 )
 from alpha5_model.proofs.comparison.tolerance import MOST, Digits, digits_of
-from alpha5_model.proofs.comparison.wrong_numbers import (
-    Part,
-    WrongNumber,
-    wrong_numbers,
-)
+from alpha5_model.proofs.comparison.wrong_numbers import WrongNumber, wrong_numbers
 
 #: The arm stretched out, base to finger tips: no part of it is larger.
 REACH = 0.6  # [m]

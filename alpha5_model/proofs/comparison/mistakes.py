@@ -54,6 +54,25 @@ class Body(NamedTuple):
         )
 
 
+class Part(NamedTuple):
+    """One link of the other model, of those that make up one of our bodies.
+
+    Attributes:
+        link: Its name.
+        body: What its ``<inertial>`` says, in its own frame.
+        pose: transform_link_to_ours: its pose in our link frame, (4, 4).
+    """
+
+    link: str
+    body: Body
+    pose: FloatArray
+
+    @property
+    def to_link(self) -> FloatArray:
+        """transform_ours_to_link, (4, 4)."""
+        return np.asarray(np.linalg.inv(self.pose), np.float64)
+
+
 @dataclass(frozen=True, eq=False)
 class Case:
     """The right numbers of a body, with which a mistake is made, and the written ones.

@@ -6,28 +6,30 @@ typed.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
-from alpha5_model.description.frames import fixed_frames, joint_placements
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.inertia import inconsistencies
-from alpha5_model.numbers.jaws import loaded_links, split_link_4
+from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.rigid_body import RigidBody
-from alpha5_model.proofs.comparison.document_revisions import Revision, revisions
+from alpha5_model.proofs.comparison.explaining import (
+    ROUNDED,
+    SAME_FRAME,
+    Arm,
+    attempts,
+    body_of,
+    double_attempts,
+    explained,
+)
 from alpha5_model.proofs.comparison.mistakes import (
     FITTED,
-    MISTAKES,
-    PAIRED,
     Body,
-    Case,
     Mistake,
+    Part,
     parallel_axis,
 )
 from alpha5_model.proofs.comparison.tolerance import (
@@ -36,29 +38,6 @@ from alpha5_model.proofs.comparison.tolerance import (
     Quantity,
     Tolerance,
 )
-
-QUANTITIES: tuple[Quantity, ...] = ("mass", "com", "inertia")
-#: A frame whose pose differs by less in every entry was meant to be ours [m, rad].
-SAME_FRAME = 2e-3
-
-
-class Part(NamedTuple):
-    """One link of the other model, of those that make up one of our bodies.
-
-    Attributes:
-        link: Its name.
-        body: What its ``<inertial>`` says, in its own frame.
-        pose: transform_link_to_ours: its pose in our link frame, (4, 4).
-    """
-
-    link: str
-    body: Body
-    pose: FloatArray
-
-    @property
-    def to_link(self) -> FloatArray:
-        """transform_ours_to_link, (4, 4)."""
-        return np.asarray(np.linalg.inv(self.pose), np.float64)
 
 
 class WrongNumber(NamedTuple):
@@ -96,7 +75,7 @@ def wrong_numbers(
     Returns:
         Empty if the body agrees to the digits of the file.
     """
-    arm = _Arm(record, index)
+    arm = Arm(record, index)
     heaviest = sorted(parts, key=lambda part: -abs(part.body.mass))
     solid = [part for part in heaviest if part.body.mass or part.body.inertia.any()]
     heaviest = solid or heaviest[:1]  # frames without a body are no parts
@@ -116,7 +95,7 @@ def wrong_numbers(
 
 
 def _options(
-    arm: _Arm, parts: Sequence[Part], digits: Digits
+    arm: Arm, parts: Sequence[Part], digits: Digits
 ) -> Iterator[list[WrongNumber]]:
     """What may be wrong: numbers of one of the links, or of opened jaws."""
     nominal = _jaws(arm.record, parts) if arm.index == 4 else None
@@ -163,59 +142,6 @@ def _less(whole: Body, others: Sequence[Body]) -> Body | None:
     return Body(mass=mass, com=com, inertia=inertia)
 
 
-# --- Our arm --------------------------------------------------------------------------
-
-
-class _Arm:
-    """What the mistakes need of our arm.
-
-    Attributes:
-        record: Our arm.
-        index: Which of its bodies is looked at.
-        body: That body, in its link frame.
-        tables: All its bodies.
-        frames: Name of a frame of the arm -> transform_body_to_frame at zero, (4, 4).
-    """
-
-    def __init__(self, record: Alpha5Parameters, index: int) -> None:
-        self.record = record
-        self.index = index
-        links = loaded_links(record)
-        self.body = _body_of(links[index])
-        about_links = []
-        for link in links:
-            about_links.append(link.inertia + parallel_axis(link.mass, link.com))
-        self.tables = Revision(
-            numbers="",
-            buoyancy_table="",
-            mass=np.array([link.mass for link in links]),
-            com=np.array([link.com for link in links]),
-            inertia=np.array([link.inertia for link in links]),
-            inertia_link=np.array(about_links),
-            volume=np.array([link.volume for link in links]),
-            cob=np.array([link.cob for link in links]),
-        )
-        self.frames = _frames(record, index)
-
-
-def _body_of(link: RigidBody) -> Body:
-    return Body(mass=link.mass, com=link.com, inertia=link.inertia)
-
-
-def _frames(record: Alpha5Parameters, index: int) -> dict[str, FloatArray]:
-    """Name of a frame of our arm -> transform_body_to_frame at zero, (4, 4)."""
-    at = {"base_link": np.eye(4)}
-    fixed = fixed_frames(record)
-    placements = {"link_0": fixed.pop("link_0")}
-    for k, placement in enumerate(joint_placements(record), start=1):
-        placements[f"link_{k}"] = placement
-    for name, placement in {**placements, **fixed}.items():
-        at[name] = at[placement.parent] @ pose(placement.xyz, placement.rpy)
-    at["dh_0"] = at["base_link"]
-    body = at[f"link_{index}"]
-    return {name: np.linalg.inv(frame) @ body for name, frame in at.items()}
-
-
 def _jaws(record: Alpha5Parameters, parts: Sequence[Part]) -> list[Body] | None:
     """The bodies of our opened link 4 that stand where some links do, in link_4.
 
@@ -231,7 +157,7 @@ def _jaws(record: Alpha5Parameters, parts: Sequence[Part]) -> list[Body] | None:
         for body, closed in zip(jaws.bodies, jaws.closed, strict=True):
             ours = pose(body.origin, (body.roll, 0.0, 0.0))
             if np.abs(part.pose - ours).max() < SAME_FRAME:
-                found[body.name] = _body_of(closed)
+                found[body.name] = body_of(closed)
     return [*found.values()] if len(found) == len(parts) == len(jaws.bodies) else None
 
 
@@ -239,7 +165,7 @@ def _jaws(record: Alpha5Parameters, parts: Sequence[Part]) -> list[Body] | None:
 
 
 def _wrong_in_link(
-    arm: _Arm, right: Body, parts: Sequence[Part], place: int, digits: Digits
+    arm: Arm, right: Body, parts: Sequence[Part], place: int, digits: Digits
 ) -> list[WrongNumber]:
     """The wrong numbers of one link.
 
@@ -257,7 +183,7 @@ def _wrong_in_link(
         written = getattr(part.body, quantity)
         if not tolerance.holds(getattr(here, quantity), written):
             wrong[quantity] = tolerance
-    mistakes = _explained(_attempts(arm, right, part), part, wrong)
+    mistakes = explained(attempts(arm, right, part), part, wrong)
     found = []
     for quantity, tolerance in wrong.items():
         mistake = mistakes.get(quantity)
@@ -299,99 +225,11 @@ def _tolerances(
     }
 
 
-# --- Explaining -----------------------------------------------------------------------
-
-
-class _Attempt(NamedTuple):
-    """Right numbers, and mistakes to make with them.
-
-    Attributes:
-        before: What is already wrong with these numbers; `RIGHT` if nothing.
-        case: The numbers.
-        mistakes: The mistakes.
-    """
-
-    before: Mistake
-    case: Case
-    mistakes: Sequence[Mistake]
-
-
-def _explained(
-    attempts: Iterator[_Attempt], part: Part, wrong: Mapping[Quantity, Tolerance]
-) -> dict[Quantity, Mistake]:
-    """The first mistake that gives each written number, for those that one gives."""
-    found: dict[Quantity, Mistake] = {}
-    for attempt in attempts:
-        if len(found) == len(wrong):
-            break
-        made = []
-        bodies = []
-        for mistake in attempt.mistakes:
-            for body in mistake.make(attempt.case):
-                made.append(mistake)
-                bodies.append(body)
-        for quantity, tolerance in wrong.items():
-            if quantity in found:
-                continue
-            numbers = np.array([getattr(body, quantity) for body in bodies])
-            hits = tolerance.holds(numbers, getattr(part.body, quantity))
-            # A mistake that leaves this number alone does not explain it.
-            unchanged = getattr(attempt.case.right, quantity)
-            for k in np.flatnonzero(hits):
-                if made[k] is RIGHT or not np.array_equal(numbers[k], unchanged):
-                    found[quantity] = _joined(attempt.before, made[k])
-                    break
-    return found
-
-
-def _attempts(arm: _Arm, right: Body, part: Part) -> Iterator[_Attempt]:
-    """What may have been done with our numbers, those of both revisions, the fewest
-    mistakes first.
-
-    Args:
-        arm: Our arm.
-        right: What the link should say, in our link frame.
-        part: The link.
-    """
-    frame = Mistake("other_frame", f"in a frame that is not link_{arm.index}'s", _right)
-    elsewhere = np.abs(part.pose - np.eye(4)).max() > SAME_FRAME
-    sources = [(RIGHT, arm.tables, right)]
-    names = ("catalogue", "earlier_revision")
-    for name, tables in zip(names, revisions(), strict=True):
-        k = arm.index
-        body = Body(float(tables.mass[k]), tables.com[k], tables.inertia[k])
-        sources.append((Mistake(name, tables.numbers, _right), tables, body))
-
-    by_count: list[list[tuple[Mistake, Case]]] = [[], [], []]
-    for source, tables, body in sources:
-        case = Case(
-            index=arm.index,
-            source=tables,
-            right=body.at(part.to_link),
-            in_ours=body,
-            to_link=part.to_link,
-            frames=arm.frames,
-            written=part.body,
-        )
-        count = int(source is not RIGHT)
-        by_count[count].append((source, case))
-        if elsewhere:
-            unmoved = replace(case, right=body, to_link=np.eye(4))
-            by_count[count + 1].append((_joined(source, frame), unmoved))
-
-    ours, one, two = by_count
-    for before, case in ours:
-        yield _Attempt(before, case, MISTAKES)
-    for before, case in (*one, *two):
-        yield _Attempt(before, case, (RIGHT,))
-    for before, case in (*one, *two):
-        yield _Attempt(before, case, MISTAKES)
-    for before, case in (*ours, *one):
-        yield _Attempt(before, case, FITTED)
+# --- What no single mistake explains --------------------------------------------------
 
 
 def _explained_by_two(
-    arm: _Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
+    arm: Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
 ) -> list[WrongNumber]:
     """The wrong numbers, those without an explanation tried with two mistakes."""
     mistakes: dict[tuple[str, Quantity], Mistake] = {}
@@ -403,9 +241,9 @@ def _explained_by_two(
                 tolerances = _tolerances(number.right, parts, place, digits)
                 open_ones[number.quantity] = tolerances[number.quantity]
                 right = number.right.at(part.pose)
-        if open_ones:
-            attempts = _double_attempts(arm, right, part, tuple(open_ones))
-            for quantity, mistake in _explained(attempts, part, open_ones).items():
+        if len(open_ones) == 1:  # several are no slips, but another author's numbers
+            pairs = double_attempts(arm, right, part, tuple(open_ones))
+            for quantity, mistake in explained(pairs, part, open_ones).items():
                 mistakes[part.link, quantity] = mistake
     return _with_mistakes(wrong, mistakes)
 
@@ -421,24 +259,8 @@ def _with_mistakes(
     return found
 
 
-def _double_attempts(
-    arm: _Arm, right: Body, part: Part, quantities: Iterable[Quantity]
-) -> Iterator[_Attempt]:
-    """Two mistakes with our numbers, the first of which changes one of some kind."""
-    ours = next(_attempts(arm, right, part)).case
-    for first in PAIRED:
-        for body in first.make(ours):
-            changes = False
-            for quantity in quantities:
-                unchanged = getattr(ours.right, quantity)
-                changes |= not np.array_equal(getattr(body, quantity), unchanged)
-            if changes:
-                case = replace(ours, right=body, in_ours=body.at(part.pose))
-                yield _Attempt(first, case, PAIRED)
-
-
 def _explained_as_whole(
-    arm: _Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
+    arm: Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
 ) -> list[WrongNumber]:
     """The wrong numbers of the heaviest link, explained by those of all links together.
 
@@ -460,25 +282,3 @@ def _explained_as_whole(
             mistake = number.mistake._replace(words=words)
             mistakes[parts[0].link, number.quantity] = mistake
     return _with_mistakes(wrong, mistakes)
-
-
-def _joined(*mistakes: Mistake) -> Mistake:
-    """Two mistakes as one; `RIGHT` is none."""
-    named = [mistake for mistake in mistakes if mistake.id]
-    if not named:
-        return RIGHT
-    return Mistake(
-        id=".".join(mistake.id for mistake in named),
-        words=", ".join(mistake.words for mistake in named),
-        make=named[-1].make,
-    )
-
-
-def _right(case: Case) -> list[Body]:
-    return [case.right]
-
-
-#: No mistake.
-RIGHT = Mistake("", "", _right)
-#: The right number with fewer digits than `MOST` asks for.
-ROUNDED = Mistake("rounded", "rounded to too few digits", _right)
