@@ -29,7 +29,7 @@ from urdf_edits import with_mass
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, generate, main, workspace
 from alpha5_model.cli.syntax import one_syntax
-from alpha5_model.proofs.comparison import measure
+from alpha5_model.proofs.comparison import comparing
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -183,7 +183,7 @@ def test_what_is_printed(
         monkeypatch.setattr(module, function, given)
 
     for module, function in (
-        (measure, "compare"),
+        (comparing, "compare"),
         (generate, "urdf"),
         (workspace, "_record"),
     ):

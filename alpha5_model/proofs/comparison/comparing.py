@@ -27,7 +27,7 @@ from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.proofs.comparison.bodies import bodies_of, findings_of_bodies
 from alpha5_model.proofs.comparison.corrections import angle_between
-from alpha5_model.proofs.comparison.described import Described, describe
+from alpha5_model.proofs.comparison.described import Described, describe, describe_like
 from alpha5_model.proofs.comparison.differences import (
     Evidence,
     differences,
@@ -235,7 +235,7 @@ def reduce_and_describe(
         # A link before our base_link is not the arm's, even if it weighs nothing.
         base = described.base_link
         reduced = reduce(meant, chain.joints, record, base)
-        described = describe(reduced, record)
+        described = describe_like(reduced, record, described)
     return Model(reduced=reduced, described=described, base=base)
 
 

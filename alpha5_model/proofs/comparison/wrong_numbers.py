@@ -241,7 +241,7 @@ def _explained_by_two(
                 tolerances = _tolerances(number.right, parts, place, digits)
                 open_ones[number.quantity] = tolerances[number.quantity]
                 right = number.right.at(part.pose)
-        if open_ones:
+        if len(open_ones) == 1:  # several are no slips, but another author's numbers
             pairs = double_attempts(arm, right, part, tuple(open_ones))
             for quantity, mistake in explained(pairs, part, open_ones).items():
                 mistakes[part.link, quantity] = mistake
