@@ -28,6 +28,8 @@ LARGEST_ANGLE = math.tau + 0.01
 #: Axes that differ by more than the first may have been exchanged. They have been if
 #: less than the second is left, and a quarter of what it was [m]; see `Chain.misfit`.
 MISFIT = (1e-3, 5e-3)
+#: An arm with more turning joints behind these four is another one; it may have jaws.
+MOST_FOLLOWING = 2
 #: Most axes that are exchanged at once; with three, any four joints would fit.
 MOST_EXCHANGED = 2
 
@@ -81,7 +83,7 @@ def without_joint_mistakes(
     arm = {joint.name for joint in _behind(robot, chain.joints[0])}
     carriers = [joint for name, joint in robot.joints.items() if name not in arm]
     mended = _with_joints(everywhere, map(_in_si, carriers))
-    if chain.misfit > MISFIT[0]:
+    if chain.misfit > MISFIT[0] and chain.following <= MOST_FOLLOWING:
         mended = _with_right_axes(mended, chain, record) or mended
 
     found = []
