@@ -85,10 +85,10 @@ class Variant:
             self._check_capsules()
         flag("dh_frames", self.dh_frames)
         flag("ros2_control", self.ros2_control)
-        self._check_mount("xyz", self.xyz)
-        self._check_mount("rpy", self.rpy)
         _check_name("prefix", self.prefix)
         _check_name("parent", self.parent)
+        self._check_mount("xyz", self.xyz)
+        self._check_mount("rpy", self.rpy)
         _check_text("mesh_prefix", self.mesh_prefix)
         self._check_ros2_control()
         if self.arm is not None:
