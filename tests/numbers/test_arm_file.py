@@ -372,10 +372,7 @@ WRONG = {
         "links.link_2.mass.half_width"
     ),
     "[links.link_2]\nvolume = 0.218": "links.link_2.volume",
-<<<<<<< HEAD
-=======
     "[links.link_2]\ncom = [0.0736, 0.9, 0]": "links.link_2.com",
->>>>>>> w24-cmp
     "[links.link_2]\ncom = [0.73, -0.91, -0.73]": "links.link_2.com",
     "[links.link_2]\ninertia = [[1e-4, 0, 0], [0, 1e-4, 0], [0, 0, 3e-4]]": (
         "links.link_2.inertia"
@@ -400,10 +397,7 @@ WRONG = {
     '[joint_limits.axis_b]\nmax_position = {value = 360, unit = "deg"}': (
         "joint_limits.axis_b"
     ),
-<<<<<<< HEAD
-=======
     "[links.link_2]\ncom = [0.07361234567, 0.9, 0]": "links.link_2.com",
->>>>>>> w24-cmp
     "[links.link_2]\ncom = [0, 0, 0, 0]": "links.link_2.com",
     "[links.link_2]\ninertia = 3": "links.link_2.inertia",
     "[links.link_2]\nmass = {value = 0.341, half_width = -0.001}": (

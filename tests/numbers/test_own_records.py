@@ -96,11 +96,7 @@ REFUSED = {
     "no sign": (lambda: with_joint(3, sign=0), "axis_b.sign"),
     "a sign that is a truth value": (lambda: with_joint(3, sign=True), "axis_b.sign"),
     "a COM far outside": (
-<<<<<<< HEAD
         lambda: dataclasses.replace(ARM.links[2], com=[0.73, -0.34, 0.0]),
-=======
-        lambda: dataclasses.replace(ARM.links[2], com=[0.073, -0.6, 0.0]),
->>>>>>> w24-cmp
         "links.link_2.com",
     ),
     "a negative mass": (

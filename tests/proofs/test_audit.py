@@ -472,10 +472,7 @@ TURNED = [
 ]
 
 
-<<<<<<< HEAD
-=======
 # A COM outside its link is worth a warning of the record.
->>>>>>> w24-cmp
 @pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 @pytest.mark.parametrize(("old", "new", "claim", "verdict"), TURNED)
 def test_a_verdict_turns_with_a_printed_digit(
