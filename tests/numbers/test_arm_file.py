@@ -261,6 +261,7 @@ ODD = {
     "[joint_limits.axis_d]\nmax_position = 3.5": "joint_limits.axis_d.max_position",
     "[joint_limits.axis_c]\nmax_velocity = 0.6": "joint_limits.axis_c.max_velocity",
     "[links.link_2]\nmass = 0.2": "links.link_2.mass",
+    "[links.link_2]\ncom = [0.0736, 0.09, 0]": "links.link_2.com",
     "[links.link_2]\ncob = [0.3, 0, 0]": "links.link_2.cob",
     "[links.link_2]\ninertia = [[2, 0, 0], [0, 2, 0], [0, 0, 2]]": (
         "links.link_2.inertia"
@@ -333,7 +334,7 @@ WRONG = {
         "links.link_2.mass.half_width"
     ),
     "[links.link_2]\nvolume = 0.218": "links.link_2.volume",
-    "[links.link_2]\ncom = [0.0736, 0.09, 0]": "links.link_2.com",
+    "[links.link_2]\ncom = [0.0736, 0.9, 0]": "links.link_2.com",
     "[links.link_2]\ncom = [0.73, -0.91, -0.73]": "links.link_2.com",
     "[links.link_2]\ninertia = [[1e-4, 0, 0], [0, 1e-4, 0], [0, 0, 3e-4]]": (
         "links.link_2.inertia"
@@ -358,7 +359,7 @@ WRONG = {
     '[joint_limits.axis_b]\nmax_position = {value = 360, unit = "deg"}': (
         "joint_limits.axis_b"
     ),
-    "[links.link_2]\ncom = [0.07361234567, 0.09, 0]": "links.link_2.com",
+    "[links.link_2]\ncom = [0.07361234567, 0.9, 0]": "links.link_2.com",
     "[links.link_2]\ncom = [0, 0, 0, 0]": "links.link_2.com",
     "[links.link_2]\ninertia = 3": "links.link_2.inertia",
     "[links.link_2]\nmass = {value = 0.341, half_width = -0.001}": (

@@ -95,8 +95,8 @@ REFUSED = {
     "a negative jerk": (lambda: with_joint(0, jerk=-1.0), "axis_e.jerk"),
     "no sign": (lambda: with_joint(3, sign=0), "axis_b.sign"),
     "a sign that is a truth value": (lambda: with_joint(3, sign=True), "axis_b.sign"),
-    "a COM outside": (
-        lambda: dataclasses.replace(ARM.links[2], com=[0.073, -0.034, 0.0]),
+    "a COM far outside": (
+        lambda: dataclasses.replace(ARM.links[2], com=[0.073, -0.6, 0.0]),
         "links.link_2.com",
     ),
     "a negative mass": (
