@@ -8,7 +8,11 @@ import math
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import known_mistakes
+import model_defects
+import model_edits as edits
 import pytest
+from compared_models import compared, ids
 from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
@@ -132,3 +136,100 @@ def test_no_name_breaks_the_report():
     (suite,) = ET.fromstring(junit_report(odd, "\x07<file>").encode("utf-8"))
     assert suite.get("failures") == "1"
     assert suite.find("testcase/failure").get("message") == "]]> ?[31m ? <x>"
+
+
+#: The words that all dimensions share, and what remains if no other finding explains a
+#: joint, which no known model has.
+WITHOUT_EXAMPLE = {"dimension", "misplaced"}
+
+
+def with_few_digits(root: ET.Element) -> None:
+    model_defects.put("axis_c", xyz="0.151 0 0")(root)
+    model_defects.put("axis_d", xyz="0.02 0 0.046")(root)
+
+
+def unsure_of_its_base(root: ET.Element) -> None:
+    model_defects.turn("axis_e", 0.0, 0.0, 0.02)(root)
+    origin = root.find("link[@name='link_0']/inertial/origin")
+    off = model_defects.vector(origin.get("xyz")) + [0.0, 0.0, 0.002]
+    origin.set("xyz", model_defects.written(off))
+
+
+def about_x(root: ET.Element) -> None:
+    root.find("joint[@name='axis_c']/axis").set("xyz", "1 0 0")
+
+
+def twisted(root: ET.Element) -> None:
+    model_defects.turn("axis_d", 0.0, 0.05, 0.0)(root)
+    model_defects.turn("axis_d", 0.03, 0.0, 0.0)(root)
+
+
+def endless(root: ET.Element) -> None:
+    joint = root.find("joint[@name='axis_b']")
+    joint.remove(joint.find("limit"))
+    joint.set("type", "continuous")
+
+
+def without_link_0(root: ET.Element) -> None:
+    model_defects.inertial("link_0", "mass", value="11.5")(root)
+
+
+def without_a_base(root: ET.Element) -> None:
+    model_defects.without("link_0", "inertial")(root)
+    for name, new in (("base_link", "platform"), ("link_0", "turret")):
+        root.find(f"link[@name='{name}']").set("name", new)
+        for end in root.iter():
+            if end.get("link") == name:
+                end.set("link", new)
+    model_defects.shift("axis_e", 0.1, 0.2, -0.1)(root)
+    model_defects.turn("axis_e", 0.0, 0.0, 0.01)(root)
+
+
+def with_a_mesh(root: ET.Element) -> None:
+    shape = ET.SubElement(root.find("link[@name='link_2']"), "collision")
+    mesh = ET.SubElement(ET.SubElement(shape, "geometry"), "mesh")
+    mesh.set("filename", "lost.stl")
+
+
+def in_millimetres(root: ET.Element) -> None:
+    for origin in root.findall("joint/origin"):
+        numbers = model_defects.vector(origin.get("xyz"))
+        origin.set("xyz", model_defects.written(1e3 * numbers))
+
+
+EXAMPLES = [
+    *model_defects.DEFECTS.values(),
+    *known_mistakes.DEFECTS,
+    with_few_digits,
+    unsure_of_its_base,
+    about_x,
+    model_defects.shift("axis_c", 0.2, 0.1, 0.0),
+    twisted,
+    endless,
+    without_link_0,
+    without_a_base,
+    with_a_mesh,
+    in_millimetres,
+    model_defects.put("axis_c", rpy="180 0 74.6"),
+    model_defects.put("axis_c", xyz="15.07 0 0"),
+    model_defects.inertial("link_3", "mass", value="0"),
+    model_defects.limits("axis_e", velocity=5.0, effort=20.0),
+    model_defects.inertial("link_3", "inertia", ixx="1.0", iyy="0.1", izz="0.2"),
+]
+
+
+@pytest.mark.slow
+def test_every_finding_has_an_example():
+    """Those of `lint` have theirs in test_lint."""
+    shown = set()
+    for change in EXAMPLES:
+        root = ET.fromstring(OWN)
+        change(root)
+        shown |= set(ids(compared(root, samples=3)))
+    for text in ('<robot name="x"><link name="a"/></robot>', edits.with_vehicle(25, 2)):
+        shown |= set(ids(compared(text, samples=3)))
+    root = ET.fromstring(OWN)
+    root.find("joint[@name='axis_c']").set("type", "fixed")
+    shown |= set(ids(compared(root, samples=3)))
+    asked = {key for key in finding_ids() if not key.startswith("lint.")} - {"lint"}
+    assert shown >= asked - WITHOUT_EXAMPLE, asked - shown
