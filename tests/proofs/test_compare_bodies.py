@@ -308,3 +308,15 @@ def test_the_command_prints_the_bodies_that_differ(tmp_path, capsys) -> None:
     out = capsys.readouterr().out
     assert out.count("+0.00") == 6  # all figures of link_2 but its mass
     assert "-0.00" not in out
+
+
+@pytest.mark.parametrize("mass", ["0.2", "5"])
+def test_a_part_too_many_is_found_and_taken_out(mass: str) -> None:
+    """Heavier than the whole link, it left no link that could have been wrong."""
+    root = ET.fromstring(OWN)
+    add_link(root, "ballast", mass, "1e-4")
+    comparison = compared(root)
+    serious = [f for f in comparison.findings if f.serious]
+    assert {f.where for f in serious} == {"link_4"}
+    assert any("ballast" in f.text for f in serious)
+    assert compared(advised(root, comparison)).agrees

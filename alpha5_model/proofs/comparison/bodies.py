@@ -33,6 +33,8 @@ from alpha5_model.proofs.comparison.wrong_numbers import WrongNumber, wrong_numb
 REACH = 0.6  # [m]
 #: A lighter link is a dummy: some tools ask for a mass on every link.
 LIGHT = 1e-3  # [kg]
+#: With more joints in the arm's way, the sum of their rounding is taken.
+MOST_JOINTS = 20
 #: Joint origins that are rounded by less misplace no body [m].
 NEGLIGIBLE = 1e-7
 
@@ -77,7 +79,10 @@ def _misplaced_by_rounding(evidence: Evidence) -> tuple[list[float], list[float]
     """
     lengths = np.zeros(5)
     angles = np.full(5, (2 * evidence.meant.digits.pi) ** 2)
-    if evidence.meant.digits.length > NEGLIGIBLE:
+    if len(evidence.meant.way) > MOST_JOINTS:
+        lengths += evidence.rounding.length**2
+        angles += evidence.rounding.angle**2
+    elif evidence.meant.digits.length > NEGLIGIBLE:
         like = evidence.described
         for joint in rounded_origins(evidence.meant.way):
             rounded = evidence.reduced_with(joint)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -64,8 +64,9 @@ class Described:
             is an error of the dimensions, and does not count here.
         coms: Of the bodies in our link frames, (5, 3) [m].
         inertias: At the COMs, in our link frames, (5, 3, 3) [kg m^2].
-        senses: How its axes and common normals were read: +1 or -1 of the four axes, of
-            the normal before axis_d, and of that before axis_b, (6,).
+        senses: How its axes and common normals were read: +1 or -1 of axis_e, of the
+            normal before axis_d, of the other three axes, and of the normal before
+            axis_b, (6,).
         rolled: Whether the last body shows a roll, which is then a zero of axis_b.
     """
 
@@ -113,8 +114,11 @@ def describe(theirs: Reduced, record: Alpha5Parameters) -> Described:
     """
     lines = _lines(theirs)
     readings = []
-    for signs in itertools.product((1.0, -1.0), repeat=6):
-        readings.append(_read(theirs, record, lines, np.array(signs)))
+    for first in itertools.product((1.0, -1.0), repeat=2):
+        base = _base(theirs, record, lines, *first)
+        for others in itertools.product((1.0, -1.0), repeat=4):
+            senses = np.array([*first, *others])
+            readings.append(_read(theirs, record, lines, senses, base))
     best = min(readings, key=lambda reading: _oddity(reading, theirs, record))
     return _rolled_or_not(best, theirs, record)
 
@@ -133,7 +137,8 @@ def describe_as_table(theirs: Reduced, record: Alpha5Parameters) -> Described:
     ours = dimensions_of(record)
     for signs in itertools.product((1.0, -1.0), repeat=5):
         senses = np.array([best.sign[0], *signs])
-        reading = _read(theirs, record, lines, senses)
+        base = _base(theirs, record, lines, senses[0], senses[1])
+        reading = _read(theirs, record, lines, senses, base)
         own = reading.dimensions
         lengths = own.a_0 * ours.a_0 >= 0 and own.a_2 * ours.a_2 >= 0
         twists = np.abs(reading.changes[4:7]).max() <= math.pi / 2
@@ -146,7 +151,9 @@ def describe_like(
     theirs: Reduced, record: Alpha5Parameters, like: Described
 ) -> Described:
     """Describe another model with the senses of an earlier description of it."""
-    reading = _read(theirs, record, _lines(theirs), like.senses)
+    lines = _lines(theirs)
+    base = _base(theirs, record, lines, like.senses[0], like.senses[1])
+    reading = _read(theirs, record, lines, like.senses, base)
     return _with_roll(reading, theirs) if like.rolled else reading
 
 
@@ -217,8 +224,53 @@ def _across(vector: FloatArray, axis: FloatArray) -> FloatArray:
     return np.asarray(across / length)
 
 
+class _Base(NamedTuple):
+    """Where our base_link is in another model.
+
+    Attributes:
+        pose: Its pose in the model's root, (4, 4).
+        link: The model's link that comes closest to it.
+        stands: Pose of that link in our base_link, (4, 4).
+        same: Whether that link was meant to be base_link.
+    """
+
+    pose: FloatArray
+    link: str
+    stands: FloatArray
+    same: bool
+
+
+def _base(
+    theirs: Reduced,
+    record: Alpha5Parameters,
+    lines: _Lines,
+    sense_of_z: float,
+    sense_of_x: float,
+) -> _Base:
+    """Our base_link, for one choice of the senses of axis_e and the normal behind it.
+
+    Without a base link of theirs the zero of axis_e is taken to be ours.
+    """
+    z = sense_of_z * lines.directions[0]
+    x = rotation_about(z, -record.dh[0].theta_offset) @ (sense_of_x * lines.normal_0)
+    base = _frame(x, z, lines.on_e - record.dh[0].d * z)
+    link, stands, same = _base_link(theirs, record, base)
+    if same:
+        x, y = stands[:2, 0], stands[:2, 1]
+        along_axis = math.hypot(*x) < 0.5
+        yaw = math.atan2(-y[0], y[1]) if along_axis else math.atan2(x[1], x[0])
+        turn = transform(rotation_about(Z, yaw))
+        base = base @ turn
+        stands = turn.T @ stands
+    return _Base(pose=base, link=link, stands=stands, same=same)
+
+
 def _read(
-    theirs: Reduced, record: Alpha5Parameters, lines: _Lines, signs: FloatArray
+    theirs: Reduced,
+    record: Alpha5Parameters,
+    lines: _Lines,
+    senses: FloatArray,
+    base: _Base,
 ) -> Described:
     """The description for one choice of senses.
 
@@ -226,14 +278,14 @@ def _read(
         theirs: The other arm.
         record: Ours.
         lines: Its axes.
-        signs: +1 or -1: of the four axes, of the normal before axis_d, and of that
-            before axis_b, (6,).
+        senses: See `Described.senses`.
+        base: Our base_link with these senses.
     """
-    sign = signs[:4]
+    sign = senses[[0, 2, 3, 4]]
     z = sign[:, None] * lines.directions
-    x_0 = signs[4] * lines.normal_0
+    x_0 = senses[1] * lines.normal_0
     x_1 = lines.upper_arm
-    x_2 = signs[5] * lines.normal_2
+    x_2 = senses[5] * lines.normal_2
     offsets = np.array([row.theta_offset for row in record.dh[:4]])
     x_3 = rotation_about(z[3], offsets[3]) @ x_2
 
@@ -258,51 +310,40 @@ def _read(
     changes = np.subtract(dimensions, dimensions_of(record))
     changes[4:] = wrap(changes[4:])
 
-    # Without a base link the zero of axis_e is taken to be ours.
-    origin = lines.on_e - record.dh[0].d * z[0]
-    base = _frame(rotation_about(z[0], -offsets[0]) @ x_0, z[0], origin)
-    base_link, stands, same_base = _base_link(theirs, record, base)
-    if same_base:
-        x, y = stands[:2, 0], stands[:2, 1]
-        along_axis = math.hypot(*x) < 0.5
-        yaw = math.atan2(-y[0], y[1]) if along_axis else math.atan2(x[1], x[0])
-        turn = transform(rotation_about(Z, yaw))
-        base = base @ turn
-        stands = turn.T @ stands
-
     theta = [
-        _angle(base[:3, 0], x_0, z[0]),
+        _angle(base.pose[:3, 0], x_0, z[0]),
         _angle(x_0, x_1, z[1]),
         _angle(elbow_x, x_2, z[2]),
         offsets[3],
     ]
     frames = np.array(
         [
-            base,
-            _frame(x_0, z[0], origin),
+            base.pose,
+            _frame(x_0, z[0], base.pose[:3, 3]),
             _frame(x_1, z[1], lines.on_d),
             _frame(x_2, z[2], lines.on_c),
             _frame(x_3, z[3], lines.on_b),
         ]
     )
     placed = np.linalg.inv(frames) @ lines.bodies
-    if same_base:
-        placed[0] = np.linalg.inv(theirs.link_poses[base_link])
-        placed[1] = _by_base_or_shoulder(placed[1], stands[2, 3], theirs, record)
+    if base.same:
+        placed[0] = np.linalg.inv(theirs.link_poses[base.link])
+        height = base.stands[2, 3]
+        placed[1] = _by_base_or_shoulder(placed[1], height, theirs, record)
     return Described(
         sign=sign,
         zero=wrap(-sign * (np.array(theta) - offsets)) + 0.0,
         dimensions=dimensions,
         changes=Dimensions(*changes.tolist()),
-        base=np.asarray(np.linalg.inv(base)),
-        base_link=base_link,
-        stands=stands,
-        same_base=same_base,
+        base=np.asarray(np.linalg.inv(base.pose)),
+        base_link=base.link,
+        stands=base.stands,
+        same_base=base.same,
         frames=frames,
         placed=placed,
         coms=moved(placed, theirs.com),
         inertias=_turned(placed, theirs.inertia),
-        senses=signs,
+        senses=senses,
     )
 
 

@@ -39,6 +39,9 @@ from alpha5_model.proofs.comparison.tolerance import (
     Tolerance,
 )
 
+#: Of more links that make up a body, the lightest ones are taken to be right.
+MOST_PARTS = 12
+
 
 class WrongNumber(NamedTuple):
     """A number of a link that has to be changed.
@@ -104,7 +107,7 @@ def _options(
         for place, body in enumerate(nominal):
             found += _wrong_in_link(arm, body, parts, place, digits)
         yield found
-    for place, part in enumerate(parts):
+    for place, part in enumerate(parts[:MOST_PARTS]):
         others = [other.body.at(other.pose) for other in parts if other is not part]
         rest = _less(arm.body, others)
         if rest is not None:
@@ -233,7 +236,7 @@ def _explained_by_two(
 ) -> list[WrongNumber]:
     """The wrong numbers, those without an explanation tried with two mistakes."""
     mistakes: dict[tuple[str, Quantity], Mistake] = {}
-    for place, part in enumerate(parts):
+    for place, part in enumerate(parts[:MOST_PARTS]):
         open_ones = {}
         for number in wrong:
             is_open = number.mistake is None and number.right.mass > 0
