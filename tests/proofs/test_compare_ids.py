@@ -11,6 +11,7 @@ from pathlib import Path
 import known_mistakes
 import model_defects
 import model_edits as edits
+import numpy as np
 import pytest
 from compared_models import compared, ids
 from urdf_edits import OWN, with_mass
@@ -151,7 +152,7 @@ def with_few_digits(root: ET.Element) -> None:
 def unsure_of_its_base(root: ET.Element) -> None:
     model_defects.turn("axis_e", 0.0, 0.0, 0.02)(root)
     origin = root.find("link[@name='link_0']/inertial/origin")
-    off = model_defects.vector(origin.get("xyz")) + [0.0, 0.0, 0.002]
+    off = np.add(model_defects.vector(origin.get("xyz")), [0.0, 0.0, 0.002])
     origin.set("xyz", model_defects.written(off))
 
 

@@ -132,11 +132,11 @@ def _arm_of_robot(
     )
     left_out = [f"warning: {one.written.name} was mended: {one.id}" for one in slips]
     left_out += _notes_on_axes(catalogue, described, d_0)
-    left_out += _notes_on_bodies(catalogue, theirs, described, links)
-    left_out += _notes_on_limits(catalogue, theirs, described)
     if _has_no_wrist(record):
         left_out.append(_note_on_wrist(record.links[4]))
         record = replace(record, links=(*links[:4], catalogue.links[4]))
+    left_out += _notes_on_bodies(catalogue, theirs, described, record.links)
+    left_out += _notes_on_limits(catalogue, theirs, described)
     tool = _tool(record, theirs, described)
     mount = _mount(other, described, origin)
     left_out += _notes_on_frames(other, theirs, tool, mount, record, described)
