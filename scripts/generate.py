@@ -81,7 +81,7 @@ def menagerie() -> dict[str, str]:
     """``mjcf/`` in the form of MuJoCo Menagerie: jaws locked, moving, and for MJX."""
     meshes = [f"{name}.obj" for name in MESHES]
     texts = {
-        "mjcf/README.md": mjcf_readme(MODELS[""], PICTURE),
+        "mjcf/README.md": mjcf_readme(MODELS[""], PICTURE, MODELS.values()),
         "mjcf/CHANGELOG.md": mjcf_files()["CHANGELOG.md"].decode(),
     }
     for suffix, options in MODELS.items():

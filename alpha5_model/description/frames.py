@@ -12,7 +12,7 @@ from collections.abc import Iterable
 
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import array
+from alpha5_model._support.checks import array, plain_name
 from alpha5_model._support.spatial import (
     Placement,
     Triple,
@@ -45,7 +45,8 @@ def chosen_mount(
     """
     position = array("xyz", xyz, 3)
     angles = array("rpy", rpy, 3)
-    if parent:
+    if parent != "":
+        plain_name("parent", parent)
         return Pose(position, rotation_from_rpy(angles), parent)
     for name, values in (("xyz", position), ("rpy", angles)):
         if values.any():

@@ -141,12 +141,22 @@ def mjcf_scene(options: MjcfOptions, model_file: str = "alpha5.xml") -> str:
     )
 
 
-def mjcf_readme(options: MjcfOptions, picture: str = "") -> str:
-    """Text of the folder's README, with the lines of a picture below its title."""
+def mjcf_readme(
+    options: MjcfOptions, picture: str = "", others: Iterable[MjcfOptions] = ()
+) -> str:
+    """Text of the folder's README.
+
+    Args:
+        options: Of the model that it describes.
+        picture: Lines below its title.
+        others: Options of other models in the folder. What a scene may set holds for
+            all of them.
+    """
     arm = chosen_arm(options.arm, options.corrections)
     density = float_density(arm_bodies(arm, options.gripper))
     moving_water = template("mjcf_moving_water.md") if options.hydrodynamics else ""
-    inertials = list(ET.fromstring(mjcf(options)).iter("inertial"))
+    models = [ET.fromstring(mjcf(one)) for one in (options, *others)]
+    inertials = [inertial for model in models for inertial in model.iter("inertial")]
     masses = [float(inertial.attrib["mass"]) for inertial in inertials]
     moments = [
         min(map(float, inertial.attrib["diaginertia"].split()))

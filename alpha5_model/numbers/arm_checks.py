@@ -85,6 +85,16 @@ def check_attached(attached: Iterable[AttachedBody]) -> None:
         taken.add(body.name)
 
 
+def check_parent(parent: str) -> None:
+    """Refuse a mount on a link or frame of the arm itself.
+
+    Raises:
+        InputError: Such a name.
+    """
+    if parent in _TAKEN:
+        raise InputError("mount.parent", parent, "a name that is none of the arm's")
+
+
 def check_tool(tool: Pose, printed: Pose, spacer: float) -> None:
     """Refuse a tool point far from Table 1's, or one that a spacer should have moved.
 

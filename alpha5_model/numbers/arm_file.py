@@ -7,7 +7,7 @@ given the key of the file that it is about.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from decimal import Context, Decimal
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, choice
+from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model._support.toml import toml_tables
@@ -103,7 +103,7 @@ class _Reader:
         version = given.get("format")
         if type(version) is not int or version != schema.FORMAT:
             expected = f"format = {schema.FORMAT}, the version of the keys"
-            raise InputError("format", version, expected)
+            raise InputError("format", _shown(version), expected)
         self.base = parameters(_corrections(given))
         self.keys: set[str] = set()
         self.measurements: list[Measurement] = []
@@ -158,7 +158,7 @@ class _Reader:
             found = self._values(key, limits.get(joint.name, {}), keys)
             changes = {schema.LIMIT_FIELDS[name]: x for name, x in found.items()}
             if joint.name in signs:
-                changes["sign"] = signs[joint.name]
+                changes["sign"] = _shown(signs[joint.name])
             names = {
                 f"{joint.name}.{field}": f"{key}.{name}"
                 for name, field in schema.LIMIT_FIELDS.items()
@@ -283,8 +283,8 @@ class _Reader:
             expected = "a list of names such as links.link_2.com.x"
             raise InputError("covariance.names", _shown(names), expected)
         measured = {one.key for one in self.measurements if one.half_width is not None}
+        _known("covariance.names", names, schema.NUMBERS)
         for name in names:
-            choice("covariance.names", name, schema.NUMBERS)
             if key_of(name) not in measured:
                 expected = f"a half_width of {key_of(name)} in this file"
                 raise InputError("covariance.names", name, expected)
@@ -432,15 +432,19 @@ def _table(key: str, given: Any, names: Iterable[str]) -> dict[str, Any]:
     """
     if not isinstance(given, dict):
         raise InputError(key, _shown(given), "a table")
-    known = tuple(names)
+    _known(key, given, tuple(names))
+    return given
+
+
+def _known(key: str, given: Iterable[str], names: Collection[str]) -> None:
+    """Refuse names that do not exist, with the nearest one that does."""
     for name in given:
-        if name not in known:
-            near = difflib.get_close_matches(name[:40], known, n=1)
-            expected = f"one of {', '.join(known)}"
+        if name not in names:
+            near = difflib.get_close_matches(name[:40], names, n=1)
+            expected = f"one of {', '.join(names)}"
             if near:
                 expected = f"a known key, perhaps {near[0]!r}"
             raise InputError(key, name, expected)
-    return given
 
 
 def _required(table: str, given: dict[str, Any], key: str) -> None:
@@ -500,4 +504,6 @@ def _shown(given: Any) -> Any:
     """A value of a file for a message: decimals as they are written."""
     if isinstance(given, list):
         return [_shown(item) for item in given]
+    if isinstance(given, dict):
+        return {key: _shown(item) for key, item in given.items()}
     return float(given) if isinstance(given, Decimal) else given

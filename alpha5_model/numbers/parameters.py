@@ -101,8 +101,8 @@ class LinkParameters(RigidBody):
         bounds: Outer bounds of the body, (3, 2) [m].
 
     Raises:
-        InputError: Also bounds whose ends are in the wrong order, or a COM outside of
-            them.
+        InputError: Also no mass, bounds whose ends are in the wrong order, or a COM far
+            outside of them.
     """
 
     bounds: FloatArray
@@ -117,6 +117,7 @@ class LinkParameters(RigidBody):
         if (bounds[:, 0] > bounds[:, 1]).any():
             expected = "the lower end of each axis before the upper one"
             raise InputError(f"{self._place}.bounds", bounds.tolist(), expected)
+        real(f"{self._place}.mass", self.mass, minimum=0.0, strict=True)
         com = array(f"{self._place}.com", self.com, 3)
         arm_checks.check_inside(f"{self._place}.com", com, bounds)
         super().__post_init__()
@@ -416,6 +417,7 @@ class Alpha5Parameters:
         if self.mount is not None:
             instance("mount", self.mount, Pose)
             plain_name("mount.parent", self.mount.parent)
+            arm_checks.check_parent(self.mount.parent)
             _check_near("mount", self.mount, plausibility.VEHICLE_POSITION)
         if self.covariance is not None:
             instance("covariance", self.covariance, Covariance)

@@ -38,6 +38,8 @@ KINDS = {
     "sphere": ("xyz",),
     "mesh": ("xyz", "rpy", "scale"),
 }
+#: Argument of an obstacle -> the key that has it.
+_KEYS = {"edges": "box", "radius": "sphere", "vertices": "mesh", "triangles": "mesh"}
 #: Formats of meshes, by the end of the file's name.
 _MESHES = (".stl", ".obj", ".ply")
 #: Largest file of obstacles, and of a mesh [bytes].
@@ -80,7 +82,7 @@ def _obstacle(name: str, table: Any, folder: Path) -> Obstacle:
     try:
         return _made(kind, name, table, folder)
     except InputError as error:
-        place = f"{name}.{error.name}"
+        place = f"{name}.{_KEYS.get(error.name, error.name)}"
         raise InputError(place, error.value, error.expected) from None
 
 
@@ -90,8 +92,10 @@ def _made(kind: str, name: str, table: Mapping[str, Any], folder: Path) -> Obsta
     if kind == "box":
         return Obstacle.box(name, value, **placed)
     if kind == "cylinder":
-        radius, length = array("cylinder", value, 2).tolist()
-        return Obstacle.cylinder(name, radius, length, **placed)
+        sizes = array("cylinder", value, 2)
+        if not (sizes > 0.0).all():
+            raise InputError("cylinder", sizes.tolist(), "radius and length above 0")
+        return Obstacle.cylinder(name, *sizes.tolist(), **placed)
     if kind == "sphere":
         return Obstacle.sphere(name, value, **placed)
     if not isinstance(value, str):

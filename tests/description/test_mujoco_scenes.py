@@ -137,3 +137,18 @@ def test_what_breaks_the_arm_is_in_the_readme(arm):
             except ValueError:
                 broken = True
             assert broken == (way in ways), (name, way)
+
+
+def test_the_readme_of_the_folder_holds_for_all_its_models():
+    folder = Path(a5.paths.MJCF_PATH).parent
+    allowed = bounds((folder / "README.md").read_text("utf-8"))
+    models = sorted(folder.glob("alpha5*.xml"))
+    assert len(models) == 3
+    for file in models:
+        spec = mujoco.MjSpec.from_file(str(file))
+        free = spec.compile()
+        spec.compiler.boundmass = float(allowed["least_mass"])
+        spec.compiler.boundinertia = float(allowed["least_moment"])
+        bound = spec.compile()
+        np.testing.assert_array_equal(bound.body_mass, free.body_mass)
+        np.testing.assert_array_equal(bound.body_inertia, free.body_inertia)

@@ -153,3 +153,16 @@ def test_the_nearest_package_that_can_be_read_is_that_of_the_file(
     assert package_above(file) == {"inner": str(inner.resolve())}
     (inner / "package.xml").write_text("<package/>")
     assert package_above(file) == {}
+
+
+def test_what_is_no_mapping_of_names_is_refused() -> None:
+    for name, given in (
+        ("map", {"joints": 3}),
+        ("map", {"joints": "x"}),
+        ("map", {"joints": {"axis_e": 1}}),
+        ("packages", {"packages": 3}),
+        ("arguments", {"arguments": ["a"]}),
+    ):
+        with pytest.raises(InputError) as caught:
+            a5.compare(a5.URDF_PATH, **given)  # type: ignore[arg-type]
+        assert caught.value.name == name

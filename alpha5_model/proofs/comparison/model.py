@@ -63,6 +63,8 @@ def read_model(
         FileFormatError: The file has another format, is a xacro file that is not to be
             expanded or cannot be, or is a broken URDF. The message names the line.
     """
+    folders_of = texts("packages", packages)
+    values = texts("arguments", arguments)
     content = read_named(path, "a URDF or xacro file")
     is_xacro = Path(path).suffix.lower() == ".xacro"
     expand = flag("xacro", xacro)
@@ -72,20 +74,36 @@ def read_model(
     if expand and not is_xacro:
         expected = "a file whose name ends in .xacro; a URDF is read as it is"
         raise InputError("xacro", str(path), expected)
-    if (packages or arguments) and not expand:
-        given = [*(packages or {}), *(arguments or {})]
+    if (folders_of or values) and not expand:
+        given = [*folders_of, *values]
         expected = "a xacro file to expand, with --xacro; a URDF is read as it is"
         raise InputError("package, arg", given, expected)
 
     if expand:
-        folders = package_above(path) | dict(packages or {})
-        content = expand_xacro(path, dict(arguments or {}), folders).encode()
+        folders = package_above(path) | folders_of
+        content = expand_xacro(path, values, folders).encode()
 
     tag = parse_xml(content, str(path)).top.tag
     if tag in OTHER_FORMATS:
         problem = f"expected <robot>, got <{tag}>: {OTHER_FORMATS[tag]}"
         raise FileFormatError(path, f"{problem}; compare reads URDF and xacro")
     return parse_urdf(content, str(path))
+
+
+def texts(name: str, given: Mapping[str, str] | None) -> dict[str, str]:
+    """A copy of a mapping of texts; empty if there is none.
+
+    Raises:
+        InputError: Anything else.
+    """
+    if given is None:
+        return {}
+    is_mapping = isinstance(given, Mapping)
+    if not is_mapping or not all(
+        isinstance(word, str) for pair in given.items() for word in pair
+    ):
+        raise InputError(name, given, "a mapping of names, such as {'axis_e': 'joint'}")
+    return dict(given)
 
 
 def package_above(path: str | Path) -> dict[str, str]:
@@ -265,7 +283,7 @@ def find_chains(
         InputError: Two of our joints are mapped to one, one does not turn, or there is
             no such chain.
     """
-    given = dict(names or {})
+    given = texts("map", names)
     _check_names(robot, given)
     rows = _rows_of_turning_joints(robot)
     if len(given) == len(AXES):
