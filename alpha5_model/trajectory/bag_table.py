@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.files import PathLike
 from alpha5_model.trajectory.bag_messages import Message, joint_states, select
-from alpha5_model.trajectory.file_table import FileTable, Progress, seconds
+from alpha5_model.trajectory.file_table import FileTable, Problem, Progress, seconds
 from alpha5_model.trajectory.joint_map import JointMap
 from alpha5_model.trajectory.warning import MotionWarning
 
@@ -62,15 +61,20 @@ class BagTable(FileTable):
         quantities["_effort"] = samples.effort
         names = [joint + ending for ending in quantities for joint in samples.joints]
         time = seconds(samples.time.tolist(), 10**9)
-        self.header = ["time", *names]
+        self.names = ["time", *names]
+        self.header = self.names
         self._columns = np.column_stack([time, *quantities.values()])
 
-    def read(
-        self, needed: list[int], optional: Sequence[list[int]]
-    ) -> tuple[FloatArray, str]:
+    def read(self, columns: Sequence[int]) -> tuple[FloatArray, str]:
         """The numbers of some columns; see `FileTable.read`."""
-        used = [*needed, *chain.from_iterable(optional)]
-        return self._columns[:, used], "s"
+        return self._columns[:, [*columns]], "s"
+
+    def problem(self, row: int, columns: Sequence[int]) -> Problem:
+        """Why a number of a message cannot be used; see `FileTable.problem`."""
+        numbers = self._columns[row, [*columns]]
+        wrong = int(np.argmin(np.isfinite(numbers)))
+        text = f"expected a finite number, got {numbers[wrong]:g}"
+        return Problem(self.place(row, columns[wrong]), text)
 
     def place(self, row: int, column: int) -> str:
         """Where a number is in the bag, for messages."""

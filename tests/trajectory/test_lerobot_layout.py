@@ -133,7 +133,7 @@ def no_number() -> dict[str, Any]:
 
 def test_what_is_refused_is_named(tmp_path: Path) -> None:
     for table, words in (
-        (several_episodes(), "episode_index"),
+        (several_episodes(), r"2 episodes \(0, 1\): choose one by --episode"),
         (one_short_list(), "a list of 4 numbers, expected 5"),
         (no_number(), "axis_c"),
     ):

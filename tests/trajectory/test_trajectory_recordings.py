@@ -645,15 +645,22 @@ def test_efforts_of_arrays_and_of_a_locked_arm() -> None:
         a5.trajectory.motion(time, q, joints=names, effort=effort)
 
 
-def test_text_among_the_efforts_leaves_them_out(tmp_path: Path) -> None:
+def test_text_among_the_efforts_is_no_effort(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "m.csv", samples(), lambda s: s.stamp)
     lines = path.read_text().splitlines()
     cells = lines[7].split(",")
     cells[-1] = "n/a"
+    whole = tmp_path / "whole.csv"
+    whole.write_text(path.read_text())
     path.write_text("\n".join([*lines[:7], ",".join(cells), *lines[8:]]))
     motion = a5.trajectory.read_motion(path)
-    assert motion.effort is None
-    assert set(motion.ignored) == {f"{joint}_effort" for joint in JOINTS}
+    effort = motion.effort
+    assert effort is not None
+    unknown = np.isnan(effort)
+    assert unknown.sum() == 1
+    np.testing.assert_array_equal(
+        effort[~unknown], a5.trajectory.read_motion(whole).effort[~unknown]
+    )
 
 
 def test_names_in_a_parquet_file_that_are_no_text(tmp_path: Path) -> None:
