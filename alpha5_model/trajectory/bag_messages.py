@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -17,6 +17,9 @@ from alpha5_model.trajectory.names import only_choice, prefixes
 from alpha5_model.trajectory.text_table import refuse_git_lfs_pointer
 
 _JOINT_STATE = "sensor_msgs/msg/JointState"
+#: Where the profile of an MCAP file is, behind its magic, the opcode of the header, and
+#: the lengths of header and text.
+_PROFILE = slice(21, 25)
 
 
 class JointState(Protocol):
@@ -52,11 +55,13 @@ class Selection(NamedTuple):
         topic: The topic.
         prefix: The prefix of the joints' names.
         joints: Names of the arm's joints in the messages, prefix included, base to tip.
+        polled: Whether no message has all of them, but several together.
     """
 
     topic: str
     prefix: str
     joints: list[str]
+    polled: bool = False
 
 
 def joint_states(
@@ -80,6 +85,11 @@ def joint_states(
         for part in _files(file):
             with part.open("rb") as stream:
                 refuse_git_lfs_pointer(part, stream.read(100))
+
+        if _other_profile(file):
+            from alpha5_model.trajectory.mcap_messages import mcap_joint_states
+
+            return mcap_joint_states(path, topic)
 
         # The message is the same in every release: the definitions in the bag are not
         # needed.
@@ -105,6 +115,15 @@ def _files(bag: Path) -> list[Path]:
     """The files of a bag: one, or those of its folder."""
     files = [bag] if bag.is_file() else sorted(bag.iterdir())
     return [file for file in files if file.is_file()]
+
+
+def _other_profile(file: Path) -> bool:
+    """Whether a file is MCAP, but not of ROS 2: rosbags reads only the latter."""
+    if file.suffix.lower() != ".mcap" or not file.is_file():
+        return False
+    with file.open("rb") as stream:
+        start = stream.read(_PROFILE.stop)
+    return start.startswith(b"\x89MCAP0\r\n\x01") and start[_PROFILE] != b"ros2"
 
 
 def _connections(path: PathLike, bag: Any, topic: str | None) -> list[Any]:
@@ -165,11 +184,14 @@ def select(
         FileFormatError: No message has the joints of an arm.
     """
     counts = _counts_by_names(messages)
-    found = {
-        (topic, names, prefix): count
-        for (topic, names), count in counts.items()
-        for prefix in prefixes(names, wanted_prefix=wanted_prefix)
-    }
+    found = _arms(counts, wanted_prefix)
+    polled = not found
+    if polled:
+        together: Counter[tuple[str, tuple[str, ...]]] = Counter()
+        for topic, stream in messages.items():
+            names = dict.fromkeys(name for m in stream for name in m.content.name)
+            together[topic, tuple(names)] = len(stream)
+        found = _arms(together, wanted_prefix)
     if not found:
         raise _no_arm(path, list(counts), wanted_prefix)
 
@@ -187,7 +209,19 @@ def select(
         topic=topic,
         prefix=prefix,
         joints=[name for name in wanted if name in most_frequent],
+        polled=polled,
     )
+
+
+def _arms(
+    counts: Mapping[tuple[str, tuple[str, ...]], int], wanted_prefix: str | None
+) -> dict[tuple[str, tuple[str, ...], str], int]:
+    """Topic, names and prefix of each complete arm, and how many messages have it."""
+    return {
+        (topic, names, prefix): count
+        for (topic, names), count in counts.items()
+        for prefix in prefixes(names, wanted_prefix=wanted_prefix)
+    }
 
 
 def _counts_by_names(

@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.files import PathLike
-from alpha5_model.trajectory.bag_messages import Message, joint_states, select
+from alpha5_model.errors import FileFormatError
+from alpha5_model.trajectory.bag_messages import (
+    Message,
+    Selection,
+    joint_states,
+    select,
+)
 from alpha5_model.trajectory.file_table import FileTable, Problem, Progress, seconds
 from alpha5_model.trajectory.joint_map import JointMap
 from alpha5_model.trajectory.warning import MotionWarning
@@ -20,6 +26,8 @@ _IntArray = NDArray[np.int64]
 _Numbered = tuple[int, Message]
 #: Stamps below this are simulated times, which start at zero [ns].
 _SIMULATED = 10**11
+#: Messages that may be late in a row.
+_MOST_LATE = 3
 
 
 class BagTable(FileTable):
@@ -43,11 +51,14 @@ class BagTable(FileTable):
         _rename(streams, joints)
         chosen = select(path, streams, prefix)
         stream = streams[chosen.topic]
-        complete = _complete(stream, chosen.joints)
+        complete = _complete(stream, chosen)
         recorded = _samples(complete, chosen.joints)
+        _refuse_clock_set_back(path, chosen.topic, recorded)
         in_order = recorded.take(np.argsort(recorded.time, kind="stable"))
         with_known_joints = _without_missing_rod(in_order)
-        samples = with_known_joints.take(_all_finite(with_known_joints.position))
+        finite = np.isfinite(with_known_joints.position)
+        usable = finite.any(axis=1) if chosen.polled else finite.all(axis=1)
+        samples = with_known_joints.take(usable)
 
         self.prefix = chosen.prefix
         self.ignored = _other_names(stream, samples.joints)
@@ -103,6 +114,7 @@ class _Samples(NamedTuple):
         number: (N,) Which message of the topic it is.
         time: (N,) [ns].
         position, velocity, effort: (N, n); NaN for what a message does not have.
+        publishers: How many nodes sent them.
     """
 
     joints: list[str]
@@ -111,6 +123,7 @@ class _Samples(NamedTuple):
     position: FloatArray
     velocity: FloatArray
     effort: FloatArray
+    publishers: int = 1
 
     def take(self, which: NDArray[Any]) -> _Samples:
         """Some of the samples, by their places or by a mask."""
@@ -121,6 +134,7 @@ class _Samples(NamedTuple):
             position=self.position[which],
             velocity=self.velocity[which],
             effort=self.effort[which],
+            publishers=self.publishers,
         )
 
     def without_velocity(self) -> _IntArray:
@@ -128,15 +142,59 @@ class _Samples(NamedTuple):
         return self.number[~_all_finite(self.velocity)]
 
 
-def _complete(stream: list[Message], joints: list[str]) -> list[_Numbered]:
-    """The messages that have a position of each joint."""
-    wanted = {*joints}
+def _complete(stream: list[Message], chosen: Selection) -> list[_Numbered]:
+    """The messages that have a position of each joint, or of any if they are polled."""
+    wanted = {*chosen.joints}
     complete = []
     for number, message in enumerate(stream, start=1):
-        names = message.content.name
-        if len(message.content.position) == len(names) and wanted <= {*names}:
+        names = {*message.content.name}
+        has_joints = bool(wanted & names) if chosen.polled else wanted <= names
+        positions = len(message.content.position)
+        if has_joints and positions == len(message.content.name):
             complete.append((number, message))
     return complete
+
+
+def _refuse_clock_set_back(path: PathLike, topic: str, recorded: _Samples) -> None:
+    """Refuse a bag whose clock was set back: sorted, it would mix two motions.
+
+    A message that was late fits into a hole between the others, and few are late in a
+    row.
+
+    Raises:
+        FileFormatError: Many messages in a row state earlier times than one before
+            them, or messages of one publisher do not fit between the others.
+    """
+    time = recorded.time
+    if time.size < _MOST_LATE:
+        return
+    latest = np.maximum.accumulate(time)
+    late = np.flatnonzero(time < latest)
+    if not late.size:
+        return
+    breaks = np.flatnonzero(np.diff(late) != 1) + 1
+    longest = max(np.split(late, breaks), key=len)
+    in_order = np.sort(time)
+    typical = float(np.median(np.diff(in_order)))
+    place = np.searchsorted(in_order, time[late])
+    before = in_order[place] - in_order[np.maximum(place - 1, 0)]
+    behind = in_order[np.minimum(place + 1, time.size - 1)] - in_order[place]
+    crowded = np.minimum(before, behind) < typical / 2
+    first: int | None = None
+    if longest.size > _MOST_LATE:
+        first = int(longest[0])
+    elif recorded.publishers == 1 and crowded.any():
+        first = int(late[np.argmax(crowded)])
+    if first is None:
+        return
+    stamp = int(time[first]) / 10**9
+    back = (int(latest[first]) - int(time[first])) / 10**9
+    problem = (
+        f"time runs back by {back:.9g} s, to {stamp:.16g} s (a clock that was set "
+        "back?); cut the bag there"
+    )
+    place_of = f"message {recorded.number[first]} of {topic}"
+    raise FileFormatError(path, problem, place_of)
 
 
 def _samples(complete: list[_Numbered], joints: list[str]) -> _Samples:
@@ -152,13 +210,17 @@ def _samples(complete: list[_Numbered], joints: list[str]) -> _Samples:
     efforts = []
     for _, message in complete:
         content = message.content
-        names = content.name
-        at = [names.index(joint) for joint in joints]
-        has_velocity = len(content.velocity) == len(names)
-        has_effort = len(content.effort) == len(names)
-        positions.append(content.position[at])
-        velocities.append(content.velocity[at] if has_velocity else missing)
-        efforts.append(content.effort[at] if has_effort else missing)
+        place_of = {name: k for k, name in enumerate(content.name)}
+        at = [place_of.get(joint, -1) for joint in joints]
+        # The last number stands for joints that the message does not have.
+        count = len(content.name)
+        has_velocity = len(content.velocity) == count
+        has_effort = len(content.effort) == count
+        positions.append(np.append(content.position, np.nan)[at])
+        velocities.append(
+            np.append(content.velocity, np.nan)[at] if has_velocity else missing
+        )
+        efforts.append(np.append(content.effort, np.nan)[at] if has_effort else missing)
 
     shape = (len(complete), len(joints))
     return _Samples(
@@ -168,6 +230,7 @@ def _samples(complete: list[_Numbered], joints: list[str]) -> _Samples:
         position=np.array(positions, dtype=float).reshape(shape),
         velocity=np.array(velocities, dtype=float).reshape(shape),
         effort=np.array(efforts, dtype=float).reshape(shape),
+        publishers=len({message.publisher for _, message in complete}),
     )
 
 

@@ -52,14 +52,14 @@ def read_motion(
 
     A CSV is UTF-8, UTF-16 or Windows-1252 text. Commas, semicolons, tabs or blanks
     separate its columns; where commas do not, they are decimal commas. Lines that start
-    with ``#`` are comments, of which the last may hold the names of the columns. One row
-    in a hundred may be unreadable: it is left out with a warning. More are an error. If
-    most rows have some joints only, as a bus polled joint by joint writes them, they are
-    joined by time, and gaps are interpolated with a warning.
+    with ``#`` are comments, of which the last may hold the names of the columns. One
+    row in a hundred may be unreadable: it is left out with a warning. More are an
+    error. If most rows have some joints only, as a bus that is polled joint by joint
+    writes them, they are joined by time, and gaps are interpolated with a warning.
 
-    Angles that start again after a full turn go on (warning ``wrapped``). Single samples
-    that leave and return faster than the joint can are left out (``spike``), as are
-    values that all joints hold in the middle of a motion until one jumps
+    Angles that start again after a full turn go on (warning ``wrapped``). Up to three
+    samples that leave and return faster than the joint can are left out (``spike``), as
+    are values that all joints hold in the middle of a motion until one jumps
     (``drop_out``). A motion is smoothed on each side of a jump on its own.
 
     A table has these columns, in any order:
@@ -107,7 +107,9 @@ def read_motion(
     ``metadata.yaml``; needs rosbags) holds ``sensor_msgs/JointState`` messages. Their
     stamps are the time. If a message has no stamp, the times of recording are used for
     all. Messages without all joints or with positions that are not finite are left out,
-    and messages out of order are sorted, each with a warning.
+    and messages that were late are sorted, each with a warning. A clock that was set
+    back is an error. Messages of one joint each are joined like rows. MCAP files that
+    are no ROS 2 bags need mcap, too; their messages may be JSON, CDR or ROS 1.
 
     Args:
         path: The file.
