@@ -17,9 +17,6 @@ from alpha5_model.trajectory.names import only_choice, prefixes
 from alpha5_model.trajectory.text_table import refuse_git_lfs_pointer
 
 _JOINT_STATE = "sensor_msgs/msg/JointState"
-#: Where the profile of an MCAP file is, behind its magic, the opcode of the header, and
-#: the lengths of header and text.
-_PROFILE = slice(21, 25)
 
 
 class JointState(Protocol):
@@ -86,11 +83,6 @@ def joint_states(
             with part.open("rb") as stream:
                 refuse_git_lfs_pointer(part, stream.read(100))
 
-        if _other_profile(file):
-            from alpha5_model.trajectory.mcap_messages import mcap_joint_states
-
-            return mcap_joint_states(path, topic)
-
         # The message is the same in every release: the definitions in the bag are not
         # needed.
         reader: Callable[[Path], Any]
@@ -115,15 +107,6 @@ def _files(bag: Path) -> list[Path]:
     """The files of a bag: one, or those of its folder."""
     files = [bag] if bag.is_file() else sorted(bag.iterdir())
     return [file for file in files if file.is_file()]
-
-
-def _other_profile(file: Path) -> bool:
-    """Whether a file is MCAP, but not of ROS 2: rosbags reads only the latter."""
-    if file.suffix.lower() != ".mcap" or not file.is_file():
-        return False
-    with file.open("rb") as stream:
-        start = stream.read(_PROFILE.stop)
-    return start.startswith(b"\x89MCAP0\r\n\x01") and start[_PROFILE] != b"ros2"
 
 
 def _connections(path: PathLike, bag: Any, topic: str | None) -> list[Any]:

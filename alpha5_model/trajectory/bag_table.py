@@ -19,6 +19,7 @@ from alpha5_model.trajectory.bag_messages import (
 )
 from alpha5_model.trajectory.file_table import FileTable, Problem, Progress, seconds
 from alpha5_model.trajectory.joint_map import JointMap
+from alpha5_model.trajectory.mcap_messages import is_other_mcap, mcap_joint_states
 from alpha5_model.trajectory.warning import MotionWarning
 
 _IntArray = NDArray[np.int64]
@@ -47,7 +48,10 @@ class BagTable(FileTable):
         joints: JointMap,
         progress: Progress | None,
     ) -> None:
-        streams = joint_states(path, topic, progress)
+        if is_other_mcap(path):
+            streams = mcap_joint_states(path, topic)
+        else:
+            streams = joint_states(path, topic, progress)
         _rename(streams, joints)
         chosen = select(path, streams, prefix)
         stream = streams[chosen.topic]
@@ -58,7 +62,7 @@ class BagTable(FileTable):
         with_known_joints = _without_missing_rod(in_order)
         finite = np.isfinite(with_known_joints.position)
         usable = finite.any(axis=1) if chosen.polled else finite.all(axis=1)
-        samples = with_known_joints.take(usable)
+        samples = with_known_joints.take(np.asarray(usable))
 
         self.prefix = chosen.prefix
         self.ignored = _other_names(stream, samples.joints)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,8 +16,22 @@ from alpha5_model._support.files import PathLike
 from alpha5_model.errors import FileFormatError
 from alpha5_model.trajectory.bag_limits import Budget, expanded, limited
 from alpha5_model.trajectory.bag_messages import Message
+from alpha5_model.trajectory.file_table import library
 
 _TYPE = "JointState"
+#: Where the profile of an MCAP file is, behind its magic, the opcode of the header, and
+#: the lengths of header and text.
+_PROFILE = slice(21, 25)
+
+
+def is_other_mcap(path: PathLike) -> bool:
+    """Whether a file is MCAP, but not of ROS 2: rosbags reads only the latter."""
+    file = Path(path)
+    if file.suffix.lower() != ".mcap" or not file.is_file():
+        return False
+    with file.open("rb") as stream:
+        start = stream.read(_PROFILE.stop)
+    return start.startswith(b"\x89MCAP0\r\n\x01") and start[_PROFILE] != b"ros2"
 
 
 def mcap_joint_states(path: PathLike, topic: str | None) -> dict[str, list[Message]]:
@@ -25,22 +40,35 @@ def mcap_joint_states(path: PathLike, topic: str | None) -> dict[str, list[Messa
     Messages may be JSON with the fields of ``sensor_msgs/JointState``, CDR or ROS 1.
 
     Raises:
-        ImportError: mcap or rosbags is not installed.
+        MissingDependencyError: mcap or rosbags is not installed.
         UnknownNameError: No joint states have this topic.
         FileFormatError: No joint states, or a message that is none.
     """
+    with library(path, "bags"):
+        streams, others = _read(path)
+    if not streams:
+        got = ", ".join(others)[:400] or "nothing"
+        problem = f"no {_TYPE} in JSON, CDR or ROS 1, but {got}"
+        raise FileFormatError(path, problem)
+    if topic is None:
+        return streams
+    choice("topic", topic, sorted(streams))
+    return {topic: streams[topic]}
+
+
+def _read(path: PathLike) -> tuple[dict[str, list[Message]], list[str]]:
+    """The joint states of a file by topic, and what its channels hold."""
     from mcap.records import Channel, Schema
     from mcap.records import Message as Record
     from rosbags.typesys import Stores, get_typestore
 
-    decoders = {
+    ros_type = "sensor_msgs/msg/JointState"
+    ros1 = get_typestore(Stores.ROS1_NOETIC)
+    ros2 = get_typestore(Stores.LATEST)
+    decoders: dict[str, Callable[[bytes], Any]] = {
         "json": _from_json,
-        "cdr": lambda data: get_typestore(Stores.LATEST).deserialize_cdr(
-            data, "sensor_msgs/msg/JointState"
-        ),
-        "ros1": lambda data: get_typestore(Stores.ROS1_NOETIC).deserialize_ros1(
-            data, "sensor_msgs/msg/JointState"
-        ),
+        "cdr": lambda data: ros2.deserialize_cdr(data, ros_type),
+        "ros1": lambda data: ros1.deserialize_ros1(data, ros_type),
     }
     schemas: dict[int, str] = {}
     channels: dict[int, Channel] = {}
@@ -57,7 +85,7 @@ def mcap_joint_states(path: PathLike, topic: str | None) -> dict[str, list[Messa
                 decoder = decoders.get(channel.message_encoding)
                 if decoder is None or not kind.endswith(_TYPE):
                     continue
-                content: Any = decoder(record.data)
+                content = decoder(record.data)
                 stamp = content.header.stamp
                 message = Message(
                     publisher=f"channel {channel.id}",
@@ -67,22 +95,15 @@ def mcap_joint_states(path: PathLike, topic: str | None) -> dict[str, list[Messa
                 )
                 streams.setdefault(channel.topic, []).append(message)
 
-    if not streams:
-        others = sorted(
-            f"{channel.topic} ({schemas.get(channel.schema_id, 'no schema')}, "
-            f"{channel.message_encoding})"
-            for channel in channels.values()
-        )
-        got = ", ".join(others)[:400] or "nothing"
-        expected = f"no {_TYPE} in JSON, CDR or ROS 1, but {got}"
-        raise FileFormatError(path, expected)
-    if topic is None:
-        return streams
-    choice("topic", topic, sorted(streams))
-    return {topic: streams[topic]}
+    held = sorted(
+        f"{channel.topic} ({schemas.get(channel.schema_id, 'no schema')}, "
+        f"{channel.message_encoding})"
+        for channel in channels.values()
+    )
+    return streams, held
 
 
-def _records(file: Path, budget: Budget) -> Any:
+def _records(file: Path, budget: Budget) -> Iterator[Any]:
     """All records of a file, those of its chunks in their place, within a budget."""
     from mcap.records import Chunk
     from mcap.stream_reader import StreamReader, breakup_chunk
@@ -117,7 +138,7 @@ def _from_json(data: bytes) -> SimpleNamespace:
 
     header = fields.get("header")
     stamp = header.get("stamp") if isinstance(header, dict) else None
-    known = stamp if isinstance(stamp, dict) else {}
+    known: dict[str, Any] = stamp if isinstance(stamp, dict) else {}
     return SimpleNamespace(
         header=SimpleNamespace(
             stamp=SimpleNamespace(

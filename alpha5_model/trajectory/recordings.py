@@ -291,8 +291,8 @@ def _recorded(
     effort = None if effort is None else signs * effort
     current = None if current is None else signs * current
 
-    has_numbers = np.isfinite(numbers).any(axis=0).tolist()
-    read = {column for column, has in zip(columns, has_numbers, strict=True) if has}
+    finite = np.isfinite(numbers)
+    read = {column for k, column in enumerate(columns) if finite[:, k].any()}
     unused = [name for k, name in enumerate(table.header) if k not in read]
 
     warnings = [*table.warnings, *roles.warnings, *warnings]
