@@ -251,7 +251,8 @@ def _recorded(
     columns = roles.columns
     numbers, unit = table.read(columns)
     for k, column in enumerate(columns):
-        numbers[:, k] *= roles.scales.get(column, 1.0)
+        if column in roles.scales:
+            numbers[:, k] *= roles.scales[column]
     if roles.nanoseconds is not None:
         numbers[:, 0] += numbers[:, -1] / PER_SECOND["ns"]
         unit = "s"
@@ -259,7 +260,7 @@ def _recorded(
     n = len(roles.joints)
     needed = [roles.time, *roles.positions]
     rows, warnings = _usable_rows(path, table, numbers[:, : n + 1], needed)
-    samples = numbers[rows]
+    samples = numbers if rows.size == len(numbers) else numbers[rows]
     if np.isnan(samples[:, 1 : n + 1]).any():
         rows, samples, joined = _joined(table, roles, samples, rows)
         warnings += joined

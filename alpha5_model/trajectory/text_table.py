@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import FileFormatError
@@ -48,8 +49,7 @@ class TextTable:
     separator: str
 
 
-@dataclass(frozen=True)
-class _Line:
+class _Line(NamedTuple):
     """A line of the file.
 
     Attributes:
@@ -170,11 +170,11 @@ def _lines(path: PathLike, content: bytes) -> list[_Line]:
 
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     # A tab may stand for an empty last field: only spaces are blanks around a line.
-    every_line = [
+    filled = [
         _Line(number=number, text=line.strip(" "))
         for number, line in enumerate(text.split("\n"), start=1)
+        if not _is_blank(line)
     ]
-    filled = [line for line in every_line if not _is_blank(line.text)]
     if not filled:
         raise FileFormatError(path, "is empty", "line 1")
     return filled
