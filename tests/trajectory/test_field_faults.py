@@ -279,3 +279,13 @@ def test_what_ros2_topic_echo_prints_is_named(tmp_path: Path) -> None:
     path.write_text("header:\n  stamp:\n    sec: 1\n    nanosec: 0\nname:\n- axis_e\n")
     with pytest.raises(FileFormatError, match="--csv"):
         a5.trajectory.read_motion(path)
+
+
+def test_the_payload_is_in_the_answer() -> None:
+    motion = a5.trajectory.motion(TIME, MOVED)
+    arm = a5.load()
+    held = arm.with_payload(0.5, volume=1e-4).with_payload(0.25)
+    for model, mass, words in ((arm, 0.0, "none"), (held, 0.75, "0.75 kg")):
+        record = a5.trajectory.summary(a5.trajectory.analyse(motion, model))
+        assert record["model"]["payload_kg"] == mass
+        assert f"payload: {words}" in a5.trajectory.text(record)
