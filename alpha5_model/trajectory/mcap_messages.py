@@ -109,7 +109,9 @@ def _records(file: Path, budget: Budget) -> Iterator[Any]:
     from mcap.stream_reader import StreamReader, breakup_chunk
 
     with file.open("rb") as stream:
-        for record in StreamReader(stream, emit_chunks=True).records:
+        size = file.stat().st_size
+        reader = StreamReader(stream, emit_chunks=True, record_size_limit=size)
+        for record in reader.records:
             if not isinstance(record, Chunk):
                 yield record
                 continue
