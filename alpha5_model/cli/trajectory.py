@@ -34,7 +34,19 @@ _Prefix = Annotated[
     str | None, Option(help="Prefix of the joints' names, such as left_.")
 ]
 _Map = Annotated[
-    str, Option("--map", help="Names of the joints: axis_e=NAME,axis_d=NAME and so on.")
+    str,
+    Option(
+        "--map",
+        help="Names of the joints: axis_e=NAME,axis_d=-NAME (turns the other way) and "
+        "so on.",
+    ),
+]
+_Time = Annotated[
+    str | None,
+    Option("--time", help="Column of the time, NAME or NAME:ms (s, ms, us or ns)."),
+]
+_Episode = Annotated[
+    int | None, Option(help="Episode of a Parquet file that holds several.")
 ]
 _Degrees = Annotated[
     bool, Option("--degrees", help="Angles are in degrees, if columns name no unit.")
@@ -68,6 +80,8 @@ def trajectory(
     prefix: _Prefix = None,
     joints: _Map = "",
     degrees: _Degrees = False,
+    time: _Time = None,
+    episode: _Episode = None,
     output: _Output = None,
     plot: options.Plot = None,
     verbose: _Verbose = False,
@@ -116,6 +130,8 @@ def trajectory(
             arm=own,
             joints=values.pairs("map", joints.split(","), "="),
             degrees=degrees,
+            time=time,
+            episode=episode,
         )
         variant = _gripper(gripper, motion)
         analysis = library.analyse(

@@ -32,6 +32,8 @@ _SLOW_BANDWIDTH = 0.5
 _SLOW_SHARE = 0.1
 #: A joint whose speed is below this share of its rated speed is too slow to judge.
 _JUDGED_SHARE = 0.02
+#: The same for a joint all of whose velocities are zero.
+_ZERO_SHARE = 0.002
 #: Velocities outside these multiples of the slope of positions are implausible.
 _LEAST_GAIN = 0.8
 _MOST_GAIN = 1.25
@@ -183,6 +185,9 @@ def analyse(
     motors = _motors(arm.parameters, motion.joints, constants, efficiency)
     motors = _replaced(motors, actuators or {})
 
+    doubts = _velocity_warnings(motion, arm.parameters, used=use_velocity is True)
+    if doubts and use_velocity is None:
+        use_velocity = False
     smooth = smooth_for(arm.parameters, motion, method, bandwidth, use_velocity)
     loads = arm_loads.loads_of(arm, smooth, current, threads, progress)
     torque, base_wrench = _with_water(loads)
@@ -214,7 +219,7 @@ def analyse(
         current_limit=None if drive is None else _shared(drive.current_limits),
         warnings=(
             *motion.warnings,
-            *_velocity_warnings(motion, arm.parameters),
+            *doubts,
             *recorded.warnings,
         ),
         moving_water=loads.moving_water,
@@ -296,11 +301,12 @@ def _replaced(
 
 
 def _velocity_warnings(
-    motion: Motion, parameters: Alpha5Parameters
+    motion: Motion, parameters: Alpha5Parameters, used: bool
 ) -> list[MotionWarning]:
     """Warnings about velocities that are not the slope of their positions.
 
-    Only the slow parts of both are compared.
+    Only the slow parts of both are compared. `used` says whether the velocities are
+    used in spite of it.
     """
     if motion.velocity is None:
         return []
@@ -314,11 +320,15 @@ def _velocity_warnings(
     for k, joint in enumerate(parameters.joints[: len(motion.joints)]):
         slope = of_positions.velocity[:, k]
         power = float(np.mean(slope**2))
-        if power <= (_JUDGED_SHARE * joint.velocity) ** 2:
+        never_moves = not motion.velocity[:, k].any()
+        least = _ZERO_SHARE if never_moves else _JUDGED_SHARE
+        if power <= (least * joint.velocity) ** 2:
             continue
         gain = float(np.mean(slope * given.velocity[:, k])) / power
         if not _LEAST_GAIN < gain < _MOST_GAIN:
             times = f"{gain:.3g} times the slope of its positions"
+            if not used:
+                times += ", so that no velocities are used"
             warning = MotionWarning(
                 kind="velocity",
                 count=1,

@@ -174,6 +174,19 @@ def _counted(name: str, plain: Callable[..., bytes]) -> Callable[..., bytes]:
     return decompress
 
 
+def expanded(name: str, data: bytes, budget: Budget) -> bytes:
+    """Data that a compression of MCAP made, within a budget.
+
+    Raises:
+        ValueError: No such compression.
+    """
+    types = _decompressor_types()
+    if name not in types:
+        message = f"unknown compression {name[:40]!r}"
+        raise ValueError(message)
+    return _expanded(types[name], data, budget)
+
+
 def _decompressor_types() -> dict[str, Callable[[], Any]]:
     """Compression -> class of decompressors that work piece by piece."""
     mcap: Any = import_module("rosbags.rosbag2.storage_mcap")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -52,11 +52,13 @@ class Selection(NamedTuple):
         topic: The topic.
         prefix: The prefix of the joints' names.
         joints: Names of the arm's joints in the messages, prefix included, base to tip.
+        polled: Whether no message has all of them, but several together.
     """
 
     topic: str
     prefix: str
     joints: list[str]
+    polled: bool = False
 
 
 def joint_states(
@@ -165,11 +167,14 @@ def select(
         FileFormatError: No message has the joints of an arm.
     """
     counts = _counts_by_names(messages)
-    found = {
-        (topic, names, prefix): count
-        for (topic, names), count in counts.items()
-        for prefix in prefixes(names, wanted_prefix=wanted_prefix)
-    }
+    found = _arms(counts, wanted_prefix)
+    polled = not found
+    if polled:
+        together: Counter[tuple[str, tuple[str, ...]]] = Counter()
+        for topic, stream in messages.items():
+            names = dict.fromkeys(name for m in stream for name in m.content.name)
+            together[topic, tuple(names)] = len(stream)
+        found = _arms(together, wanted_prefix)
     if not found:
         raise _no_arm(path, list(counts), wanted_prefix)
 
@@ -187,7 +192,19 @@ def select(
         topic=topic,
         prefix=prefix,
         joints=[name for name in wanted if name in most_frequent],
+        polled=polled,
     )
+
+
+def _arms(
+    counts: Mapping[tuple[str, tuple[str, ...]], int], wanted_prefix: str | None
+) -> dict[tuple[str, tuple[str, ...], str], int]:
+    """Topic, names and prefix of each complete arm, and how many messages have it."""
+    return {
+        (topic, names, prefix): count
+        for (topic, names), count in counts.items()
+        for prefix in prefixes(names, wanted_prefix=wanted_prefix)
+    }
 
 
 def _counts_by_names(

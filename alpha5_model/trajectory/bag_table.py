@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,9 +10,16 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.files import PathLike
-from alpha5_model.trajectory.bag_messages import Message, joint_states, select
-from alpha5_model.trajectory.file_table import FileTable, Progress, seconds
+from alpha5_model.errors import FileFormatError
+from alpha5_model.trajectory.bag_messages import (
+    Message,
+    Selection,
+    joint_states,
+    select,
+)
+from alpha5_model.trajectory.file_table import FileTable, Problem, Progress, seconds
 from alpha5_model.trajectory.joint_map import JointMap
+from alpha5_model.trajectory.mcap_messages import is_other_mcap, mcap_joint_states
 from alpha5_model.trajectory.warning import MotionWarning
 
 _IntArray = NDArray[np.int64]
@@ -21,6 +27,8 @@ _IntArray = NDArray[np.int64]
 _Numbered = tuple[int, Message]
 #: Stamps below this are simulated times, which start at zero [ns].
 _SIMULATED = 10**11
+#: Messages that may be late in a row.
+_MOST_LATE = 3
 
 
 class BagTable(FileTable):
@@ -40,15 +48,21 @@ class BagTable(FileTable):
         joints: JointMap,
         progress: Progress | None,
     ) -> None:
-        streams = joint_states(path, topic, progress)
+        if is_other_mcap(path):
+            streams = mcap_joint_states(path, topic)
+        else:
+            streams = joint_states(path, topic, progress)
         _rename(streams, joints)
         chosen = select(path, streams, prefix)
         stream = streams[chosen.topic]
-        complete = _complete(stream, chosen.joints)
+        complete = _complete(stream, chosen)
         recorded = _samples(complete, chosen.joints)
+        _refuse_clock_set_back(path, chosen.topic, recorded)
         in_order = recorded.take(np.argsort(recorded.time, kind="stable"))
         with_known_joints = _without_missing_rod(in_order)
-        samples = with_known_joints.take(_all_finite(with_known_joints.position))
+        finite = np.isfinite(with_known_joints.position)
+        usable = finite.any(axis=1) if chosen.polled else finite.all(axis=1)
+        samples = with_known_joints.take(np.asarray(usable))
 
         self.prefix = chosen.prefix
         self.ignored = _other_names(stream, samples.joints)
@@ -62,15 +76,20 @@ class BagTable(FileTable):
         quantities["_effort"] = samples.effort
         names = [joint + ending for ending in quantities for joint in samples.joints]
         time = seconds(samples.time.tolist(), 10**9)
-        self.header = ["time", *names]
+        self.names = ["time", *names]
+        self.header = self.names
         self._columns = np.column_stack([time, *quantities.values()])
 
-    def read(
-        self, needed: list[int], optional: Sequence[list[int]]
-    ) -> tuple[FloatArray, str]:
+    def read(self, columns: Sequence[int]) -> tuple[FloatArray, str]:
         """The numbers of some columns; see `FileTable.read`."""
-        used = [*needed, *chain.from_iterable(optional)]
-        return self._columns[:, used], "s"
+        return self._columns[:, [*columns]], "s"
+
+    def problem(self, row: int, columns: Sequence[int]) -> Problem:
+        """Why a number of a message cannot be used; see `FileTable.problem`."""
+        numbers = self._columns[row, [*columns]]
+        wrong = int(np.argmin(np.isfinite(numbers)))
+        text = f"expected a finite number, got {numbers[wrong]:g}"
+        return Problem(self.place(row, columns[wrong]), text)
 
     def place(self, row: int, column: int) -> str:
         """Where a number is in the bag, for messages."""
@@ -99,6 +118,7 @@ class _Samples(NamedTuple):
         number: (N,) Which message of the topic it is.
         time: (N,) [ns].
         position, velocity, effort: (N, n); NaN for what a message does not have.
+        publishers: How many nodes sent them.
     """
 
     joints: list[str]
@@ -107,6 +127,7 @@ class _Samples(NamedTuple):
     position: FloatArray
     velocity: FloatArray
     effort: FloatArray
+    publishers: int = 1
 
     def take(self, which: NDArray[Any]) -> _Samples:
         """Some of the samples, by their places or by a mask."""
@@ -117,6 +138,7 @@ class _Samples(NamedTuple):
             position=self.position[which],
             velocity=self.velocity[which],
             effort=self.effort[which],
+            publishers=self.publishers,
         )
 
     def without_velocity(self) -> _IntArray:
@@ -124,15 +146,59 @@ class _Samples(NamedTuple):
         return self.number[~_all_finite(self.velocity)]
 
 
-def _complete(stream: list[Message], joints: list[str]) -> list[_Numbered]:
-    """The messages that have a position of each joint."""
-    wanted = {*joints}
+def _complete(stream: list[Message], chosen: Selection) -> list[_Numbered]:
+    """The messages that have a position of each joint, or of any if they are polled."""
+    wanted = {*chosen.joints}
     complete = []
     for number, message in enumerate(stream, start=1):
-        names = message.content.name
-        if len(message.content.position) == len(names) and wanted <= {*names}:
+        names = {*message.content.name}
+        has_joints = bool(wanted & names) if chosen.polled else wanted <= names
+        positions = len(message.content.position)
+        if has_joints and positions == len(message.content.name):
             complete.append((number, message))
     return complete
+
+
+def _refuse_clock_set_back(path: PathLike, topic: str, recorded: _Samples) -> None:
+    """Refuse a bag whose clock was set back: sorted, it would mix two motions.
+
+    A message that was late fits into a hole between the others, and few are late in a
+    row.
+
+    Raises:
+        FileFormatError: Many messages in a row state earlier times than one before
+            them, or messages of one publisher do not fit between the others.
+    """
+    time = recorded.time
+    if time.size < _MOST_LATE:
+        return
+    latest = np.maximum.accumulate(time)
+    late = np.flatnonzero(time < latest)
+    if not late.size:
+        return
+    breaks = np.flatnonzero(np.diff(late) != 1) + 1
+    longest = max(np.split(late, breaks), key=len)
+    in_order = np.sort(time)
+    typical = float(np.median(np.diff(in_order)))
+    place = np.searchsorted(in_order, time[late])
+    before = in_order[place] - in_order[np.maximum(place - 1, 0)]
+    behind = in_order[np.minimum(place + 1, time.size - 1)] - in_order[place]
+    crowded = np.minimum(before, behind) < typical / 2
+    first: int | None = None
+    if longest.size > _MOST_LATE:
+        first = int(longest[0])
+    elif recorded.publishers == 1 and crowded.any():
+        first = int(late[np.argmax(crowded)])
+    if first is None:
+        return
+    stamp = int(time[first]) / 10**9
+    back = (int(latest[first]) - int(time[first])) / 10**9
+    problem = (
+        f"time runs back by {back:.9g} s, to {stamp:.16g} s (a clock that was set "
+        "back?); cut the bag there"
+    )
+    place_of = f"message {recorded.number[first]} of {topic}"
+    raise FileFormatError(path, problem, place_of)
 
 
 def _samples(complete: list[_Numbered], joints: list[str]) -> _Samples:
@@ -148,13 +214,17 @@ def _samples(complete: list[_Numbered], joints: list[str]) -> _Samples:
     efforts = []
     for _, message in complete:
         content = message.content
-        names = content.name
-        at = [names.index(joint) for joint in joints]
-        has_velocity = len(content.velocity) == len(names)
-        has_effort = len(content.effort) == len(names)
-        positions.append(content.position[at])
-        velocities.append(content.velocity[at] if has_velocity else missing)
-        efforts.append(content.effort[at] if has_effort else missing)
+        place_of = {name: k for k, name in enumerate(content.name)}
+        at = [place_of.get(joint, -1) for joint in joints]
+        # The last number stands for joints that the message does not have.
+        count = len(content.name)
+        has_velocity = len(content.velocity) == count
+        has_effort = len(content.effort) == count
+        positions.append(np.append(content.position, np.nan)[at])
+        velocities.append(
+            np.append(content.velocity, np.nan)[at] if has_velocity else missing
+        )
+        efforts.append(np.append(content.effort, np.nan)[at] if has_effort else missing)
 
     shape = (len(complete), len(joints))
     return _Samples(
@@ -164,6 +234,7 @@ def _samples(complete: list[_Numbered], joints: list[str]) -> _Samples:
         position=np.array(positions, dtype=float).reshape(shape),
         velocity=np.array(velocities, dtype=float).reshape(shape),
         effort=np.array(efforts, dtype=float).reshape(shape),
+        publishers=len({message.publisher for _, message in complete}),
     )
 
 

@@ -1,8 +1,10 @@
-"""Checks of a motion: errors if it cannot be used, warnings if it is implausible."""
+"""Checks of a motion: what is refused, repaired with a warning, or implausible."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,9 +18,19 @@ from alpha5_model.trajectory.warning import MotionWarning
 
 #: Fewer samples give no useful acceleration.
 MINIMUM_SAMPLES = 5
-#: A step is a jump if it exceeds this share of the joint's range, plus the distance at
-#: twice the rated speed.
-JUMP_SHARE = 0.1
+#: Recordings hold a value for so long [s]; a step is a jump if twice the rated speed is
+#: too slow for it, this time included.
+HOLD = 0.1
+#: A spike leaves and returns by more than this share of the joint's range, plus the
+#: distance at twice the rated speed.
+SPIKE_SHARE = 0.02
+#: Samples of a spike at most, and one of so many samples may be in one.
+_LONGEST_SPIKE = 3
+_SAMPLES_FOR_A_SPIKE = 100
+#: An arm moves if, in this time [s], a joint does so at this share of its rated speed.
+_MOVING_TIME = 0.5
+_MOVING_SHARE = 0.02
+_TURN = 2 * math.pi
 #: A position beyond a limit by less than this share of the joint's range is at the
 #: limit.
 LIMIT_SLACK = 1e-3
@@ -101,14 +113,25 @@ def checked(raw: Motion, parameters: Alpha5Parameters, origin: Origin) -> Motion
     _check_radians(raw, parameters, origin)
 
     samples, warnings = _distinct_samples(raw.time, origin)
-    if samples.size < MINIMUM_SAMPLES:
-        expected = f"at least {MINIMUM_SAMPLES} samples with different times"
-        raise origin.error(0, None, raw.time[0], expected)
+    _check_enough(raw, samples, origin)
+
+    joints = parameters.joints[: len(raw.joints)]
+    position = raw.position.copy()
+    for k, limits in enumerate(joints[:4]):
+        unwrapped, wraps = _unwrapped(raw.time[samples], position[samples, k], limits)
+        position[samples, k] = unwrapped
+        text = f"{limits.name} goes on by a full turn, unwrapped"
+        warnings += _warning("wrapped", samples[wraps], limits.name, text, origin)
+
+    samples, spikes = _without_spikes(raw.time, position, samples, joints, origin)
+    samples, drop_outs = _without_drop_outs(raw.time, position, samples, joints, origin)
+    warnings += spikes + drop_outs
+    _check_enough(raw, samples, origin)
 
     time = raw.time[samples]
-    position = raw.position[samples]
+    position = position[samples]
     warnings += _gap_warnings(time, samples, origin)
-    for k, limits in enumerate(parameters.joints[: len(raw.joints)]):
+    for k, limits in enumerate(joints):
         warnings += _joint_warnings(time, position[:, k], limits, samples, origin)
 
     return replace(
@@ -120,6 +143,154 @@ def checked(raw: Motion, parameters: Alpha5Parameters, origin: Origin) -> Motion
         current=None if raw.current is None else frozen(raw.current[samples]),
         warnings=(*raw.warnings, *warnings),
     )
+
+
+def _check_enough(raw: Motion, samples: NDArray[np.intp], origin: Origin) -> None:
+    """Refuse a motion of which too few samples are left."""
+    if samples.size < MINIMUM_SAMPLES:
+        expected = f"at least {MINIMUM_SAMPLES} samples with different times"
+        raise origin.error(0, None, raw.time[0], expected)
+
+
+def _unwrapped(
+    time: FloatArray, angle: FloatArray, limits: JointRange
+) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Angles that go on where they start again by a full turn, and where they did.
+
+    Only steps that the joint cannot take, but without their full turns can, count. If
+    there are any, all angles are shifted by the full turns that bring most of them
+    into the joint's range.
+
+    Args:
+        time, angle: (N,) [s]; [rad].
+        limits: The joint's range and rated speed.
+    """
+    steps = np.diff(angle)
+    turns = np.round(steps / _TURN)
+    rest = np.abs(steps - _TURN * turns)
+    wraps = (
+        jumps(time, angle, limits) & (turns != 0) & (rest <= _possible(time, limits))
+    )
+    if not wraps.any():
+        return angle, np.flatnonzero(wraps)
+    unwrapped = angle - _TURN * np.cumsum(np.concatenate([[0.0], turns * wraps]))
+
+    first = round(
+        ((limits.lower + limits.upper) / 2 - float(np.median(unwrapped))) / _TURN
+    )
+    shifts = sorted(range(first - 1, first + 2), key=abs)
+    inside = [
+        np.count_nonzero(
+            (unwrapped + _TURN * shift >= limits.lower)
+            & (unwrapped + _TURN * shift <= limits.upper)
+        )
+        for shift in shifts
+    ]
+    return unwrapped + _TURN * shifts[int(np.argmax(inside))], np.flatnonzero(wraps) + 1
+
+
+def _without_spikes(
+    time: FloatArray,
+    position: FloatArray,
+    samples: NDArray[np.intp],
+    joints: Sequence[JointRange],
+    origin: Origin,
+) -> tuple[NDArray[np.intp], list[MotionWarning]]:
+    """The samples without those that leave and return faster than the joint can.
+
+    Args:
+        time: (M,) [s] Of all samples.
+        position: (M, n) [rad], jaw rod [m].
+        samples: Those that are left, (N,).
+        joints: Ranges and rated speeds.
+        origin: Where the samples come from.
+    """
+    is_spike = np.zeros((samples.size, len(joints)), dtype=bool)
+    t = time[samples]
+    for k, limits in enumerate(joints):
+        q = position[samples, k]
+        too_far = np.abs(np.diff(q)) > (
+            2 * limits.velocity * np.diff(t)
+            + SPIKE_SHARE * (limits.upper - limits.lower)
+        )
+        for length in range(1, _LONGEST_SPIKE + 1):
+            if samples.size < length + 2:
+                continue
+            # From the sample before a spike to the one behind it.
+            across = np.abs(q[length + 1 :] - q[: -length - 1])
+            out = np.abs(np.diff(q))[: across.size]
+            back = too_far[: across.size] & too_far[length:]
+            starts = np.flatnonzero(back & (across < out / 4))
+            for shift in range(length):
+                is_spike[starts + 1 + shift, k] = True
+
+    spikes = is_spike.any(axis=1)
+    if np.count_nonzero(spikes) > max(1, samples.size // _SAMPLES_FOR_A_SPIKE):
+        return samples, []  # it is no single sample; the jumps are named
+    warnings = []
+    for k, limits in enumerate(joints):
+        text = f"{limits.name} jumps and returns, sample left out as a spike"
+        warnings += _warning(
+            "spike", samples[is_spike[:, k]], limits.name, text, origin
+        )
+    return samples[~spikes], warnings
+
+
+def _without_drop_outs(
+    time: FloatArray,
+    position: FloatArray,
+    samples: NDArray[np.intp],
+    joints: Sequence[JointRange],
+    origin: Origin,
+) -> tuple[NDArray[np.intp], list[MotionWarning]]:
+    """The samples without those that repeat the last values until a jump.
+
+    A driver without connection repeats them. An arm that was at rest before it jumps
+    may have been there. The arguments are those of
+    `_without_spikes`.
+    """
+    t = time[samples]
+    q = position[samples]
+    jump = np.zeros(samples.size - 1, dtype=bool)
+    for k, limits in enumerate(joints):
+        jump |= jumps(t, q[:, k], limits)
+    moved = np.flatnonzero((np.diff(q, axis=0) != 0.0).any(axis=1))
+    slow = _MOVING_SHARE * _MOVING_TIME * np.array([each.velocity for each in joints])
+    left = np.ones(samples.size, dtype=bool)
+    dropped: list[int] = []
+    for end in np.flatnonzero(jump).tolist():
+        # The last step before the jump with any change leads to the held sample.
+        before = int(np.searchsorted(moved, end))
+        if not before:
+            continue
+        start = int(moved[before - 1]) + 1
+        earlier = int(np.searchsorted(t, t[start] - _MOVING_TIME))
+        was_moving = (np.abs(q[start] - q[earlier]) > slow).any()
+        if was_moving and t[end] - t[start] > HOLD:
+            left[start + 1 : end + 1] = False
+            dropped.append(start + 1)
+    if not dropped:
+        return samples, []
+    longest = max(
+        float(t[end] - t[start - 1])
+        for start, end in zip(dropped, _ends(left, dropped), strict=True)
+    )
+    warning = MotionWarning(
+        kind="drop_out",
+        count=len(dropped),
+        first=origin.place(int(samples[dropped[0]]), None),
+        text=(
+            f"all joints hold their values for up to {longest:.3g} s and then jump: a "
+            "drop-out, left out"
+        ),
+    )
+    return samples[left], [warning]
+
+
+def _ends(left: BoolArray, starts: list[int]) -> list[int]:
+    """Where the samples that are left out from each start end."""
+    kept = np.flatnonzero(left)
+    return [int(kept[np.searchsorted(kept, start)]) for start in starts]
 
 
 def _known(recorded: FloatArray | None) -> FloatArray | None:
@@ -166,9 +337,17 @@ def _check_order(time: FloatArray, origin: Origin) -> None:
     runs_back = np.diff(time) < 0
     if runs_back.any():
         sample = int(np.argmax(runs_back)) + 1
-        before = time[sample - 1]
-        expected = f"a time of at least {before:.9g} s: time runs back"
+        before = _exact(time[sample - 1])
+        expected = (
+            f"a time of at least {before} s, got {_exact(time[sample])} s: time runs "
+            "back (a clock that was set back?); cut the recording there"
+        )
         raise origin.error(sample, None, time[sample], expected)
+
+
+def _exact(time: float) -> str:
+    """A time with all its digits."""
+    return format(float(time), ".16g")
 
 
 def _check_radians(
@@ -239,26 +418,34 @@ def _joint_warnings(
         origin: Where the samples come from.
     """
     name = limits.name
-    jumps = f"{name} jumps farther than it can move"
-    jump = samples[1:][_jumps(time, position, limits)]
+    too_far = (
+        f"{name} jumps farther than it can move; both sides are smoothed on their own"
+    )
+    jump = samples[1:][jumps(time, position, limits)]
 
     slack = LIMIT_SLACK * (limits.upper - limits.lower)
     below = position < limits.lower - slack
     above = position > limits.upper + slack
     outside = samples[below | above]
     return [
-        *_warning("jump", jump, name, jumps, origin),
+        *_warning("jump", jump, name, too_far, origin),
         *_warning(
             "outside_limits", outside, name, _outside_text(position, limits), origin
         ),
     ]
 
 
-def _jumps(time: FloatArray, position: FloatArray, limits: JointRange) -> BoolArray:
-    """Which steps are longer than the joint can move in their time, (N - 1,)."""
-    span = limits.upper - limits.lower
-    possible = JUMP_SHARE * span + 2 * limits.velocity * np.diff(time)
-    return np.asarray(np.abs(np.diff(position)) > possible)
+def jumps(time: FloatArray, position: FloatArray, limits: JointRange) -> BoolArray:
+    """Which steps of a joint are longer than it can move in their time, (N - 1,)."""
+    return np.asarray(np.abs(np.diff(position)) > _possible(time, limits))
+
+
+def _possible(time: FloatArray, limits: JointRange) -> FloatArray:
+    """How far a joint may move in each step, (N - 1,) [rad], jaw rod [m].
+
+    Drivers hold a value for up to `HOLD`.
+    """
+    return np.asarray(2 * limits.velocity * (np.diff(time) + HOLD))
 
 
 def _outside_text(position: FloatArray, limits: JointRange) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from alpha5_model.numbers.tables import JOINT_NAMES
 
@@ -31,7 +32,9 @@ _LENGTHS = {
     "current": CURRENTS,
 }
 #: Units that may stand behind an underscore, without brackets.
-_ENDINGS = {"deg", "degs", "degree", "degrees", "rad", "mm", *CURRENTS}
+_ENDINGS = {"deg", "degs", "degree", "degrees", "rad", "mm", "nm", *CURRENTS}
+#: Units with a fraction that may, as in ``axis_e_vel_rad_s``.
+_PER_SECOND = re.compile(r"(.*)_(rad|deg|mm|m)(?:_|/|_per_)s(?:ec)?", re.IGNORECASE)
 
 
 def split_unit(name: str) -> tuple[str, str]:
@@ -44,6 +47,10 @@ def split_unit(name: str) -> tuple[str, str]:
         start = max(text.rfind("["), text.rfind("("))
         if start >= 0:
             return text[:start].rstrip(" _"), text[start + 1 : -1].strip().lower()
+
+    per_second = _PER_SECOND.fullmatch(text)
+    if per_second:
+        return per_second[1], f"{per_second[2].lower()}/s"
 
     stem, sign, ending = text.rpartition("_")
     if sign and ending.lower() in _ENDINGS:

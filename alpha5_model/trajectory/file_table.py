@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,39 +29,47 @@ CHUNK = 10_000
 Progress = Callable[[str, float], None]
 
 
+class Problem(NamedTuple):
+    """Why a row cannot be read.
+
+    Attributes:
+        place: Where it is in the file.
+        text: What is wrong.
+    """
+
+    place: str
+    text: str
+
+
 class FileTable(ABC):
     """Columns of a file of joint motion; their numbers are read when they are needed.
 
     Attributes:
-        header: Names of all columns; see `read_motion`.
+        names: Names of all columns as in the file; see `read_motion`.
+        header: The same with the arm's joints for those of the file.
         head: Where the names are in the file, for messages.
         warnings: Warnings about what was read so far.
         ignored: Names in the file that are no columns and are not used.
     """
 
+    names: Sequence[str]
     header: Sequence[str]
     head: str = ""
     warnings: tuple[MotionWarning, ...] = ()
     ignored: tuple[str, ...] = ()
 
     @abstractmethod
-    def read(
-        self, needed: list[int], optional: Sequence[list[int]]
-    ) -> tuple[FloatArray, str | None]:
-        """The numbers of some columns.
-
-        Args:
-            needed: Columns whose numbers must be finite, the time first.
-            optional: Groups of columns that are left out, with all later ones, if they
-                do not hold numbers.
+    def read(self, columns: Sequence[int]) -> tuple[FloatArray, str | None]:
+        """The numbers of some columns, the time first.
 
         Returns:
-            The numbers, (N, k), of as many groups as possible, and the unit of the time
-            if the file's format defines it, else None.
-
-        Raises:
-            FileFormatError: A needed column has something that is no finite number.
+            The numbers, (N, k), NaN for what is none, and the unit of the time if the
+            file's format defines it, else None.
         """
+
+    @abstractmethod
+    def problem(self, row: int, columns: Sequence[int]) -> Problem:
+        """Why a row has no finite number in some of these columns, as read."""
 
     @abstractmethod
     def place(self, row: int, column: int) -> str:

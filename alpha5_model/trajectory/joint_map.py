@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
-from alpha5_model._support.checks import choice
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.tables import JOINT_NAMES
 
@@ -14,8 +16,8 @@ class JointMap:
     """What a file calls the joints of the arm.
 
     Args:
-        joints: Joint of the arm -> its name in the file; None or empty if the file has
-            the arm's names.
+        joints: Joint of the arm -> its name in the file, ``-NAME`` if it turns the
+            other way there; None or empty if the file has the arm's names.
 
     Raises:
         UnknownNameError: Not a joint of the arm.
@@ -27,18 +29,26 @@ class JointMap:
             expected = "a mapping from joints of the arm to names in the file"
             raise InputError("joints", joints, expected)
         self._ours: dict[str, str] = {}
+        self._reversed: set[str] = set()
         for joint, name in (joints or {}).items():
             choice("joint", joint, JOINT_NAMES)
-            if not isinstance(name, str) or not name.strip() or name in self._ours:
+            own = name.removeprefix("-") if isinstance(name, str) else ""
+            if not own.strip() or own in self._ours:
                 expected = "a name of the file for each joint, each name once"
                 raise InputError(f"joints[{joint}]", name, expected)
-            self._ours[name] = joint
+            self._ours[own] = joint
+            if own != name:
+                self._reversed.add(joint)
 
         longest_first = sorted(self._ours, key=len, reverse=True)
         either = "|".join(map(re.escape, longest_first))
         # ``joint_1`` stands in ``left_joint_1_pos``, not in ``joint_10`` or
         # ``myjoint_1``.
         self._names = re.compile(rf"(?<![A-Za-z0-9])(?:{either})(?![A-Za-z0-9])")
+
+    def signs(self, joints: Sequence[str]) -> FloatArray:
+        """-1 for each joint that turns the other way in the file, else 1, (n,)."""
+        return np.array([-1.0 if joint in self._reversed else 1.0 for joint in joints])
 
     def renamed(self, names: Iterable[str]) -> list[str]:
         """Names with the arm's joints for those of the file.

@@ -80,11 +80,18 @@ def _model(a: Analysis) -> dict[str, Any]:
         **_own_arm(a.arm.parameters),
         "gripper": "jaws" if "axis_a" in a.smooth.joints else "locked",
         "fluid_density": a.arm.fluid_density,
+        "payload_kg": _payload(a.arm),
         "gravity": a.arm.model.gravity.linear,
     }
     if a.moving_water is not None:
         model["water_current"] = a.moving_water.current
     return model
+
+
+def _payload(arm: Arm) -> float:
+    """Mass of all bodies that the arm holds [kg]."""
+    frames = arm.model.frames
+    return float(sum(f.inertia.mass for f in frames if f.name.startswith("payload")))
 
 
 def _own_arm(record: Alpha5Parameters) -> dict[str, Any]:

@@ -25,6 +25,7 @@ NAME = "name"
 MEASURED = "measured"
 COMMAND = "command"
 UNKNOWN = "unknown"
+TORQUE = "torque"
 
 #: Meaning -> the words that have it.
 _WORDS = {
@@ -45,7 +46,7 @@ _WORDS = {
         trajectory""",
     "raw value": "adc cnt cnts count counts enc encoder hall raw resolver tick ticks",
     "limit": "bound bounds lim limit limits lower margin range sat saturation upper",
-    "torque": "mom moment moments nm taus tau torque torques tq trq",
+    TORQUE: "mom moment moments nm taus tau torque torques tq trq",
     "force": "force forces frc load loads strain stress wrench",
     CURRENT: """
         amp ampere amperes amps cur curr current currents iq ma milliamp milliamperes

@@ -44,6 +44,11 @@ _FORMATS = (
     _Format(b"#ROSBAG V", "a bag of ROS 1", "name it .bag"),
     _Format(b"SQLite format 3", "a bag of ROS 2", "name it .db3"),
     _Format(b"\x89MCAP0", "an MCAP file", "name it .mcap"),
+    _Format(
+        b"header:\n",
+        "what ros2 topic echo prints",
+        "record it with ros2 topic echo --csv, or with ros2 bag record",
+    ),
     _Format(b"{", "JSON"),
     _Format(b"[", "JSON"),
     _Format(b"<", "XML or HTML"),
@@ -61,6 +66,7 @@ def refuse_other_formats(path: PathLike, content: bytes) -> None:
         FileFormatError: It is in one of these formats.
     """
     start = content[:100].removeprefix(b"\xef\xbb\xbf").lstrip()
+    start = start.removeprefix(b"---").lstrip().replace(b"\r\n", b"\n")
     for known in _FORMATS:
         if start.startswith(known.signature):
             problem = f"is {known.name}, a CSV file is expected: {known.advice}"

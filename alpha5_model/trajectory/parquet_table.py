@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, read_named
-from alpha5_model.errors import FileFormatError
+from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.trajectory.file_table import (
     EXPANSION,
     PER_SECOND,
     FileTable,
+    Problem,
     library,
     seconds,
 )
@@ -27,6 +27,8 @@ from alpha5_model.trajectory.text_table import refuse_git_lfs_pointer
 _LEAST_EXPANSION = 100_000_000
 #: The column of LeRobot's data sets that says which recording a row belongs to.
 _EPISODE = "episode_index"
+#: Episodes that a message lists.
+_LISTED = 20
 
 
 class _Source(NamedTuple):
@@ -52,8 +54,13 @@ class ParquetTable(FileTable):
         FileFormatError: The file is not a Parquet file.
     """
 
-    def __init__(self, path: PathLike, joints: JointMap) -> None:
+    def __init__(
+        self, path: PathLike, joints: JointMap, episode: int | None = None
+    ) -> None:
         self._path = path
+        self._episode = episode
+        #: Rows of the file before those that are read.
+        self._first_row = 0
         with library(path, "parquet"):
             from pyarrow import BufferReader, parquet
 
@@ -75,14 +82,12 @@ class ParquetTable(FileTable):
                 continue
             header += elements
             self._sources += [_Source(column, k) for k in range(len(elements))]
+        self.names = header
         self.header = joints.renamed(header)
 
-    def read(
-        self, needed: list[int], optional: Sequence[list[int]]
-    ) -> tuple[FloatArray, str | None]:
+    def read(self, columns: Sequence[int]) -> tuple[FloatArray, str | None]:
         """The numbers of some columns; see `FileTable.read`."""
-        used = [*needed, *chain.from_iterable(optional)]
-        sources = [self._sources[column] for column in used]
+        sources = [self._sources[column] for column in columns]
         names = [*dict.fromkeys(source.column for source in sources)]
         if _EPISODE in self._columns:
             names.append(_EPISODE)
@@ -91,19 +96,24 @@ class ParquetTable(FileTable):
 
             self._check_expansion(names)
             table = self._file.read(names)
-            self._check_episode(table)
+            table = self._rows_of_episode(table)
             self._check_lengths(table, sources)
-            columns = [_numbers(table, source) for source in sources]
-            numbers = np.stack(columns, axis=1)
+            numbers = np.stack([_numbers(table, x) for x in sources], axis=1)
 
-        self._check_finite(numbers, needed)
         time = table[sources[0].column]
         unit = "s" if types.is_temporal(time.type) else None
         return numbers, unit
 
+    def problem(self, row: int, columns: Sequence[int]) -> Problem:
+        """Why a number of a row cannot be used; see `FileTable.problem`."""
+        numbers = self.read(columns)[0][row]
+        wrong = int(np.argmin(np.isfinite(numbers)))
+        text = f"expected a finite number, got {numbers[wrong]:g}"
+        return Problem(self.place(row, columns[wrong]), text)
+
     def place(self, row: int, column: int) -> str:
         """Where a number is in the file, for messages."""
-        return f"row {row + 1} ({self.header[column]})"
+        return f"row {self._first_row + row + 1} ({self.names[column]})"
 
     def _check_lengths(self, table: Any, sources: list[_Source]) -> None:
         """Refuse lists that are shorter or longer than their names."""
@@ -117,26 +127,32 @@ class ParquetTable(FileTable):
                     problem = f"a list of {length} numbers, expected {expected}"
                     raise FileFormatError(self._path, problem, name)
 
-    def _check_episode(self, table: Any) -> None:
-        """Refuse several recordings in one file: the time of each starts anew."""
+    def _rows_of_episode(self, table: Any) -> Any:
+        """The rows of one recording: the time of each starts anew."""
         if _EPISODE not in table.column_names:
-            return
-        episodes = table[_EPISODE].unique().to_pylist()
-        if len(episodes) > 1:
+            if self._episode is not None:
+                expected = f"no value: the file has no column {_EPISODE}"
+                raise InputError("episode", self._episode, expected)
+            return table
+
+        every = table[_EPISODE].to_numpy()
+        episodes = np.unique(every).tolist()
+        listed = ", ".join(map(str, episodes[:_LISTED]))
+        if len(episodes) > _LISTED:
+            listed += f", ... {episodes[-1]}"
+        if self._episode is None and len(episodes) > 1:
             problem = (
-                f"holds {len(episodes)} episodes ({_EPISODE} {episodes[0]}, "
-                f"{episodes[1]}, ...), expected one: write its rows to a file"
+                f"holds {len(episodes)} episodes ({listed}): choose one by --episode "
+                "(read_motion: episode=)"
             )
             raise FileFormatError(self._path, problem)
-
-    def _check_finite(self, numbers: FloatArray, needed: list[int]) -> None:
-        """Refuse needed columns with something that is no finite number."""
-        not_finite = np.argwhere(~np.isfinite(numbers[:, : len(needed)]))
-        if not_finite.size:
-            row, k = not_finite[0].tolist()
-            problem = f"expected a finite number, got {numbers[row, k]:g}"
-            place = self.place(row, needed[k])
-            raise FileFormatError(self._path, problem, place)
+        if self._episode is None:
+            return table
+        rows = np.flatnonzero(every == self._episode)
+        if not rows.size:
+            raise InputError("episode", self._episode, f"one of {listed}")
+        self._first_row = int(rows[0])
+        return table.take(rows)
 
     def _check_expansion(self, names: list[str]) -> None:
         """Refuse columns that take far more memory than the file does.

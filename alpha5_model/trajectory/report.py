@@ -194,11 +194,13 @@ def _head(record: _Record) -> list[str]:
     unit = record["time_unit_of_file"]
     column = "" if unit == "s" else f" (time column in {unit})"
     own = f"{model['arm']}, " if "arm" in model else ""
+    payload = f"{model['payload_kg']:g} kg" if model["payload_kg"] else "none"
     return [
         f"{record['source']}: {record['samples']} samples, "
         f"{record['duration_s']:.2f} s{column}",
         f"  model: {own}{model['gripper']} gripper, "
         f"fluid {model['fluid_density']:g} kg/m^3, gravity ({gravity}) m/s^2",
+        f"  payload: {payload}",
         f"  smoothing: {smoothing['method']}{width}; "
         f"derivatives from {smoothing['derivatives_from']}",
     ]

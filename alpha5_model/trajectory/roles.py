@@ -7,14 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from alpha5_model._support.files import PathLike
-from alpha5_model.errors import FileFormatError
+from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.trajectory.file_table import FileTable
+from alpha5_model.trajectory.file_table import PER_SECOND, FileTable
 from alpha5_model.trajectory.names import (
     COMMAND,
     CURRENT,
     EFFORT,
     POSITION,
+    TORQUE,
+    UNKNOWN,
     VELOCITY,
     Column,
     explained,
@@ -26,6 +28,10 @@ from alpha5_model.trajectory.ros_columns import nanoseconds_of
 from alpha5_model.trajectory.time_units import CLOCK, TIME_WITH_UNIT
 from alpha5_model.trajectory.warning import MotionWarning
 
+#: Meanings of columns that one may take for positions, velocities or efforts.
+_NOTABLE = (UNKNOWN, TORQUE, "force", "angle in degrees", "speed of another unit")
+#: Columns that a warning lists.
+_LISTED = 8
 _TIME = ("time_secs", "time")
 #: What a turning joint has in rad and rad/s.
 _ANGLES = (POSITION, VELOCITY)
@@ -44,6 +50,7 @@ class Roles:
         efforts, currents: Joint -> column, of the joints that have one.
         warnings: About columns that the caller may miss.
         scales: Column -> SI units in its unit, of the columns that are not in SI.
+        time_unit: Unit of the time that the caller gave; None if none.
     """
 
     time: int
@@ -55,19 +62,27 @@ class Roles:
     currents: dict[str, int]
     warnings: list[MotionWarning]
     scales: dict[int, float]
+    time_unit: str | None = None
 
     @property
-    def needed(self) -> list[int]:
-        """The columns whose numbers must be finite.
-
-        Time, positions, velocities, and the nanoseconds of the time if it has some.
-        """
-        needed = [self.time, *self.positions, *self.velocities]
-        return needed if self.nanoseconds is None else [*needed, self.nanoseconds]
+    def columns(self) -> list[int]:
+        """All columns that are read, the time first."""
+        columns = [
+            self.time,
+            *self.positions,
+            *self.velocities,
+            *self.efforts.values(),
+            *self.currents.values(),
+        ]
+        return columns if self.nanoseconds is None else [*columns, self.nanoseconds]
 
 
 def find_roles(
-    path: PathLike, table: FileTable, wanted_prefix: str | None, degrees: bool
+    path: PathLike,
+    table: FileTable,
+    wanted_prefix: str | None,
+    degrees: bool,
+    wanted_time: str | None = None,
 ) -> Roles:
     """Which columns of a table are the time and the joints' quantities.
 
@@ -76,15 +91,22 @@ def find_roles(
         table: Its columns.
         wanted_prefix: The prefix of the joints that the caller gave; None if none.
         degrees: Whether angles are in degrees if their columns name no unit.
+        wanted_time: Column of the time that the caller gave, ``NAME`` or
+            ``NAME:unit``; None if none.
 
     Raises:
-        InputError: Several arms to choose from.
+        InputError: Several arms to choose from, or no such column of the time.
         FileFormatError: A missing or a doubled column.
     """
     columns = _Columns(path, table, wanted_prefix)
-    time_names, time_warnings = _time_names(table)
-    expected = ": expected time_secs or time or time_ms"
-    time = columns.only(time_names, "the time", expected)
+    time_unit: str | None = None
+    time_warnings: list[MotionWarning] = []
+    if wanted_time is None:
+        time_names, time_warnings = _time_names(table)
+        expected = ": expected time_secs or time or time_ms, or name it by --time"
+        time = columns.only(time_names, "the time", expected)
+    else:
+        time, time_unit = _chosen_time(table, wanted_time)
 
     has_rod = columns.names(JOINT_NAMES[4], POSITION)
     joints = JOINT_NAMES if has_rod else JOINT_NAMES[:4]
@@ -96,8 +118,13 @@ def find_roles(
         velocities=columns.velocities(joints),
         efforts=columns.efforts(joints),
         currents=columns.currents(joints),
-        warnings=[*time_warnings, *columns.command_warnings()],
+        warnings=[
+            *time_warnings,
+            *columns.command_warnings(),
+            *columns.unused_warnings(),
+        ],
         scales=columns.scales(degrees),
+        time_unit=time_unit,
     )
 
 
@@ -144,7 +171,7 @@ class _Columns:
             number = "two" if len(names) == 2 else len(names)
             problem = f"{number} columns for {what}: {', '.join(names)}"
         else:
-            got = ", ".join(header)[:200]
+            got = ", ".join(self._table.names)[:200]
             problem = f"no column for {what}{missing}, got {got}"
         raise FileFormatError(self._path, problem, self._table.head)
 
@@ -222,10 +249,48 @@ class _Columns:
         )
         return [warning]
 
+    def unused_warnings(self) -> list[MotionWarning]:
+        """A warning about columns of the arm that are not understood, or torques.
+
+        Torques beside their causes are those that this package computed and wrote.
+        """
+        header = {*self._table.header}
+        unused = [
+            column.name
+            for column in self._arm
+            if column.meaning in _NOTABLE
+            and f"{column.joint}_torque_inertia" not in header
+        ]
+        if not unused:
+            return []
+        listed = ", ".join(name[:60] for name in unused[:_LISTED])
+        more = ", ..." if len(unused) > _LISTED else ""
+        warning = MotionWarning(
+            kind="not_used",
+            count=len(unused),
+            first=self._table.head or unused[0],
+            text=f"columns of joints that are not used ({listed}{more})",
+        )
+        return [warning]
+
     def _expected(self, joint: str, endings: Sequence[str]) -> str:
         """The names that a column of a joint may have, for messages."""
         names = [self._group + joint + ending for ending in endings]
         return f": expected {' or '.join(names)}"
+
+
+def _chosen_time(table: FileTable, wanted: str) -> tuple[int, str | None]:
+    """The column that the caller named as the time, and its unit if one is given."""
+    names = [*table.names]
+    name, _, unit = wanted.rpartition(":")
+    if wanted in names:
+        return names.index(wanted), None
+    if name in names and unit in PER_SECOND:
+        return names.index(name), unit
+    units = ", ".join(PER_SECOND)
+    got = ", ".join(names)[:200]
+    expected = f"a column of the file ({got}), with :UNIT ({units}) if it has one"
+    raise InputError("time", wanted, expected)
 
 
 def _time_names(table: FileTable) -> tuple[list[str], list[MotionWarning]]:

@@ -38,6 +38,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, choice, frozen, real
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
+from alpha5_model.trajectory.checks import MINIMUM_SAMPLES, jumps
 from alpha5_model.trajectory.filters import (
     Fit,
     interpolating_spline,
@@ -113,9 +114,9 @@ def smooth(
             without noise.
         bandwidth: -3 dB frequency [Hz]; no effect on ``"interpolate"``.
         use_velocity: Compute velocities and accelerations from the velocities of the
-            motion instead of its positions; None does so if there are any. Recordings
-            hold each position for about 0.1 s, which makes its second derivative
-            useless.
+            motion instead of its positions; None does so if there are any (`analyse`:
+            if they agree with the positions). Recordings hold each position for about
+            0.1 s, which makes its second derivative useless.
         arm: Record of an arm of your own, for its rated speeds, below which a joint is
             at rest; None for the catalogue's.
 
@@ -143,16 +144,26 @@ def smooth_for(
             expected = "False: the motion has no velocities"
             raise InputError("use_velocity", True, expected)
         signals = np.hstack([motion.position, motion.velocity])
-    fit, reached = _fitted(motion.time, signals, method, bandwidth)
+    pieces = _pieces(parameters, motion)
+    fits = [
+        _fitted(motion.time[piece], signals[piece], method, bandwidth)
+        for piece in pieces
+    ]
+    reached = fits[0][1]
+    value = np.concatenate([fit.value for fit, _ in fits])
+    slope = np.concatenate([fit.slope for fit, _ in fits])
+    curvature = np.concatenate([fit.curvature for fit, _ in fits])
 
     n = len(motion.joints)
-    position = fit.value[:, :n]
-    velocity = fit.value[:, n:] if use_velocity else fit.slope
-    acceleration = fit.slope[:, n:] if use_velocity else fit.curvature
+    position = value[:, :n]
+    velocity = value[:, n:] if use_velocity else slope
+    acceleration = slope[:, n:] if use_velocity else curvature
     if method == "interpolate":
-        mean_velocity = fit.slope[:, :n]
+        mean_velocity = slope[:, :n]
     else:
-        mean_velocity = _mean_velocity(motion)
+        mean_velocity = np.concatenate(
+            [_mean_velocity(motion.time[x], motion.position[x]) for x in pieces]
+        )
     rated = np.array([joint.velocity for joint in parameters.joints[:n]])
     at_rest = np.abs(mean_velocity) < REST_SHARE * rated
     return SmoothMotion(
@@ -205,15 +216,32 @@ def _checked_bandwidth(bandwidth: float, time: FloatArray) -> float:
     return wanted
 
 
-def _mean_velocity(motion: Motion) -> FloatArray:
+def _pieces(parameters: Alpha5Parameters, motion: Motion) -> list[slice]:
+    """The motion between jumps: no joint moves so, and no torque makes it.
+
+    Jumps that leave fewer samples than a piece needs do not count.
+    """
+    jump = np.zeros(motion.time.size - 1, dtype=bool)
+    for k, limits in enumerate(parameters.joints[: len(motion.joints)]):
+        jump |= jumps(motion.time, motion.position[:, k], limits)
+    pieces = []
+    start = 0
+    for end in (np.flatnonzero(jump) + 1).tolist():
+        enough = min(end - start, motion.time.size - end) >= MINIMUM_SAMPLES
+        if enough:
+            pieces.append(slice(start, end))
+            start = end
+    return [*pieces, slice(start, motion.time.size)]
+
+
+def _mean_velocity(time: FloatArray, position: FloatArray) -> FloatArray:
     """Mean velocities over `DIRECTION_WINDOW` around each sample, (N, n).
 
     Unlike the noisy velocity, they change sign only if the motion reverses.
     """
-    time = motion.time
     half = DIRECTION_WINDOW / 2
     early = np.maximum(time - half, time[0])
     late = np.minimum(time + half, time[-1])
-    displacement = resampled(late, time, motion.position)
-    displacement -= resampled(early, time, motion.position)
+    displacement = resampled(late, time, position)
+    displacement -= resampled(early, time, position)
     return np.asarray(displacement / (late - early)[:, None])

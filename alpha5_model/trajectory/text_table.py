@@ -9,7 +9,9 @@ import codecs
 import csv
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import FileFormatError
@@ -21,6 +23,8 @@ _SEPARATORS = {",": "','", ";": "';'", "\t": "a tab"}
 #: Separates the columns if none of those stands between the names.
 _BLANK = " "
 _COMMENT = "#"
+#: Bytes of a text in an encoding of one byte per character.
+_TEXT_BYTES = bytes([*b"\t\n\r", *range(0x20, 0x7F), *range(0x80, 0x100)])
 #: The first line of a file that Git LFS has not fetched.
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
 
@@ -45,8 +49,7 @@ class TextTable:
     separator: str
 
 
-@dataclass(frozen=True)
-class _Line:
+class _Line(NamedTuple):
     """A line of the file.
 
     Attributes:
@@ -156,28 +159,39 @@ def _lines(path: PathLike, content: bytes) -> list[_Line]:
     """The lines of a file that are not blank.
 
     Raises:
-        FileFormatError: Another encoding, an empty file, or a blank first line.
+        FileFormatError: Another encoding, or an empty file.
     """
     marks = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
     encoding = "utf-16" if content.startswith(marks) else "utf-8-sig"
     try:
         text = content.decode(encoding)
     except UnicodeDecodeError:
-        problem = "is not UTF-8 or UTF-16 text, a CSV file is expected"
-        raise FileFormatError(path, problem) from None
+        text = _windows_text(path, content)
 
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     # A tab may stand for an empty last field: only spaces are blanks around a line.
-    every_line = [
+    filled = [
         _Line(number=number, text=line.strip(" "))
         for number, line in enumerate(text.split("\n"), start=1)
+        if not _is_blank(line)
     ]
-    filled = [line for line in every_line if not _is_blank(line.text)]
     if not filled:
         raise FileFormatError(path, "is empty", "line 1")
-    if filled[0].number > 1:
-        raise FileFormatError(path, "no column names in line 1", "line 1")
     return filled
+
+
+def _windows_text(path: PathLike, content: bytes) -> str:
+    """A text in Windows-1252, as Excel saves it.
+
+    Raises:
+        FileFormatError: Bytes that no text has.
+    """
+    no_text = content.translate(None, delete=_TEXT_BYTES)
+    if not no_text:
+        with suppress(UnicodeDecodeError):
+            return content.decode("cp1252")
+    problem = "is not UTF-8, UTF-16 or Windows-1252 text, a CSV file is expected"
+    raise FileFormatError(path, problem)
 
 
 def _is_blank(line: str) -> bool:

@@ -11,9 +11,9 @@ class MotionWarning:
 
     Attributes:
         kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``,
-            ``"velocity"``, ``"effort_unit"``,
-            ``"current_unit"``, ``"time_unit"``, ``"time_column"`` or
-            ``"command"``; of a CSV also ``"bad_row"``; of a bag also
+            ``"wrapped"``, ``"spike"``, ``"drop_out"``, ``"joined"``, ``"velocity"``,
+            ``"effort_unit"``, ``"current_unit"``, ``"time_unit"``, ``"time_column"``,
+            ``"command"``, ``"not_used"`` or ``"bad_row"``; of a bag also
             ``"missing_joints"``, ``"not_finite"``, ``"no_stamp"``, ``"out_of_order"``
             or ``"publishers"``.
         count: How often it occurs.

@@ -311,7 +311,6 @@ def matlab(path: Path) -> None:
 
 def refused(tables: Tables) -> dict[str, tuple[Writer, str]]:
     """Form -> what writes it, and a word of what the refusal says."""
-    import pandas
     from pyarrow import feather
 
     text = tables.frame.to_csv(index=False).encode()
@@ -343,10 +342,6 @@ def refused(tables: Tables) -> dict[str, tuple[Writer, str]]:
         "no names": (
             lambda path: np.savetxt(path, tables.frame.to_numpy(), delimiter=","),
             "expected column names",
-        ),
-        "durations in words": (
-            tables.moving.assign(time=pandas.to_timedelta(TIME, unit="s")).to_csv,
-            "got '0 days 00:00:00",
         ),
         "bars": (partial(tables.frame.to_csv, sep="|"), "no column for the time"),
     }

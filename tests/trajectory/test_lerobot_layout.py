@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.errors import FileFormatError
+from alpha5_model.errors import FileFormatError, InputError
 
 #: As a driver of this arm names them, from the jaws to the base.
 NAMES = [f"axis_{letter}" for letter in "abcde"]
@@ -133,7 +133,7 @@ def no_number() -> dict[str, Any]:
 
 def test_what_is_refused_is_named(tmp_path: Path) -> None:
     for table, words in (
-        (several_episodes(), "episode_index"),
+        (several_episodes(), r"2 episodes \(0, 1\): choose one by --episode"),
         (one_short_list(), "a list of 4 numbers, expected 5"),
         (no_number(), "axis_c"),
     ):
@@ -147,3 +147,15 @@ def test_a_damaged_info_names_nothing(tmp_path: Path) -> None:
         (tmp_path / "meta" / "info.json").write_text(info, "latin-1")
         with pytest.raises(FileFormatError, match=r"got observation\.state\[0\]"):
             a5.trajectory.read_motion(path)
+
+
+def test_an_episode_of_several(tmp_path: Path) -> None:
+    path = data_set(tmp_path, several_episodes(), NAMES)
+    first = a5.trajectory.read_motion(path, episode=0)
+    second = a5.trajectory.read_motion(path, episode=1)
+    np.testing.assert_array_equal(
+        np.concatenate([first.position, second.position]), STATE[:, ::-1]
+    )
+    with pytest.raises(InputError) as refusal:
+        a5.trajectory.read_motion(path, episode=2)
+    assert refusal.value.name == "episode"

@@ -412,6 +412,7 @@ def test_summary_says_what_was_analysed(jaws_in_motion: a5.trajectory.Analysis) 
     }
     assert s["time_unit_of_file"] == "s"
     assert s["model"] == {
+        "payload_kg": 0.0,
         "gripper": "jaws",
         "fluid_density": 1003.0,
         "gravity": [0.5, 0.0, -9.7],

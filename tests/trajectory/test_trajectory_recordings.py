@@ -388,17 +388,97 @@ def test_a_gripper_of_its_own_leaves_the_arm_alone(tmp_path: Path) -> None:
     assert found(motion) == {"missing_joints": (40, "message 2")}
 
 
-def test_each_joint_in_a_message_of_its_own_is_refused(tmp_path: Path) -> None:
+def fresh(parent: Path, name: str) -> Path:
+    folder = parent / name
+    folder.mkdir()
+    return folder
+
+
+def test_each_joint_in_a_message_of_its_own_is_joined(tmp_path: Path) -> None:
     alone = []
     for s in samples():
         for name, position in zip(s.names, s.position, strict=True):
-            alone.append(State(s.stamp, [name], [position]))
-    path = write_bag(tmp_path, ".bag", alone)
-    with pytest.raises(
-        FileFormatError,
-        match=r"no message has all of axis_e, .*/joint_states: axis_a; ",
-    ):
-        a5.trajectory.read_motion(path)
+            alone.append(
+                State(s.stamp, [name], [position], received=START + len(alone))
+            )
+    for kind in (".bag", ".mcap"):
+        motion = a5.trajectory.read_motion(
+            write_bag(fresh(tmp_path, kind), kind, alone)
+        )
+        assert set(found(motion)) == {"joined"}
+        whole = a5.trajectory.read_motion(
+            write_bag(fresh(tmp_path, f"whole{kind}"), kind, samples())
+        )
+        np.testing.assert_array_equal(motion.position, whole.position)
+        np.testing.assert_array_equal(motion.time, whole.time)
+
+
+@pytest.mark.parametrize("back", [30, 41, 200, 2300])
+def test_a_clock_that_was_set_back_is_refused(back: int, tmp_path: Path) -> None:
+    """Back by milliseconds, in steps of 19 to 21 ms."""
+    states = samples(400)
+    received = [s.stamp for s in states]
+    for s, recorded in zip(states, received, strict=True):
+        s.received = recorded
+    for s in states[200:]:
+        s.stamp -= back * 10**6
+    with pytest.raises(FileFormatError, match=r"message 201 of .*time runs back"):
+        a5.trajectory.read_motion(write_bag(tmp_path, ".mcap", states))
+
+
+def json_mcap(path: Path, messages: Sequence[bytes]) -> Path:
+    from mcap.writer import CompressionType, Writer
+
+    with path.open("wb") as stream:
+        writer = Writer(stream, compression=CompressionType.ZSTD)
+        writer.start()
+        schema = writer.register_schema("sensor_msgs/JointState", "jsonschema", b"{}")
+        channel = writer.register_channel("/joints", "json", schema)
+        for k, message in enumerate(messages):
+            writer.add_message(channel, START + k, message, START + k)
+        writer.finish()
+    return path
+
+
+def test_json_messages_of_mcap(tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    messages = [
+        json.dumps(
+            {
+                "header": {
+                    "stamp": {"sec": s.stamp // 10**9, "nanosec": s.stamp % 10**9}
+                },
+                "name": s.names,
+                "position": s.position,
+                "velocity": s.velocity,
+                "effort": s.effort,
+            }
+        ).encode()
+        for s in samples()
+    ]
+    motion = a5.trajectory.read_motion(json_mcap(tmp_path / "j.mcap", messages))
+    bag = a5.trajectory.read_motion(write_bag(tmp_path, ".mcap", samples()))
+    for name in ("time", "position", "velocity", "effort"):
+        np.testing.assert_array_equal(getattr(motion, name), getattr(bag, name))
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        b"[" * 100_000,
+        b"[1]",
+        b'{"name": 1}',
+        b'{"name": ["axis_e"], "position": "a"}',
+        b'{"name": ["axis_e"], "position": [[1], [1, 2]]}',
+        b'{"name": ["axis_e"], "header": {"stamp": {"sec": []}}}',
+        b"\xff",
+    ],
+)
+def test_other_json_messages_are_refused(message: bytes, tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    with pytest.raises(FileFormatError) as refusal:
+        a5.trajectory.read_motion(json_mcap(tmp_path / "j.mcap", [message] * 9))
+    assert "j.mcap" in str(refusal.value)
 
 
 def test_publishers_of_the_same_joints_are_said(tmp_path: Path) -> None:
@@ -645,15 +725,22 @@ def test_efforts_of_arrays_and_of_a_locked_arm() -> None:
         a5.trajectory.motion(time, q, joints=names, effort=effort)
 
 
-def test_text_among_the_efforts_leaves_them_out(tmp_path: Path) -> None:
+def test_text_among_the_efforts_is_no_effort(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "m.csv", samples(), lambda s: s.stamp)
     lines = path.read_text().splitlines()
     cells = lines[7].split(",")
     cells[-1] = "n/a"
+    whole = tmp_path / "whole.csv"
+    whole.write_text(path.read_text())
     path.write_text("\n".join([*lines[:7], ",".join(cells), *lines[8:]]))
     motion = a5.trajectory.read_motion(path)
-    assert motion.effort is None
-    assert set(motion.ignored) == {f"{joint}_effort" for joint in JOINTS}
+    effort = motion.effort
+    assert effort is not None
+    unknown = np.isnan(effort)
+    assert unknown.sum() == 1
+    np.testing.assert_array_equal(
+        effort[~unknown], a5.trajectory.read_motion(whole).effort[~unknown]
+    )
 
 
 def test_names_in_a_parquet_file_that_are_no_text(tmp_path: Path) -> None:
