@@ -25,6 +25,7 @@ from alpha5_model.proofs.comparison.result import (
     Correction,
     Finding,
     finding,
+    some_names,
 )
 from alpha5_model.proofs.comparison.tolerance import MOST, Digits, digits_of
 from alpha5_model.proofs.comparison.wrong_numbers import WrongNumber, wrong_numbers
@@ -144,7 +145,7 @@ def _findings_of_body(
         yield _without_mass(evidence, k, body, digits, missing_cost)
         return
     if bare:
-        yield finding("body.partly", where=body.name, links=", ".join(bare))
+        yield finding("body.partly", where=body.name, links=some_names(bare))
 
     dummies = _dummies_of(parts)
     yield from _dummies(body.name, dummies, moving)
@@ -156,7 +157,8 @@ def _findings_of_body(
     for number in wrong:
         part = by_link[number.link]
         yield _wrong(body, number, part, several, moving, digits, cost)
-    if not all(number.mistake for number in wrong):
+    is_negative = body.mass < 0 and any(one.quantity == "mass" for one in wrong)
+    if not is_negative and not all(number.mistake for number in wrong):
         yield from _impossible(body)
 
 
@@ -226,7 +228,7 @@ def _dummies(name: str, dummies: Sequence[Part], moving: set[str]) -> Iterator[F
         yield finding(
             "dummy",
             where=name,
-            links=", ".join(links),
+            links=some_names(links),
             s="s" if several else "",
             have="have" if several else "has",
             grams=mass * 1e3,

@@ -192,8 +192,9 @@ def _stumbling_blocks(evidence: Evidence, found: Sequence[Finding]) -> list[Find
         for (kind, name), elements in advice.items()
         if kind == "joint"
     }
+    links = {name for kind, name in advice if kind == "link"}
     blocks = []
-    for one in lint(evidence.other, joints, evidence.record, right_joints):
+    for one in lint(evidence.other, joints, evidence.record, right_joints, links):
         corrections = tuple(
             replace(
                 correction,

@@ -24,6 +24,9 @@ FINDINGS: dict[str, dict[str, Any]] = tomllib.loads(
     Path(__file__).with_name("findings.toml").read_text("utf-8")
 )
 
+#: How many names a text lists.
+NAMED = 3
+
 
 @dataclass(frozen=True)
 class Correction:
@@ -45,6 +48,11 @@ class Correction:
     @property
     def text(self) -> str:
         """The elements as URDF, after the name of the joint or link."""
+        return f"{self.name}: {self.written}"
+
+    @property
+    def written(self) -> str:
+        """The elements as URDF."""
         shown = []
         for tag, attributes in self.elements.items():
             if attributes is None:
@@ -53,7 +61,7 @@ class Correction:
             words = [f'{name}="{value}"' for name, value in attributes.items()]
             end = ">" if tag == "joint" else "/>"
             shown.append(f"<{' '.join([tag, *words])}{end}")
-        return f"{self.name}: {' '.join(shown)}"
+        return " ".join(shown)
 
 
 @dataclass(frozen=True)
@@ -83,8 +91,16 @@ class Finding:
 
     @property
     def instead(self) -> str:
-        """The corrections as URDF, in one line; empty if there is nothing to write."""
-        return "; ".join(correction.text for correction in self.corrections)
+        """The corrections as URDF, in one line; empty if there is nothing to write.
+
+        Of more than three that write the same, three are named.
+        """
+        names: dict[str, list[str]] = {}
+        for correction in self.corrections:
+            names.setdefault(correction.written, []).append(correction.name)
+        if all(len(same) <= NAMED for same in names.values()):
+            return "; ".join(correction.text for correction in self.corrections)
+        return "; ".join(f"{some_names(same)}: {to}" for to, same in names.items())
 
     def as_dict(self) -> dict[str, Any]:
         """The finding, for JSON."""
@@ -134,6 +150,12 @@ def finding(
         corrections=tuple(one for one in corrections if one is not None),
         mistake=mistake,
     )
+
+
+def some_names(names: Sequence[str]) -> str:
+    """The first of some names, and how many there are."""
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more
 
 
 def finding_ids() -> tuple[str, ...]:
