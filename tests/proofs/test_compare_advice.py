@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from pathlib import Path
 
+import numpy as np
+import pinocchio as pin
 import pytest
 from compared_models import advised, compared, ids
 from urdf_edits import OWN
+
+from alpha5_model._support.paths import JAWS_URDF_PATH
+from alpha5_model.proofs.comparison.result import finding_ids
 
 
 def inertial(root: ET.Element, link: str, tag: str) -> ET.Element:
@@ -52,3 +59,111 @@ def test_many_links_without_a_body_are_one_finding() -> None:
     assert len(bare.instead) < 400
     assert all("x9" not in one.text for one in comparison.findings)
     assert "lint.no_inertia" not in ids(compared(advised(root, comparison)))
+
+
+# --- joints of the jaws
+
+
+JAWS = Path(JAWS_URDF_PATH).read_text("utf-8")
+Edit = Callable[[ET.Element], None]
+
+
+def attribute(name: str, tag: str, **values: str) -> Edit:
+    def edit(root: ET.Element) -> None:
+        element = root.find(f"joint[@name='{name}']")
+        (element if tag == "joint" else element.find(tag)).attrib.update(values)
+
+    return edit
+
+
+def free_fingers(root: ET.Element) -> None:
+    for joint in root.findall("joint"):
+        for mimic in joint.findall("mimic"):
+            joint.remove(mimic)
+
+
+def hands(text: str) -> np.ndarray:
+    """Poses of rod and fingers in link_4 over the rod's travel, by Pinocchio."""
+    model = pin.buildModelFromXML(text, mimic=True)
+    data = model.createData()
+    assert model.nq == 5
+    poses = []
+    for travel in np.linspace(0.0013, 0.0133, 4):
+        q = pin.neutral(model)
+        q[model.joints[model.getJointId("axis_a")].idx_q] = travel
+        pin.framesForwardKinematics(model, data, q)
+        wrist, *parts = (
+            data.oMf[model.getFrameId(name, pin.FrameType.BODY)]
+            for name in ("link_4", "jaw_rod", "finger_1", "finger_2")
+        )
+        poses += [(wrist.inverse() * part).homogeneous for part in parts]
+    return np.array(poses)
+
+
+def following_rod(root: ET.Element) -> None:
+    rod = root.find("joint[@name='axis_a']")
+    ET.SubElement(rod, "mimic", joint="axis_b", multiplier="0.001", offset="0.004")
+
+
+FAULTS = (
+    (free_fingers, "jaws.free"),
+    (following_rod, "jaws.follows"),
+    (attribute("finger_1_joint", "mimic", multiplier="-3"), "jaws.mimic"),
+    (attribute("finger_2_joint", "mimic", offset="0"), "jaws.mimic"),
+    (attribute("axis_a", "origin", xyz="0 0 -0.14275"), "jaws.origin"),
+    (attribute("finger_1_joint", "origin", rpy="0 0 0"), "jaws.origin"),
+    (attribute("axis_a", "joint", type="revolute"), "jaws.type"),
+    (attribute("axis_a", "axis", xyz="0 0 -1"), "jaws.axis"),
+    (attribute("axis_a", "limit", upper="1"), "jaws.limits"),
+    (attribute("axis_a", "limit", velocity="0"), "lint.velocity_zero"),
+    (attribute("axis_a", "limit", velocity="0.1"), "jaws.velocity"),
+    (attribute("axis_a", "limit", effort="99"), "jaws.effort"),
+    (attribute("finger_1_joint", "mimic", joint="nope"), "lint.mimic"),
+)
+
+
+def limits_of(text: str) -> dict[str, list[float]]:
+    names = ("lower", "upper", "velocity", "effort")
+    return {
+        joint.get("name"): [float(joint.find("limit").get(name)) for name in names]
+        for joint in ET.fromstring(text).findall("joint")
+        if joint.find("limit") is not None
+    }
+
+
+def test_every_finding_of_the_jaws_has_a_fault() -> None:
+    of_jaws = {one for one in finding_ids() if one.startswith("jaws.")}
+    assert of_jaws <= {expected for _, expected in FAULTS}
+
+
+@pytest.mark.parametrize(("edit", "expected"), FAULTS)
+def test_a_wrong_joint_of_the_jaws_is_named_and_mended(
+    edit: Edit, expected: str
+) -> None:
+    root = ET.fromstring(JAWS)
+    edit(root)
+    comparison = compared(root)
+    assert set(ids(comparison)) == {expected}
+    mended = advised(root, comparison)
+    again = compared(mended)
+    assert again.findings == ()
+    assert again.gravity_error.max() < 1e-6
+    np.testing.assert_allclose(hands(mended), hands(JAWS), atol=1e-6)
+    limits, ours = (limits_of(text) for text in (mended, JAWS))
+    for name, written in limits.items():
+        assert written == pytest.approx(ours[name], rel=1e-4)
+
+
+def test_jaws_with_another_zero_and_sense_are_ours_if_they_move_alike() -> None:
+    root = ET.fromstring(JAWS)
+    attribute("axis_a", "axis", xyz="0 0 -1")(root)
+    attribute("axis_a", "origin", xyz="0 0 -0.13405")(root)
+    attribute("axis_a", "limit", lower="-0.012", upper="0")(root)
+    for finger in ("finger_1_joint", "finger_2_joint"):
+        attribute(finger, "mimic", multiplier="-51", offset="0")(root)
+    comparison = compared(root)
+    assert comparison.findings == ()
+    attribute("finger_1_joint", "mimic", multiplier="51")(root)
+    comparison = compared(root)
+    assert ids(comparison) == ["jaws.mimic"]
+    assert compared(advised(root, comparison)).findings == ()

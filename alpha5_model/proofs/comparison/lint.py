@@ -21,7 +21,11 @@ from alpha5_model.description.urdf_robot import UrdfJoint, UrdfLink, UrdfRobot
 from alpha5_model.description.xml import text_of
 from alpha5_model.numbers.inertia import combine
 from alpha5_model.numbers.motors import joint_losses
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointParameters
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    JointParameters,
+    JointRange,
+)
 from alpha5_model.proofs.comparison.corrections import token_inertial
 from alpha5_model.proofs.comparison.result import (
     Correction,
@@ -47,6 +51,7 @@ def lint(
     record: Alpha5Parameters,
     advice: Mapping[str, Correction] = MappingProxyType({}),
     mended: Collection[str] = (),
+    jaws: Mapping[str, JointRange] = MappingProxyType({}),
 ) -> Iterator[Finding]:
     """What programs refuse in a URDF, or read differently.
 
@@ -56,6 +61,7 @@ def lint(
         record: The arm's numbers.
         advice: Name of one of these joints -> what to write in it, its range included.
         mended: Links whose inertials other findings mend: they are not judged.
+        jaws: Name of a joint of its jaws -> ours, for those that are ours.
     """
     yield from _file(robot)
     names = [joint.name for joint in joints]
@@ -67,11 +73,12 @@ def lint(
         right = [advice[joint.name]] if joint.name in advice else []
         yield from _range(joint, where, is_first, right)
         if joint.limit is not None:
-            yield from _ratings(joint, where, ours, is_first)
+            rated = ours or jaws.get(joint.name)
+            yield from _ratings(joint, where, rated, is_first)
         if joint.dynamics is not None:
             yield from _dynamics(joint, where, ours, record)
         if joint.mimic is not None and joint.mimic not in robot.joints:
-            yield finding("lint.mimic", where, leader=joint.mimic)
+            yield finding("lint.mimic", where, leader=joint.mimic, corrections=right)
     yield from _bodies(robot, mended)
     yield from _scales(robot)
 
@@ -204,14 +211,14 @@ def _fixed(joint: UrdfJoint, position: float) -> Correction:
 
 
 def _ratings(
-    joint: UrdfJoint, where: str, ours: JointParameters | None, is_first: bool
+    joint: UrdfJoint, where: str, ours: JointRange | None, is_first: bool
 ) -> Iterator[Finding]:
     """A velocity or effort that is missing, zero or negative.
 
     Args:
         joint: The joint, which has a ``<limit>``.
         where: Its name in findings.
-        ours: Our joint, if it is one of the arm's.
+        ours: Our joint, if it is one of the arm's or of its jaws.
         is_first: Whether the file has a version before 1.2, which need not have them.
     """
     moves = joint.kind in ("revolute", "prismatic", "continuous")

@@ -158,6 +158,22 @@ def some_names(names: Sequence[str]) -> str:
     return ", ".join(names[:NAMED]) + more
 
 
+def place_text(shift: float, turned: float) -> str:
+    """How far a frame is from ours, without what is zero in print.
+
+    Args:
+        shift: [m].
+        turned: [rad].
+    """
+    millimetres = round(shift * 1e3, 2)
+    degrees = round(math.degrees(turned), 2)
+    if not degrees:
+        return f"{millimetres:g} mm from ours"
+    if not millimetres:
+        return f"turned by {degrees:g} deg from ours"
+    return f"{millimetres:g} mm from ours, turned by {degrees:g} deg"
+
+
 def finding_ids() -> tuple[str, ...]:
     """The ids of all findings: ``topic`` or ``topic.subject``."""
     ids = []
@@ -350,10 +366,8 @@ class Comparison:
             return f"The model differs: {serious} finding{'s' * (serious > 1)}."
         agrees = f"The model agrees with {self.against or 'the tables'}"
         if self.tool and any(one.id == "tool.choice" for one in self.findings):
-            off = f"{round(self.tool.offset * 1e3, 2):g} mm"
-            turned = f"{round(math.degrees(self.tool.turned), 2):g} deg"
-            frame = self.tool.frame
-            return f"{agrees}, but its {frame} is {off} from ours, turned by {turned}."
+            off = place_text(self.tool.offset, self.tool.turned)
+            return f"{agrees}, but its {self.tool.frame} is {off}."
         return f"{agrees}."
 
     def as_dict(self) -> dict[str, Any]:
