@@ -167,3 +167,40 @@ def test_jaws_with_another_zero_and_sense_are_ours_if_they_move_alike() -> None:
     comparison = compared(root)
     assert ids(comparison) == ["jaws.mimic"]
     assert compared(advised(root, comparison)).findings == ()
+
+
+# --- links that are none of the arm's
+
+
+def with_camera(text: str, link: str, mass: float) -> ET.Element:
+    """The arm with a small ball on one of its links."""
+    root = ET.fromstring(text)
+    camera = ET.SubElement(root, "link", name="camera")
+    body = ET.SubElement(camera, "inertial")
+    ET.SubElement(body, "mass", value=repr(mass))
+    moment = repr(1e-4 * mass)
+    diagonal = dict.fromkeys(("ixx", "iyy", "izz"), moment)
+    ET.SubElement(body, "inertia", diagonal | dict.fromkeys(("ixy", "ixz", "iyz"), "0"))
+    joint = ET.SubElement(root, "joint", name="to_camera", type="fixed")
+    ET.SubElement(joint, "origin", xyz="0.05 0 0.02", rpy="0 0 0")
+    ET.SubElement(joint, "parent", link=link)
+    ET.SubElement(joint, "child", link="camera")
+    return root
+
+
+@pytest.mark.parametrize("mass", [1e-4, 0.01, 0.05, 0.2, 1.0])
+@pytest.mark.parametrize(
+    ("text", "link"), [(OWN, "link_2"), (JAWS, "link_2"), (JAWS, "link_4")]
+)
+def test_a_camera_is_named_and_not_the_link_that_carries_it(
+    text: str, link: str, mass: float
+) -> None:
+    root = with_camera(text, link, mass)
+    comparison = compared(root)
+    serious = [one for one in comparison.findings if one.serious]
+    assert [one.where for one in serious] == [link]
+    (correction,) = serious[0].corrections
+    assert (correction.name, correction.elements) == ("camera", {"inertial": None})
+    again = compared(advised(root, comparison))
+    assert again.agrees
+    assert again.gravity_error.max() < 1e-6

@@ -158,7 +158,8 @@ def _findings_of_body(
         part = by_link[number.link]
         yield _wrong(body, number, part, several, moving, digits, cost)
     is_negative = body.mass < 0 and any(one.quantity == "mass" for one in wrong)
-    if not is_negative and not all(number.mistake for number in wrong):
+    is_known = [one.mistake or not one.right.mass for one in wrong]
+    if not is_negative and not all(is_known):
         yield from _impossible(body)
 
 
