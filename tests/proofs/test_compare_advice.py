@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from compared_models import advised, compared, ids
+from compared_models import advised, compared, described, ids
 from urdf_edits import OWN
 
 from alpha5_model._support.paths import JAWS_URDF_PATH
@@ -204,3 +205,28 @@ def test_a_camera_is_named_and_not_the_link_that_carries_it(
     again = compared(advised(root, comparison))
     assert again.agrees
     assert again.gravity_error.max() < 1e-6
+
+
+# --- texts
+
+
+def test_numbers_that_differ_are_printed_so() -> None:
+    root = ET.fromstring(OWN)
+    tensor = inertial(root, "link_2", "inertia")
+    moment = float(tensor.get("iyy"))
+    tensor.set("iyy", repr(moment + 6e-9))
+    (found,) = [one for one in compared(root).findings if one.serious]
+    theirs, ours = re.search("is (.*) in place of (.*) kg", found.text).groups()
+    assert float(theirs) - float(ours) == pytest.approx(6e-9, rel=0.2)
+
+
+def test_reversed_limits_are_said_in_the_arm_file() -> None:
+    root = ET.fromstring(OWN)
+    limit = root.find("joint[@name='axis_d']/limit")
+    lower, upper = limit.get("lower"), limit.get("upper")
+    limit.attrib.update(lower=upper, upper=lower)
+    arm = described(root)
+    assert arm.record.joints[1].lower == pytest.approx(float(lower))
+    (warning,) = [text for text in arm.left_out if text.startswith("warning:")]
+    assert "axis_d" in warning
+    assert not [text for text in described(OWN).left_out if "warning" in text]

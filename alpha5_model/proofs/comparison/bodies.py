@@ -24,6 +24,7 @@ from alpha5_model.proofs.comparison.result import (
     BodyDifference,
     Correction,
     Finding,
+    differing_texts,
     finding,
     some_names,
 )
@@ -281,12 +282,13 @@ def _wrong(
         at = right.com if right.mass else written.com
         if right.mass and not reason:
             reason = f" ({written.mass / right.mass:.3g} times)"
+        theirs, ours = differing_texts(written.mass, right.mass)
         return finding(
             "body.mass",
             **common,
             cost=cost(error, error * moved(part.pose, at)),
-            mass=written.mass,
-            ours=right.mass,
+            mass=theirs,
+            ours=ours,
             reason=reason,
         )
     if number.quantity == "com":
@@ -300,12 +302,13 @@ def _wrong(
         )
     difference = np.abs(written.inertia - right.inertia)
     i, j = sorted(np.unravel_index(difference.argmax(), (3, 3)))
+    theirs, ours = differing_texts(written.inertia[i, j], right.inertia[i, j])
     return finding(
         "body.inertia",
         **common,
         element=f"i{'xyz'[i]}{'xyz'[j]}",
-        theirs=written.inertia[i, j],
-        ours=right.inertia[i, j],
+        theirs=theirs,
+        ours=ours,
         reason=reason,
     )
 

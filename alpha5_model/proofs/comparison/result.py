@@ -158,6 +158,20 @@ def some_names(names: Sequence[str]) -> str:
     return ", ".join(names[:NAMED]) + more
 
 
+def differing_texts(one: float, other: float, digits: int = 4) -> tuple[str, str]:
+    """Two numbers with the fewest significant digits that show their difference.
+
+    Args:
+        one, other: The numbers.
+        digits: How many digits they have at least.
+    """
+    texts = (f"{one:.{digits}g}", f"{other:.{digits}g}")
+    shown = float(texts[0]) - float(texts[1])
+    if abs(shown - (one - other)) <= 0.1 * abs(one - other) or digits >= 17:
+        return texts
+    return differing_texts(one, other, digits + 1)
+
+
 def place_text(shift: float, turned: float) -> str:
     """How far a frame is from ours, without what is zero in print.
 
