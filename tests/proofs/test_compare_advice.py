@@ -230,3 +230,31 @@ def test_reversed_limits_are_said_in_the_arm_file() -> None:
     (warning,) = [text for text in arm.left_out if text.startswith("warning:")]
     assert "axis_d" in warning
     assert not [text for text in described(OWN).left_out if "warning" in text]
+
+
+# --- base
+
+
+@pytest.mark.parametrize("text", [OWN, JAWS])
+@pytest.mark.parametrize("yaw", [0.02, -0.3, 1.2, 3.14159265])
+def test_a_turned_joint_of_link_0_is_named_and_turned_back(
+    text: str, yaw: float
+) -> None:
+    root = ET.fromstring(text)
+    attribute("link_0_fixed", "origin", rpy=f"0 0 {yaw}")(root)
+    comparison = compared(root)
+    assert ids(comparison) == ["joint.turned_base"]
+    assert comparison.findings[0].where == "link_0_fixed"
+    assert not comparison.agrees
+    mended = advised(root, comparison)
+    assert compared(mended).findings == ()
+    origin = ET.fromstring(mended).find("joint[@name='link_0_fixed']/origin")
+    np.testing.assert_allclose(np.fromstring(origin.get("rpy"), sep=" "), 0, atol=1e-6)
+
+
+def test_a_shifted_zero_of_axis_e_turns_no_base() -> None:
+    root = ET.fromstring(OWN)
+    attribute("axis_e", "origin", rpy="0 0 2.9")(root)
+    found = ids(compared(root))
+    assert "zero" in found
+    assert "joint.turned_base" not in found

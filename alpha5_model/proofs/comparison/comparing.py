@@ -25,6 +25,7 @@ from alpha5_model.numbers.parameters import (
 )
 from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.rigid_body import RigidBody
+from alpha5_model.proofs.comparison.base_joint import turned_base_joint
 from alpha5_model.proofs.comparison.bodies import bodies_of, findings_of_bodies
 from alpha5_model.proofs.comparison.corrections import angle_between
 from alpha5_model.proofs.comparison.described import Described, describe, describe_like
@@ -138,6 +139,12 @@ def compare_robots(
         return Comparison(name=other.name, findings=(why,), against=against)
 
     model = reduce_and_describe(meant, chains[0], record, base)
+    turned = turned_base_joint(meant, model.reduced, model.described, record)
+    if turned is not None:
+        slips.append(turned)
+        right = {turned.right.name: turned.right}
+        meant = replace(meant, joints={**meant.joints, **right})
+        model = reduce_and_describe(meant, chains[0], record, base)
     jaws = jaw_joints(meant, model.reduced, model.described, own)
     has_wrong_jaws = any(jaw.correction for jaw in jaws)
     if has_wrong_jaws:

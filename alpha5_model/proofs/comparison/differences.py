@@ -268,6 +268,9 @@ def _slips(evidence: Evidence) -> Iterator[Finding]:
             cost=_slip_cost(evidence, slip),
             corrections=[_slip_correction(evidence, slip)],
             mistake=slip.id,
+            turned=math.degrees(
+                angle_between(slip.written.transform, slip.right.transform)
+            ),
             was="xyz"[int(np.abs(slip.written.axis).argmax())],
             meant="xyz"[int(np.abs(slip.right.axis).argmax())],
         )
@@ -447,14 +450,21 @@ def _rest(evidence: Evidence, found: Sequence[Finding]) -> Iterator[Finding]:
 
 
 def _short_pi(evidence: Evidence) -> float:
-    """How far multiples of pi that are cut short move their tool [m]."""
+    """How far multiples of pi that are cut short move their tool [m].
+
+    Joints whose mistakes were mended are taken as they were meant.
+    """
     if not evidence.meant.digits.pi:
         return 0.0
+    joints = dict(evidence.other.joints)
+    for slip in evidence.slips:
+        joints[slip.right.name] = evidence.robot.joints[slip.right.name]
+    robot = replace(evidence.other, joints=joints)
+    four = tuple(joints[one.name] for one in evidence.meant.joints)
+    written = reduce(robot, four, evidence.record, evidence.base)
     there = evidence.described.theirs(evidence.q)
     meant = evidence.meant.wrist_poses(there) @ tool_in_wrist(evidence, evidence.meant)
-    cut = evidence.written.wrist_poses(there) @ tool_in_wrist(
-        evidence, evidence.written
-    )
+    cut = written.wrist_poses(there) @ tool_in_wrist(evidence, written)
     shifts = meant[:, :3, 3] - cut[:, :3, 3]
     return float(np.linalg.norm(shifts, axis=1).max())
 
