@@ -122,8 +122,11 @@ def test_shifted_zeros_and_signs_are_measured():
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_mimic_beyond_a_limit_of_zero_is_measured(side):
-    """At its lower limit the rod takes the finger to 51 * 0.0013 - 0.1 rad, or back."""
-    text = Path(JAWS_URDF_PATH).read_text()
+    """At its lower limit the rod takes the finger to 51 * 0.0013 - 0.1 rad, or back.
+
+    With another mass and another place the finger is not ours.
+    """
+    text = with_mass(Path(JAWS_URDF_PATH).read_text(), "0.05", "finger_1")
     if side > 0:
         text = text.replace('offset="-0.0663"', 'offset="-0.1"', 1)
     else:

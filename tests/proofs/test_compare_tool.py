@@ -136,7 +136,7 @@ def test_a_tool_elsewhere_in_the_gripper_is_in_the_verdict(tmp_path, capsys) -> 
     comparison = compared(root)
     assert comparison.agrees
     assert comparison.tool.offset == pytest.approx(0.03)
-    assert "but its tcp is 30 mm from ours, turned by 0 deg" in comparison.verdict
+    assert comparison.verdict.endswith("but its tcp is 30 mm from ours.")
     path = tmp_path / "other.urdf"
     path.write_text(text_of(root))
     assert main(["compare", str(path), "--samples", "5"]) == 0

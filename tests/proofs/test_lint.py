@@ -193,6 +193,15 @@ CASES = (
         document(body=INERTIAL.replace('izz="1"', 'izz="-1"')),
         "mujoco",
     ),
+    Case("no_mass", document(body=INERTIAL.replace('"1"', '"0"', 1)), "mujoco"),
+    Case("negative_mass", document(body=INERTIAL.replace('"1"', '"-1"', 1)), "mujoco"),
+    Case(
+        "zero_moment",
+        document(
+            body=INERTIAL.replace(MOMENTS, MOMENTS.replace('izz="1"', 'izz="1e-16"'))
+        ),
+        "mujoco",
+    ),
     Case("no_inertia", document(body=""), "mujoco"),
     Case("no_inertia", document(body=INERTIAL.replace('"1"', '"0"')), "mujoco"),
     Case(

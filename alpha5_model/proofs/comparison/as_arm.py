@@ -138,7 +138,7 @@ def _arm_of_robot(
     left_out += _notes_on_bodies(catalogue, theirs, described, record.links)
     left_out += _notes_on_limits(catalogue, theirs, described)
     tool = _tool(record, theirs, described)
-    mount = _mount(other, described, origin)
+    mount = _mount(other, origin)
     left_out += _notes_on_frames(other, theirs, tool, mount, record, described)
     return ArmOfModel(
         record=replace(record, tool=tool, mount=mount), left_out=tuple(left_out)
@@ -394,6 +394,9 @@ def _notes_on_limits(
         if model.lower is None or model.upper is None:
             yield f"{ours.name} has no limits: the catalogue's are kept"
         else:
+            if model.lower > model.upper:
+                ends = f"{model.lower:.4g} to {model.upper:.4g} rad"
+                yield f"warning: {ours.name} has reversed limits, {ends}: sorted here"
             sign = described.sign[i]
             problem = _problem_of_range(
                 ours, sorted([sign * model.lower, sign * model.upper])
@@ -428,7 +431,7 @@ def _tool(
     return Pose(position=pose[:3, 3], rotation=pose[:3, :3])
 
 
-def _mount(other: UrdfRobot, described: Described, base: FloatArray) -> Pose | None:
+def _mount(other: UrdfRobot, base: FloatArray) -> Pose | None:
     """Where base_link is in the model's root; None if it is the root."""
     if np.abs(base - np.eye(4)).max() < ROUNDING:
         return None

@@ -24,7 +24,9 @@ from alpha5_model.proofs.comparison.result import (
     BodyDifference,
     Correction,
     Finding,
+    differing_texts,
     finding,
+    some_names,
 )
 from alpha5_model.proofs.comparison.tolerance import MOST, Digits, digits_of
 from alpha5_model.proofs.comparison.wrong_numbers import WrongNumber, wrong_numbers
@@ -144,7 +146,7 @@ def _findings_of_body(
         yield _without_mass(evidence, k, body, digits, missing_cost)
         return
     if bare:
-        yield finding("body.partly", where=body.name, links=", ".join(bare))
+        yield finding("body.partly", where=body.name, links=some_names(bare))
 
     dummies = _dummies_of(parts)
     yield from _dummies(body.name, dummies, moving)
@@ -156,7 +158,9 @@ def _findings_of_body(
     for number in wrong:
         part = by_link[number.link]
         yield _wrong(body, number, part, several, moving, digits, cost)
-    if not all(number.mistake for number in wrong):
+    is_negative = body.mass < 0 and any(one.quantity == "mass" for one in wrong)
+    is_known = [one.mistake or not one.right.mass for one in wrong]
+    if not is_negative and not all(is_known):
         yield from _impossible(body)
 
 
@@ -226,7 +230,7 @@ def _dummies(name: str, dummies: Sequence[Part], moving: set[str]) -> Iterator[F
         yield finding(
             "dummy",
             where=name,
-            links=", ".join(links),
+            links=some_names(links),
             s="s" if several else "",
             have="have" if several else "has",
             grams=mass * 1e3,
@@ -278,12 +282,13 @@ def _wrong(
         at = right.com if right.mass else written.com
         if right.mass and not reason:
             reason = f" ({written.mass / right.mass:.3g} times)"
+        theirs, ours = differing_texts(written.mass, right.mass)
         return finding(
             "body.mass",
             **common,
             cost=cost(error, error * moved(part.pose, at)),
-            mass=written.mass,
-            ours=right.mass,
+            mass=theirs,
+            ours=ours,
             reason=reason,
         )
     if number.quantity == "com":
@@ -297,12 +302,13 @@ def _wrong(
         )
     difference = np.abs(written.inertia - right.inertia)
     i, j = sorted(np.unravel_index(difference.argmax(), (3, 3)))
+    theirs, ours = differing_texts(written.inertia[i, j], right.inertia[i, j])
     return finding(
         "body.inertia",
         **common,
         element=f"i{'xyz'[i]}{'xyz'[j]}",
-        theirs=written.inertia[i, j],
-        ours=right.inertia[i, j],
+        theirs=theirs,
+        ours=ours,
         reason=reason,
     )
 

@@ -25,6 +25,7 @@ from alpha5_model.numbers.parameters import (
 )
 from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.rigid_body import RigidBody
+from alpha5_model.proofs.comparison.base_joint import turned_base_joint
 from alpha5_model.proofs.comparison.bodies import bodies_of, findings_of_bodies
 from alpha5_model.proofs.comparison.corrections import angle_between
 from alpha5_model.proofs.comparison.described import Described, describe, describe_like
@@ -34,6 +35,7 @@ from alpha5_model.proofs.comparison.differences import (
     tool_in_wrist,
 )
 from alpha5_model.proofs.comparison.digits import as_meant
+from alpha5_model.proofs.comparison.jaw_joints import jaw_joints
 from alpha5_model.proofs.comparison.joint_mistakes import without_joint_mistakes
 from alpha5_model.proofs.comparison.lint import lint
 from alpha5_model.proofs.comparison.model import (
@@ -137,16 +139,29 @@ def compare_robots(
         return Comparison(name=other.name, findings=(why,), against=against)
 
     model = reduce_and_describe(meant, chains[0], record, base)
+    turned = turned_base_joint(meant, model.reduced, model.described, record)
+    if turned is not None:
+        slips.append(turned)
+        right = {turned.right.name: turned.right}
+        meant = replace(meant, joints={**meant.joints, **right})
+        model = reduce_and_describe(meant, chains[0], record, base)
+    jaws = jaw_joints(meant, model.reduced, model.described, own)
+    has_wrong_jaws = any(jaw.correction for jaw in jaws)
+    if has_wrong_jaws:
+        right = {jaw.joint.name: jaw.right for jaw in jaws}
+        meant = replace(meant, joints={**meant.joints, **right})
+        model = reduce_and_describe(meant, chains[0], record, base)
     evidence = Evidence(
         arm=own,
         record=record,
         other=other,
         robot=meant,
         meant=model.reduced,
-        written=_as_written(other, model, record, bool(slips)),
+        written=_as_written(other, model, record, bool(slips) or has_wrong_jaws),
         described=model.described,
         base=model.base,
         slips=tuple(slips),
+        jaws=jaws,
         folder=folder,
         q=random_positions(record, number),
     )
@@ -185,15 +200,20 @@ def _stumbling_blocks(evidence: Evidence, found: Sequence[Finding]) -> list[Find
     for right in evidence.right_joints:
         if right.correction is not None:
             advice["joint", right.joint.name] = dict(right.correction.elements)
+    for jaw in evidence.jaws:
+        if jaw.correction is not None:
+            advice["joint", jaw.joint.name] = dict(jaw.correction.elements)
 
     joints = [right.joint for right in evidence.right_joints]
+    jaws = {jaw.joint.name: jaw.ours for jaw in evidence.jaws}
     right_joints = {
         name: Correction(kind, name, elements)
         for (kind, name), elements in advice.items()
         if kind == "joint"
     }
+    links = {name for kind, name in advice if kind == "link"}
     blocks = []
-    for one in lint(evidence.other, joints, evidence.record, right_joints):
+    for one in lint(evidence.other, joints, evidence.record, right_joints, links, jaws):
         corrections = tuple(
             replace(
                 correction,
@@ -240,7 +260,7 @@ def reduce_and_describe(
 
 
 def _as_written(
-    other: UrdfRobot, model: Model, record: Alpha5Parameters, has_slips: bool
+    other: UrdfRobot, model: Model, record: Alpha5Parameters, is_mended: bool
 ) -> Reduced:
     """The other model, reduced, with its joints as they are written.
 
@@ -248,9 +268,9 @@ def _as_written(
         other: The model as it is written.
         model: It as it is meant.
         record: Our arm.
-        has_slips: Whether mistakes in its joints were mended.
+        is_mended: Whether its joints were mended.
     """
-    if not (model.reduced.digits.pi or has_slips):
+    if not (model.reduced.digits.pi or is_mended):
         return model.reduced
     joints = tuple(other.joints[joint.name] for joint in model.reduced.joints)
     return reduce(other, joints, record, model.base)

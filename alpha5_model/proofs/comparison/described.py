@@ -162,8 +162,8 @@ def _rolled_or_not(
 ) -> Described:
     """The description, with a roll of the wrist if its body shows one."""
     rolled = _with_roll(reading, theirs)
-    error = _wrist_error(reading, theirs, record)
-    fits_rolled = BETTER * _wrist_error(rolled, theirs, record) < error
+    error = _wrist_error(reading, record)
+    fits_rolled = BETTER * _wrist_error(rolled, record) < error
     return rolled if fits_rolled else reading
 
 
@@ -504,9 +504,7 @@ def _with_roll(reading: Described, theirs: Reduced) -> Described:
     )
 
 
-def _wrist_error(
-    reading: Described, theirs: Reduced, record: Alpha5Parameters
-) -> float:
+def _wrist_error(reading: Described, record: Alpha5Parameters) -> float:
     """Error of the last body as one number, in second moments [kg m^2]."""
     ours = record.links[4]
     off = reading.coms[4] - ours.com

@@ -30,6 +30,7 @@ from alpha5_model.proofs.comparison.corrections import (
     velocity_differs,
 )
 from alpha5_model.proofs.comparison.described import Described
+from alpha5_model.proofs.comparison.jaw_joints import JawJoint, findings_of_jaws
 from alpha5_model.proofs.comparison.joint_mistakes import JointMistake
 from alpha5_model.proofs.comparison.model import AXES
 from alpha5_model.proofs.comparison.reduced import (
@@ -80,6 +81,8 @@ class Evidence:
         described: It in our terms.
         base: The first link of its arm; None if its mass shows it.
         slips: Mistakes in joints that were mended before, see `joint_mistakes`.
+        jaws: Joints of its jaws that are ours. In ``robot`` they are as they have to
+            be.
         folder: Where its meshes are; None if unknown.
         q: Our joint positions at which costs are evaluated, (N, 4) [rad].
     """
@@ -93,6 +96,7 @@ class Evidence:
     described: Described
     base: str | None
     slips: tuple[JointMistake, ...]
+    jaws: tuple[JawJoint, ...]
     folder: Path | None
     q: FloatArray
 
@@ -139,12 +143,6 @@ class Evidence:
         """How the joint of the tool frame has to be, if there is one."""
         return right_tool(self.other, self.meant, self.described, self.record)
 
-    @cached_property
-    def axis_of(self) -> dict[str, str]:
-        """Their joint name -> ours."""
-        names = [joint.name for joint in self.meant.joints]
-        return dict(zip(names, AXES, strict=True))
-
     def correction(self, joint: int) -> Correction | None:
         """What to write in place of one of the four joints; None if it is right."""
         return self.right_joints[joint].correction
@@ -176,7 +174,8 @@ def differences(evidence: Evidence) -> Iterator[Finding]:
     yield from found
     yield from _rest(evidence, found)
     yield from _limits(evidence)
-    yield from _mimics(evidence.other)
+    yield from _jaws(evidence)
+    yield from _mimics(evidence)
     yield from _volume(evidence)
     yield from _files(evidence)
 
@@ -269,6 +268,9 @@ def _slips(evidence: Evidence) -> Iterator[Finding]:
             cost=_slip_cost(evidence, slip),
             corrections=[_slip_correction(evidence, slip)],
             mistake=slip.id,
+            turned=math.degrees(
+                angle_between(slip.written.transform, slip.right.transform)
+            ),
             was="xyz"[int(np.abs(slip.written.axis).argmax())],
             meant="xyz"[int(np.abs(slip.right.axis).argmax())],
         )
@@ -448,14 +450,21 @@ def _rest(evidence: Evidence, found: Sequence[Finding]) -> Iterator[Finding]:
 
 
 def _short_pi(evidence: Evidence) -> float:
-    """How far multiples of pi that are cut short move their tool [m]."""
+    """How far multiples of pi that are cut short move their tool [m].
+
+    Joints whose mistakes were mended are taken as they were meant.
+    """
     if not evidence.meant.digits.pi:
         return 0.0
+    joints = dict(evidence.other.joints)
+    for slip in evidence.slips:
+        joints[slip.right.name] = evidence.robot.joints[slip.right.name]
+    robot = replace(evidence.other, joints=joints)
+    four = tuple(joints[one.name] for one in evidence.meant.joints)
+    written = reduce(robot, four, evidence.record, evidence.base)
     there = evidence.described.theirs(evidence.q)
     meant = evidence.meant.wrist_poses(there) @ tool_in_wrist(evidence, evidence.meant)
-    cut = evidence.written.wrist_poses(there) @ tool_in_wrist(
-        evidence, evidence.written
-    )
+    cut = written.wrist_poses(there) @ tool_in_wrist(evidence, written)
     shifts = meant[:, :3, 3] - cut[:, :3, 3]
     return float(np.linalg.norm(shifts, axis=1).max())
 
@@ -547,11 +556,29 @@ def _limits(evidence: Evidence) -> Iterator[Finding]:
             )
 
 
-def _mimics(other: UrdfRobot) -> Iterator[Finding]:
-    """Joints that their leader drives beyond their own limits."""
+def _jaws(evidence: Evidence) -> Iterator[Finding]:
+    """What is wrong with the joints of jaws that are ours."""
+    there = evidence.described.theirs(evidence.q)
+    down = evidence.described.base[:3, :3].T @ GRAVITY
+    for jaw in evidence.jaws:
+        cost = 0.0
+        if jaw.right is not jaw.joint:
+            wrong = evidence.reduced_with(jaw.joint).gravity_torque(there, down)
+            change = wrong - evidence.meant.gravity_torque(there, down)
+            cost = round(float(np.abs(change).max()), 9)
+        yield from findings_of_jaws(evidence.other, jaw, cost)
+
+
+def _mimics(evidence: Evidence) -> Iterator[Finding]:
+    """Joints that their leader drives beyond their own limits.
+
+    Those of our jaws are taken as they have to be.
+    """
+    joints = dict(evidence.other.joints)
+    joints |= {jaw.joint.name: jaw.right for jaw in evidence.jaws}
     advised: dict[str, FloatArray] = {}  # joint -> the limits that it should have
-    for joint in other.joints.values():
-        leader = other.joints.get(joint.mimic or "")
+    for joint in joints.values():
+        leader = joints.get(joint.mimic or "")
         limits = _range(joint)
         travel = None if leader is None else _range(leader)
         if leader is None or limits is None or travel is None:

@@ -38,7 +38,8 @@ class JointMistake(NamedTuple):
     """A joint that was mended.
 
     Attributes:
-        id: ``millimetres``, ``centimetres``, ``degrees`` or ``exchanged_axis``.
+        id: ``millimetres``, ``centimetres``, ``degrees``, ``exchanged_axis`` or
+            ``turned_base``.
         written: The joint as it is written.
         right: The joint as it was meant.
     """

@@ -2,14 +2,14 @@
 
 Each finding names the programs that stumble: urdfdom, which ROS and Pinocchio use,
 Pinocchio, MuJoCo, Drake and yourdfpy. ``tests/proofs/test_lint.py`` runs those that are
-installed on a file for each finding. What is said of Drake is what its documentation
-says.
+installed on a file for each finding. Drake is run
+on the limits that it refuses or keeps.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType
 
@@ -21,9 +21,18 @@ from alpha5_model.description.urdf_robot import UrdfJoint, UrdfLink, UrdfRobot
 from alpha5_model.description.xml import text_of
 from alpha5_model.numbers.inertia import combine
 from alpha5_model.numbers.motors import joint_losses
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointParameters
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    JointParameters,
+    JointRange,
+)
 from alpha5_model.proofs.comparison.corrections import token_inertial
-from alpha5_model.proofs.comparison.result import Correction, Finding, finding
+from alpha5_model.proofs.comparison.result import (
+    Correction,
+    Finding,
+    finding,
+    some_names,
+)
 
 #: Versions of URDF that urdfdom 6 reads.
 VERSIONS = ("", "1.0", "1.1", "1.2")
@@ -41,6 +50,8 @@ def lint(
     joints: Sequence[UrdfJoint],
     record: Alpha5Parameters,
     advice: Mapping[str, Correction] = MappingProxyType({}),
+    mended: Collection[str] = (),
+    jaws: Mapping[str, JointRange] = MappingProxyType({}),
 ) -> Iterator[Finding]:
     """What programs refuse in a URDF, or read differently.
 
@@ -49,6 +60,8 @@ def lint(
         joints: The arm's joints in it, as ``axis_e`` to ``axis_b``; empty if unknown.
         record: The arm's numbers.
         advice: Name of one of these joints -> what to write in it, its range included.
+        mended: Links whose inertials other findings mend: they are not judged.
+        jaws: Name of a joint of its jaws -> ours, for those that are ours.
     """
     yield from _file(robot)
     names = [joint.name for joint in joints]
@@ -60,12 +73,13 @@ def lint(
         right = [advice[joint.name]] if joint.name in advice else []
         yield from _range(joint, where, is_first, right)
         if joint.limit is not None:
-            yield from _ratings(joint, where, ours, is_first)
+            rated = ours or jaws.get(joint.name)
+            yield from _ratings(joint, where, rated, is_first)
         if joint.dynamics is not None:
             yield from _dynamics(joint, where, ours, record)
         if joint.mimic is not None and joint.mimic not in robot.joints:
-            yield finding("lint.mimic", where, leader=joint.mimic)
-    yield from _bodies(robot)
+            yield finding("lint.mimic", where, leader=joint.mimic, corrections=right)
+    yield from _bodies(robot, mended)
     yield from _scales(robot)
 
 
@@ -126,24 +140,18 @@ def _scales(robot: UrdfRobot) -> Iterator[Finding]:
             unscaled.append(file)
 
     if unread:
-        yield finding("lint.scale_unread", files=_some(unread))
+        yield finding("lint.scale_unread", files=some_names(unread))
     if odd:
         shown = text_of(scales[odd[0]])
-        yield finding("lint.scale", files=_some(odd), scale=shown)
+        yield finding("lint.scale", files=some_names(odd), scale=shown)
     if unscaled:
         shown = small[_kind(unscaled[0])]
-        yield finding("lint.scale_missing", files=_some(unscaled), scale=shown)
+        yield finding("lint.scale_missing", files=some_names(unscaled), scale=shown)
 
 
 def _kind(file: str) -> str:
     """The end of a file's name, such as ``stl``."""
     return file.rpartition(".")[2].lower()
-
-
-def _some(names: Sequence[str]) -> str:
-    """The first of some names, and how many there are."""
-    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-    return ", ".join(names[:3]) + more
 
 
 # --- joints ---------------------------------------------------------------------------
@@ -203,14 +211,14 @@ def _fixed(joint: UrdfJoint, position: float) -> Correction:
 
 
 def _ratings(
-    joint: UrdfJoint, where: str, ours: JointParameters | None, is_first: bool
+    joint: UrdfJoint, where: str, ours: JointRange | None, is_first: bool
 ) -> Iterator[Finding]:
     """A velocity or effort that is missing, zero or negative.
 
     Args:
         joint: The joint, which has a ``<limit>``.
         where: Its name in findings.
-        ours: Our joint, if it is one of the arm's.
+        ours: Our joint, if it is one of the arm's or of its jaws.
         is_first: Whether the file has a version before 1.2, which need not have them.
     """
     moves = joint.kind in ("revolute", "prismatic", "continuous")
@@ -272,33 +280,66 @@ def _dynamics(
 # --- bodies ---------------------------------------------------------------------------
 
 
-def _bodies(robot: UrdfRobot) -> Iterator[Finding]:
-    """Inertias that no body has, and moving bodies without any."""
+def _bodies(robot: UrdfRobot, mended: Collection[str]) -> Iterator[Finding]:
+    """Inertias that no body has, and moving bodies without any.
+
+    Args:
+        robot: The URDF.
+        mended: Links whose inertials other findings mend.
+    """
+    judged = set(mended)
     for link in robot.links.values():
         moments = np.linalg.eigvalsh(link.inertia)
         if moments.any() and (moments[0] <= 0 or moments[2] > moments[0] + moments[1]):
+            judged.add(link.name)
             yield finding("lint.impossible", link.name, moments=moments)
 
-    for first, links in _moving(robot).items():
-        massive = [(link, at) for link, at in links if link.mass]
-        mass = sum(link.mass or 0.0 for link, _ in massive)
-        smallest = 0.0
-        if mass > LEAST:
-            _, _, tensor = combine(
-                [link.mass or 0.0 for link, _ in massive],
-                [at[:3, :3] @ link.com + at[:3, 3] for link, at in massive],
-                [at[:3, :3] @ link.inertia @ at[:3, :3].T for link, at in massive],
-            )
-            smallest = np.linalg.eigvalsh(tensor)[0]
-        if abs(smallest) <= LEAST:
-            names = ", ".join(link.name for link, _ in links)
-            yield finding(
-                "lint.no_inertia",
-                first,
-                links=names,
-                mass=mass,
-                corrections=[token_inertial(first, mass)],
-            )
+    alike: dict[tuple[str, float], list[list[str]]] = {}  # what is wrong -> bodies
+    for links in _moving(robot).values():
+        names = [link.name for link, _ in links]
+        mass = sum(link.mass or 0.0 for link, _ in links)
+        problem = _problem_of_body(links)
+        if problem and judged.isdisjoint(names):
+            alike.setdefault((problem, mass), []).append(names)
+
+    for (problem, mass), bodies in alike.items():
+        firsts = [names[0] for names in bodies]
+        whose = f"moves, but {some_names(bodies[0])} has"
+        if len(bodies) > 1:
+            others = f"{len(bodies) - 1} other bod{'y' if len(bodies) == 2 else 'ies'}"
+            whose = f"moves, and so do {others}, but {some_names(firsts)} have"
+        corrections = [token_inertial(first, max(mass, 0.0)) for first in firsts]
+        yield finding(
+            f"lint.{problem}",
+            firsts[0],
+            whose=whose,
+            mass=f"{mass:g} kg" if mass else "no mass",
+            corrections=[] if problem == "negative_mass" else corrections,
+        )
+
+
+def _problem_of_body(links: Sequence[tuple[UrdfLink, FloatArray]]) -> str:
+    """What a moving body lacks; empty if nothing.
+
+    Args:
+        links: Its links, and their poses in the first.
+    """
+    massive = [(link, at) for link, at in links if link.mass]
+    masses = [link.mass or 0.0 for link, _ in massive]
+    if masses and min(masses) < 0:
+        return "negative_mass"
+    if sum(masses) <= LEAST:
+        has_tensor = any(link.inertia.any() for link, _ in links)
+        return "no_mass" if has_tensor else "no_inertia"
+    _, _, tensor = combine(
+        masses,
+        [at[:3, :3] @ link.com + at[:3, 3] for link, at in massive],
+        [at[:3, :3] @ link.inertia @ at[:3, :3].T for link, at in massive],
+    )
+    moments = np.linalg.eigvalsh(tensor)
+    if abs(moments[2]) <= LEAST:
+        return "no_inertia"
+    return "zero_moment" if abs(moments[0]) <= LEAST else ""
 
 
 def _moving(robot: UrdfRobot) -> dict[str, list[tuple[UrdfLink, FloatArray]]]:

@@ -24,6 +24,9 @@ FINDINGS: dict[str, dict[str, Any]] = tomllib.loads(
     Path(__file__).with_name("findings.toml").read_text("utf-8")
 )
 
+#: How many names a text lists.
+NAMED = 3
+
 
 @dataclass(frozen=True)
 class Correction:
@@ -45,6 +48,11 @@ class Correction:
     @property
     def text(self) -> str:
         """The elements as URDF, after the name of the joint or link."""
+        return f"{self.name}: {self.written}"
+
+    @property
+    def written(self) -> str:
+        """The elements as URDF."""
         shown = []
         for tag, attributes in self.elements.items():
             if attributes is None:
@@ -53,7 +61,7 @@ class Correction:
             words = [f'{name}="{value}"' for name, value in attributes.items()]
             end = ">" if tag == "joint" else "/>"
             shown.append(f"<{' '.join([tag, *words])}{end}")
-        return f"{self.name}: {' '.join(shown)}"
+        return " ".join(shown)
 
 
 @dataclass(frozen=True)
@@ -83,8 +91,16 @@ class Finding:
 
     @property
     def instead(self) -> str:
-        """The corrections as URDF, in one line; empty if there is nothing to write."""
-        return "; ".join(correction.text for correction in self.corrections)
+        """The corrections as URDF, in one line; empty if there is nothing to write.
+
+        Of more than three that write the same, three are named.
+        """
+        names: dict[str, list[str]] = {}
+        for correction in self.corrections:
+            names.setdefault(correction.written, []).append(correction.name)
+        if all(len(same) <= NAMED for same in names.values()):
+            return "; ".join(correction.text for correction in self.corrections)
+        return "; ".join(f"{some_names(same)}: {to}" for to, same in names.items())
 
     def as_dict(self) -> dict[str, Any]:
         """The finding, for JSON."""
@@ -134,6 +150,42 @@ def finding(
         corrections=tuple(one for one in corrections if one is not None),
         mistake=mistake,
     )
+
+
+def some_names(names: Sequence[str]) -> str:
+    """The first of some names, and how many there are."""
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more
+
+
+def differing_texts(one: float, other: float, digits: int = 4) -> tuple[str, str]:
+    """Two numbers with the fewest significant digits that show their difference.
+
+    Args:
+        one, other: The numbers.
+        digits: How many digits they have at least.
+    """
+    texts = (f"{one:.{digits}g}", f"{other:.{digits}g}")
+    shown = float(texts[0]) - float(texts[1])
+    if abs(shown - (one - other)) <= 0.1 * abs(one - other) or digits >= 17:
+        return texts
+    return differing_texts(one, other, digits + 1)
+
+
+def place_text(shift: float, turned: float) -> str:
+    """How far a frame is from ours, without what is zero in print.
+
+    Args:
+        shift: [m].
+        turned: [rad].
+    """
+    millimetres = round(shift * 1e3, 2)
+    degrees = round(math.degrees(turned), 2)
+    if not degrees:
+        return f"{millimetres:g} mm from ours"
+    if not millimetres:
+        return f"turned by {degrees:g} deg from ours"
+    return f"{millimetres:g} mm from ours, turned by {degrees:g} deg"
 
 
 def finding_ids() -> tuple[str, ...]:
@@ -328,10 +380,8 @@ class Comparison:
             return f"The model differs: {serious} finding{'s' * (serious > 1)}."
         agrees = f"The model agrees with {self.against or 'the tables'}"
         if self.tool and any(one.id == "tool.choice" for one in self.findings):
-            off = f"{round(self.tool.offset * 1e3, 2):g} mm"
-            turned = f"{round(math.degrees(self.tool.turned), 2):g} deg"
-            frame = self.tool.frame
-            return f"{agrees}, but its {frame} is {off} from ours, turned by {turned}."
+            off = place_text(self.tool.offset, self.tool.turned)
+            return f"{agrees}, but its {self.tool.frame} is {off}."
         return f"{agrees}."
 
     def as_dict(self) -> dict[str, Any]:

@@ -6,7 +6,7 @@ typed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -41,6 +41,8 @@ from alpha5_model.proofs.comparison.tolerance import (
 
 #: Of more links that make up a body, the lightest ones are taken to be right.
 MOST_PARTS = 12
+#: Wrist, rod and two fingers.
+JAW_BODIES = 4
 
 
 class WrongNumber(NamedTuple):
@@ -83,14 +85,17 @@ def wrong_numbers(
     solid = [part for part in heaviest if part.body.mass or part.body.inertia.any()]
     heaviest = solid or heaviest[:1]  # frames without a body are no parts
     options = list(_options(arm, heaviest, digits))
+    if [] in options:
+        return []
+    whole = _whole_in_one(arm, heaviest, digits)
+    if whole is not None:
+        return _too_many([part for part in heaviest if part is not whole])
     if options:
         wrong = min(options, key=_unlikely)
     else:
         # Too much is there: the heaviest link is the body, and the others have no mass.
-        nothing = Body(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
         wrong = _wrong_in_link(arm, arm.body, heaviest[:1], 0, digits)
-        for part in heaviest[1:]:
-            wrong.append(WrongNumber(part.link, "mass", None, nothing))
+        wrong += _too_many(heaviest[1:])
     wrong = _explained_by_two(arm, heaviest, wrong, digits)
     if len(heaviest) > 1 and not all(number.mistake for number in wrong):
         wrong = _explained_as_whole(arm, heaviest, wrong, digits)
@@ -101,17 +106,34 @@ def _options(
     arm: Arm, parts: Sequence[Part], digits: Digits
 ) -> Iterator[list[WrongNumber]]:
     """What may be wrong: numbers of one of the links, or of opened jaws."""
-    nominal = _jaws(arm.record, parts) if arm.index == 4 else None
-    if nominal:
+    jaws = _jaws(arm, parts)
+    if len(jaws) == JAW_BODIES:
         found = []
-        for place, body in enumerate(nominal):
-            found += _wrong_in_link(arm, body, parts, place, digits)
-        yield found
+        for place, part in enumerate(parts):
+            if part.link in jaws:
+                found += _wrong_in_link(arm, jaws[part.link], parts, place, digits)
+        yield found + _too_many([part for part in parts if part.link not in jaws])
     for place, part in enumerate(parts[:MOST_PARTS]):
         others = [other.body.at(other.pose) for other in parts if other is not part]
         rest = _less(arm.body, others)
         if rest is not None:
             yield _wrong_in_link(arm, rest, parts, place, digits)
+
+
+def _whole_in_one(arm: Arm, parts: Sequence[Part], digits: Digits) -> Part | None:
+    """The link that alone is the whole body, beside links that are none of ours."""
+    if len(parts) == 1 or len(_jaws(arm, parts)) > 1:
+        return None
+    for part in parts[:MOST_PARTS]:
+        if not _wrong_in_link(arm, arm.body, [part], 0, digits):
+            return part
+    return None
+
+
+def _too_many(parts: Iterable[Part]) -> list[WrongNumber]:
+    """Links whose mass has to go."""
+    nothing = Body(mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
+    return [WrongNumber(part.link, "mass", None, nothing) for part in parts]
 
 
 def _unlikely(wrong: Sequence[WrongNumber]) -> int:
@@ -145,23 +167,23 @@ def _less(whole: Body, others: Sequence[Body]) -> Body | None:
     return Body(mass=mass, com=com, inertia=inertia)
 
 
-def _jaws(record: Alpha5Parameters, parts: Sequence[Part]) -> list[Body] | None:
-    """The bodies of our opened link 4 that stand where some links do, in link_4.
-
-    Returns:
-        None if the links are not wrist, rod and fingers.
-    """
+def _jaws(arm: Arm, parts: Sequence[Part]) -> dict[str, Body]:
+    """The links that stand where our wrist, rod and fingers do -> ours, in link_4."""
+    if arm.index != 4:
+        return {}
     try:
-        jaws = split_link_4(record)
+        jaws = split_link_4(arm.record)
     except InputError:  # the arm's link_4 leaves no possible wrist
-        return None
+        return {}
     found = {}
-    for part in parts:
-        for body, closed in zip(jaws.bodies, jaws.closed, strict=True):
-            ours = pose(body.origin, (body.roll, 0.0, 0.0))
-            if np.abs(part.pose - ours).max() < SAME_FRAME:
-                found[body.name] = body_of(closed)
-    return [*found.values()] if len(found) == len(parts) == len(jaws.bodies) else None
+    for body, closed in zip(jaws.bodies, jaws.closed, strict=True):
+        ours = pose(body.origin, (body.roll, 0.0, 0.0))
+        for part in parts:
+            is_there = np.abs(part.pose - ours).max() < SAME_FRAME
+            if is_there and part.link not in found:
+                found[part.link] = body_of(closed)
+                break
+    return found
 
 
 # --- One link -------------------------------------------------------------------------
