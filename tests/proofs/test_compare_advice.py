@@ -258,3 +258,10 @@ def test_a_shifted_zero_of_axis_e_turns_no_base() -> None:
     found = ids(compared(root))
     assert "zero" in found
     assert "joint.turned_base" not in found
+
+
+def test_a_rounded_origin_of_the_rod_changes_no_rule_of_the_fingers() -> None:
+    root = ET.fromstring(JAWS)
+    attribute("axis_a", "origin", xyz="0 0 -0.1328")(root)
+    found = ids(compared(root))
+    assert not [one for one in found if one.startswith("jaws")]

@@ -274,6 +274,8 @@ def _zero(
     if joint.kind != own.kind or np.linalg.norm(axis - sign * Z) > ANGLE_TOLERANCE:
         return None
     there = parent @ joint.transform @ frame
+    if _is_same_pose(joint, there, _at(body, ours, 0.0)):
+        return sign, 0.0
     off = np.linalg.inv(_at(body, ours, 0.0)) @ there
     zero = off[2, 3]
     if own.kind == "revolute":
