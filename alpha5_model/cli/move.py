@@ -175,7 +175,7 @@ def _record(motion: PlannedMotion) -> dict[str, Any]:
             for peak in motion.peaks
         ],
         "tcp": motion.analysis.tcp[[0, -1]],
-        "obstacles": motion.surroundings.obstacles,
+        "obstacles": motion.obstacles,
         "clearance": _clearance(motion),
     }
 
@@ -201,7 +201,7 @@ def _text(motion: PlannedMotion) -> printing.Lines:
 
     least = motion.clearance
     if least is not None:
-        yield f"obstacles: {', '.join(motion.surroundings.obstacles)}"
+        yield f"obstacles: {', '.join(motion.obstacles)}"
         yield (
             f"nearest: {least.link} and {least.obstacle}, "
             f"{least.distance * 1e3:.1f} mm at {motion.time[least.sample]:.2f} s"

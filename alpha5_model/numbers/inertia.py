@@ -315,14 +315,17 @@ def check_possible(
 
     Args:
         name: Of the inertia, for the message.
-        mass, com, inertia: See `inconsistencies`; checked numbers.
+        mass, com, inertia: See `inconsistencies`.
 
     Raises:
         InputError: No body can have them.
     """
-    wrong = _violations(mass, com, inertia, _ROUNDING)
-    if wrong and (mass or np.any(inertia)):
-        raise InputError(name, inertia.tolist(), f"a possible body, but {wrong[0]}")
+    size = real("mass", mass)
+    at = array("com", com, 3)
+    tensor = array("inertia", inertia, 3, 3)
+    wrong = _violations(size, at, tensor, _ROUNDING)
+    if wrong and (size or np.any(tensor)):
+        raise InputError(name, tensor.tolist(), f"a possible body, but {wrong[0]}")
 
 
 def _broadcastable(**given: ArrayLike) -> list[FloatArray]:

@@ -36,7 +36,6 @@ class PlannedMotion:
         slowed: Factor by which the motors' limits made it longer; 1.0 if they did not.
         peaks: Speed, torque, current and voltage of each joint, with their limits.
         analysis: The replay: torques, currents, powers and load on the mount.
-        surroundings: The obstacles that it keeps clear of, and the arm itself.
     """
 
     time: FloatArray
@@ -49,12 +48,17 @@ class PlannedMotion:
     slowed: float
     peaks: tuple[Peak, ...]
     analysis: Analysis
-    surroundings: Surroundings
+    _surroundings: Surroundings
+
+    @property
+    def obstacles(self) -> tuple[str, ...]:
+        """Names of the obstacles that it keeps clear of."""
+        return self._surroundings.obstacles
 
     @cached_property
     def clearance(self) -> Clearance | None:
         """The least distance to an obstacle at the samples; None without obstacles."""
-        return self.surroundings.clearance(self.position)
+        return self._surroundings.clearance(self.position)
 
     @property
     def duration(self) -> float:

@@ -378,5 +378,5 @@ def _timed(
         slowed=slowed,
         peaks=tuple(found),
         analysis=analysis,
-        surroundings=surroundings,
+        _surroundings=surroundings,
     )

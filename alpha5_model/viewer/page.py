@@ -17,6 +17,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose, rpy_from_rotation
 from alpha5_model.collision.bodies import CollisionBodies
+from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.kinematics.geometry import Geometry
@@ -89,7 +90,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "travel": scene.travel._asdict(),
         "camera": scene.camera,
         "target": scene.target,
-        "tree": [{**vars(joint), "source": joint.source} for joint in scene.tree],
+        "tree": [_joint(joint) for joint in scene.tree],
         "root": pose_message(scene)["root"],
         "q": dict(zip(scene.sliders, scene.q.tolist(), strict=True)),
         "links": {link: link_path(link) for link in scene.poses},
@@ -112,6 +113,12 @@ def page_data(scene: Scene) -> dict[str, Any]:
             "dimensions": scene.own.geometry.dimensions,
         }
     return data
+
+
+def _joint(joint: UrdfJoint) -> dict[str, Any]:
+    """A joint of the tree, without what a URDF says of its motor."""
+    fields = {**vars(joint), "source": joint.source}
+    return {key: x for key, x in fields.items() if key not in ("limit", "dynamics")}
 
 
 def _beyond(scene: Scene) -> list[dict[str, Any]]:

@@ -63,8 +63,8 @@ KINDS = {
         f"limits trajectory viewer {_ROBOTS}",
     ),
     # So far only the record has them.
-    "max_acceleration": ("[joint_limits.axis_c]\nmax_acceleration = 0.5", ""),
-    "max_jerk": ("[joint_limits.axis_c]\nmax_jerk = 5", ""),
+    "max_acceleration": ("[joint_limits.axis_c]\nmax_acceleration = 0.5", "xacro"),
+    "max_jerk": ("[joint_limits.axis_c]\nmax_jerk = 5", "xacro"),
     "signs": ("[signs]\naxis_c = -1", "devices recordings"),
     "max_effort": (
         "[joint_limits.axis_c]\nmax_effort = 1.5",

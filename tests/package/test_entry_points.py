@@ -25,7 +25,6 @@ ENTRY_POINTS = {
     "geometry.drawing": "bodies that are drawn for the catalogue's arm",
     "numbers.arm_file": "arm_file; what a file leaves out is the catalogue's",
     "numbers.arm_writing": "a file says what differs from the catalogue's arm",
-    "numbers.parameters": "chosen_arm without an arm; is_catalogue compares",
     "proofs.audit.printed_inverse_kinematics": "the published formulas",
     "proofs.audit.printed_workspace": "the published region",
     "proofs.audit.run": "audit",

@@ -37,6 +37,7 @@ NOT_CALLED = {
     "Calibration": "a record",
     "DexterityMap": "a record",
     "Excitation": "a record",
+    "Described.theirs": "a record of compare",
     "FittedNumbers": "a record",
     "Identification": "a record",
     "Interval": "a record",
