@@ -30,7 +30,7 @@ _DAY = 86400.0
 _DATE_NAMES = ("date", "datum", "day")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Clock:
     """How a column writes its times.
 

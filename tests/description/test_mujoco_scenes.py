@@ -150,5 +150,9 @@ def test_the_readme_of_the_folder_holds_for_all_its_models():
         spec.compiler.boundmass = float(allowed["least_mass"])
         spec.compiler.boundinertia = float(allowed["least_moment"])
         bound = spec.compile()
-        np.testing.assert_array_equal(bound.body_mass, free.body_mass)
-        np.testing.assert_array_equal(bound.body_inertia, free.body_inertia)
+        # base_link has no mass, and does not move.
+        has_mass = free.body_mass > 0.0
+        assert has_mass.sum() > 5
+        for name in ("body_mass", "body_inertia"):
+            before, after = (getattr(one, name)[has_mass] for one in (free, bound))
+            np.testing.assert_array_equal(after, before)
