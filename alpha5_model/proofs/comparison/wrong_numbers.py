@@ -90,7 +90,9 @@ def wrong_numbers(
     whole = _whole_in_one(arm, heaviest, digits)
     if whole is not None:
         return _too_many([part for part in heaviest if part is not whole])
-    if options:
+    if len(_jaws(arm, heaviest)) == JAW_BODIES:
+        wrong = options[0]  # each body is compared with its own
+    elif options:
         wrong = min(options, key=_unlikely)
     else:
         # Too much is there: the heaviest link is the body, and the others have no mass.
