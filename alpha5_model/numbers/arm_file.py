@@ -436,15 +436,15 @@ def _table(key: str, given: Any, names: Iterable[str]) -> dict[str, Any]:
     return given
 
 
-def _known(key: str, given: Iterable[str], names: Collection[str]) -> None:
+def _known(key: str, given: Iterable[Any], names: Collection[str]) -> None:
     """Refuse names that do not exist, with the nearest one that does."""
     for name in given:
         if name not in names:
-            near = difflib.get_close_matches(name[:40], names, n=1)
+            near = difflib.get_close_matches(str(name)[:40], names, n=1)
             expected = f"one of {', '.join(names)}"
             if near:
                 expected = f"a known key, perhaps {near[0]!r}"
-            raise InputError(key, name, expected)
+            raise InputError(key, _shown(name), expected)
 
 
 def _required(table: str, given: dict[str, Any], key: str) -> None:

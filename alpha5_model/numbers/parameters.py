@@ -101,7 +101,7 @@ class LinkParameters(RigidBody):
         bounds: Outer bounds of the body, (3, 2) [m].
 
     Raises:
-        InputError: Also no mass, bounds whose ends are in the wrong order, or a COM far
+        InputError: Also bounds whose ends are in the wrong order, or a COM far
             outside of them.
     """
 
@@ -117,7 +117,6 @@ class LinkParameters(RigidBody):
         if (bounds[:, 0] > bounds[:, 1]).any():
             expected = "the lower end of each axis before the upper one"
             raise InputError(f"{self._place}.bounds", bounds.tolist(), expected)
-        real(f"{self._place}.mass", self.mass, minimum=0.0, strict=True)
         com = array(f"{self._place}.com", self.com, 3)
         arm_checks.check_inside(f"{self._place}.com", com, bounds)
         super().__post_init__()
