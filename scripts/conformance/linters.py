@@ -21,13 +21,16 @@ from alpha5_model._support.paths import REPOSITORY_PATH
 
 #: Check and links of simcheck's finding -> why it is so.
 _AT_ZERO = "q = 0 is out of the limits"
+_FLOAT = "a float of buoyancy is drawn as a point"
 SIMCHECK = {
     "urdf": {
         "engine.rest_contacts link_0|link_2": _AT_ZERO,
         "engine.rest_contacts link_0|link_4": _AT_ZERO,
     },
     # MuJoCo starts at its key frame.
-    "mjcf": {},
+    "mjcf": {
+        f"inertia.geometry link_{number}_buoyancy": _FLOAT for number in range(1, 5)
+    },
 }
 _FRAME = "a frame without a body"
 #: Link and message of truerig's finding, without numbers -> why it is so.
