@@ -120,6 +120,15 @@ def pose(xyz: ArrayLike, rpy: Sequence[float] | FloatArray) -> FloatArray:
     return transform(rotation_from_rpy(rpy), xyz)
 
 
+def angles_between(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Angles between the orientations of poses (..., 4, 4), (...) [rad]."""
+    relative = np.swapaxes(one[..., :3, :3], -1, -2) @ other[..., :3, :3]
+    skew = relative - np.swapaxes(relative, -1, -2)
+    sine = np.linalg.norm(skew, axis=(-2, -1)) / np.sqrt(8)
+    cosine = (np.trace(relative, axis1=-2, axis2=-1) - 1) / 2
+    return np.asarray(np.arctan2(sine, cosine))
+
+
 def excess_of_box(point: FloatArray, bounds: FloatArray) -> float:
     """Distance of a point (3,) from a box (3, 2); 0 inside."""
     below = bounds[:, 0] - point

@@ -40,7 +40,7 @@ _ZERO = math.radians(10)
 #: A mass that is off by more makes an inertia of before wrong by as much.
 _MASS = 0.2
 #: Bodies that the arm has already.
-_TAKEN = ("base_link", *BODY_NAMES, "tcp", "jaw_rod", "finger_1", "finger_2")
+TAKEN = ("base_link", *BODY_NAMES, "tcp", "jaw_rod", "finger_1", "finger_2")
 
 
 def check_dh(dh: Sequence[Any], table_1: Sequence[Any]) -> None:
@@ -77,7 +77,7 @@ def check_attached(attached: Iterable[AttachedBody]) -> None:
     Raises:
         InputError: Such a name.
     """
-    taken = set(_TAKEN)
+    taken = set(TAKEN)
     for i, body in enumerate(attached):
         if body.name in taken:
             expected = "a name that no other body or frame has"
@@ -91,7 +91,7 @@ def check_parent(parent: str) -> None:
     Raises:
         InputError: Such a name.
     """
-    if parent in _TAKEN:
+    if parent in TAKEN:
         raise InputError("mount.parent", parent, "a name that is none of the arm's")
 
 

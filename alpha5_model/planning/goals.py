@@ -109,13 +109,23 @@ def other_wrists(
     target: Target, q0: FloatArray, arm: Alpha5Parameters
 ) -> list[list[Goal]]:
     """The goals of a point at other wrist angles that reach it, from near to far."""
+    angles = reaching_wrists(target.value, float(q0[3]), arm)
+    return [_of_point(target.value, float(angle), q0, arm) for angle in angles]
+
+
+def reaching_wrists(
+    position: FloatArray, wrist: float, arm: Alpha5Parameters
+) -> FloatArray:
+    """Angles of axis_b that reach a point (3,), the nearest to ``wrist`` first [rad].
+
+    They are out of `WRISTS` over its range.
+    """
     joint = arm.joints[3]
     angles = np.linspace(joint.lower, joint.upper, WRISTS)
-    targets = np.broadcast_to(target.value, (WRISTS, 3))
+    targets = np.broadcast_to(position, (WRISTS, 3))
     reaches = inverse_kinematics(targets, angles, arm=arm).within_limits.any(axis=1)
     found = angles[reaches]
-    nearest_first = found[np.argsort(np.abs(found - q0[3]), kind="stable")]
-    return [_of_point(target.value, float(angle), q0, arm) for angle in nearest_first]
+    return np.asarray(found[np.argsort(np.abs(found - wrist), kind="stable")])
 
 
 def _of_point(

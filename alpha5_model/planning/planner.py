@@ -260,18 +260,20 @@ def _route(
         BlockedMotionError: None was found.
     """
     wrist_is_open = target.kind == "position" and wrist is None
+    others: list[list[Goal]] | None = None
     choices: list[list[Goal]] = []
     try:
         choices.append(goals(target, start, wrist, arm))
     except UnreachableError:
         # A tool beside the wrist axis may reach it at another wrist angle.
-        if not wrist_is_open or not other_wrists(target, start, arm):
+        others = other_wrists(target, start, arm) if wrist_is_open else []
+        if not others:
             raise
 
     search = Search(surroundings, start, limits)
     route = _way_to_one(surroundings, search, choices, arm)
     if route is None and wrist_is_open:
-        choices += other_wrists(target, start, arm)
+        choices += other_wrists(target, start, arm) if others is None else others
         route = _way_to_one(surroundings, search, choices, arm)
     if route is None:
         raise _blocked(surroundings, search, start, choices[0])

@@ -20,6 +20,7 @@ from alpha5_model.kinematics.ik import Solutions, inverse_kinematics
 from alpha5_model.kinematics.reach import nearest_reachable
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue, parameters
+from alpha5_model.planning.goals import reaching_wrists
 from alpha5_model.planning.planner import ACCELERATION
 from alpha5_model.planning.retracted import retracted_poses
 from alpha5_model.planning.s_curve import RAMP
@@ -56,8 +57,6 @@ from alpha5_model.viewer.tracks import motion_track
 _CURRENT = (1.0, 0.0, 0.0)
 #: Where file names of meshes in a URDF start.
 _FOLDER = str(Path(URDF_PATH).parent)
-#: Angles of axis_b at which a tool beside the wrist axis is tried.
-_WRISTS = 91
 #: How far beyond a limit rounding may put a joint [rad or m].
 _ROUNDING = 1e-9
 
@@ -260,11 +259,8 @@ def _beside(
     It is free of self-collision if one is. None if no angle of axis_b that is tried
     reaches the goal (3,).
     """
-    joint = record.joints[3]
-    wrists = np.linspace(joint.lower, joint.upper, _WRISTS)
-    nearest_first = wrists[np.argsort(np.abs(wrists - home[3]), kind="stable")]
     colliding = None
-    for wrist in [home[3], *nearest_first]:
+    for wrist in [home[3], *reaching_wrists(goal, home[3], record)]:
         solutions = inverse_kinematics(goal, wrist, arm=record)
         if not solutions.within_limits.any():
             continue

@@ -22,7 +22,7 @@ from alpha5_model._support.spatial import moved, wrap
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.arm_checks import FARTHEST_TOOL
+from alpha5_model.numbers.arm_checks import FARTHEST_TOOL, TAKEN
 from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
 from alpha5_model.numbers.jaws import split_link_4
@@ -34,7 +34,6 @@ from alpha5_model.numbers.parameters import (
     chosen_arm,
 )
 from alpha5_model.numbers.pose import Pose, printed_tool
-from alpha5_model.numbers.tables import BODY_NAMES
 from alpha5_model.proofs.comparison.comparing import reduce_and_describe
 from alpha5_model.proofs.comparison.described import (
     SAME_ZERO,
@@ -53,7 +52,6 @@ LEFT_OUT = 1e-7
 #: A base_link whose d_0 differs by more is another frame [m].
 OTHER_BASE = 0.1
 #: Names that a parent of base_link cannot have.
-TAKEN = ("base_link", "tcp", *BODY_NAMES)
 
 
 class ArmOfModel(NamedTuple):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, count
+from alpha5_model._support.spatial import angles_between
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import GRAVITY
@@ -365,24 +366,15 @@ def _tool(evidence: Evidence) -> ToolDifference:
         offset=float(np.linalg.norm(in_wrist[:3, 3] - ours[:3, 3])),
         turned=angle_between(ours, in_wrist),
         distance=_distances(same, expected),
-        angle=_angles(same, expected),
+        angle=angles_between(same, expected),
         matched_distance=_distances(matched, expected),
-        matched_angle=_angles(matched, expected),
+        matched_angle=angles_between(matched, expected),
     )
 
 
 def _distances(one: FloatArray, other: FloatArray) -> FloatArray:
     """Distances between the origins of poses (N, 4, 4), (N,) [m]."""
     return np.asarray(np.linalg.norm(one[:, :3, 3] - other[:, :3, 3], axis=1))
-
-
-def _angles(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Angles between the orientations of poses (N, 4, 4), (N,) [rad]."""
-    relative = np.swapaxes(one[:, :3, :3], 1, 2) @ other[:, :3, :3]
-    skew = relative - np.swapaxes(relative, 1, 2)
-    sine = np.linalg.norm(skew, axis=(1, 2)) / np.sqrt(8)
-    cosine = (np.trace(relative, axis1=1, axis2=2) - 1) / 2
-    return np.asarray(np.arctan2(sine, cosine))
 
 
 # --- Other arms -----------------------------------------------------------------------

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.spatial import rpy_from_rotation
+from alpha5_model._support.spatial import angles_between, rpy_from_rotation
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointParameters
 from alpha5_model.numbers.pose import tool_of
@@ -180,7 +180,4 @@ def urdf_numbers(values: ArrayLike) -> str:
 
 def angle_between(one: FloatArray, other: FloatArray) -> float:
     """Angle between two orientations, of poses (4, 4) [rad]."""
-    relative = one[:3, :3].T @ other[:3, :3]
-    sine = float(np.linalg.norm(relative - relative.T)) / math.sqrt(8)
-    cosine = (float(np.trace(relative)) - 1) / 2
-    return math.atan2(sine, cosine)
+    return float(angles_between(one, other))

@@ -11,6 +11,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model.description.frames import fixed_frames, joint_placements
+from alpha5_model.numbers.inertia import tensor_at_origin
 from alpha5_model.numbers.jaws import loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.rigid_body import RigidBody
@@ -23,7 +24,6 @@ from alpha5_model.proofs.comparison.mistakes import (
     Case,
     Mistake,
     Part,
-    parallel_axis,
 )
 from alpha5_model.proofs.comparison.tolerance import Quantity, Tolerance
 
@@ -57,16 +57,16 @@ class Arm:
         self.index = index
         links = loaded_links(record)
         self.body = body_of(links[index])
-        about_links = []
-        for link in links:
-            about_links.append(link.inertia + parallel_axis(link.mass, link.com))
+        mass = np.array([link.mass for link in links])
+        com = np.array([link.com for link in links])
+        inertia = np.array([link.inertia for link in links])
         self.tables = Revision(
             numbers="",
             buoyancy_table="",
-            mass=np.array([link.mass for link in links]),
-            com=np.array([link.com for link in links]),
-            inertia=np.array([link.inertia for link in links]),
-            inertia_link=np.array(about_links),
+            mass=mass,
+            com=com,
+            inertia=inertia,
+            inertia_link=tensor_at_origin(mass, com, inertia),
             volume=np.array([link.volume for link in links]),
             cob=np.array([link.cob for link in links]),
         )

@@ -19,7 +19,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved
 from alpha5_model.numbers.fluids import FRESH_WATER
-from alpha5_model.numbers.inertia import flip_products
+from alpha5_model.numbers.inertia import flip_products, point_mass_tensor
 from alpha5_model.proofs.comparison.document_revisions import Revision
 
 I_LINK = (
@@ -166,15 +166,10 @@ def _principal(case: Case) -> list[Body]:
     return case.with_inertia(*map(np.diag, itertools.permutations(moments)))
 
 
-def parallel_axis(mass: float, com: FloatArray) -> FloatArray:
-    """The parallel-axis term of a COM (3,), (3, 3) [kg m^2]."""
-    return np.asarray(mass * (com @ com * np.eye(3) - np.outer(com, com)))
-
-
 def _about_link(case: Case) -> list[Body]:
     """I_Link: the tensor about the link frame, computed and as printed."""
     right = case.right
-    computed = right.inertia + parallel_axis(right.mass, right.com)
+    computed = right.inertia + point_mass_tensor(right.mass, right.com)
     rotation = case.to_link[:3, :3]
     printed = rotation @ case.source.inertia_link[case.index] @ rotation.T
     return case.with_inertia(computed, printed)
@@ -190,7 +185,7 @@ def _pasted_about_link(case: Case) -> list[Body]:
 def _less_term(case: Case) -> list[Body]:
     """I_COM less the parallel-axis term."""
     right = case.right
-    return case.with_inertia(right.inertia - parallel_axis(right.mass, right.com))
+    return case.with_inertia(right.inertia - point_mass_tensor(right.mass, right.com))
 
 
 def _without_terms(case: Case) -> list[Body]:
@@ -217,7 +212,7 @@ def _about_another_point(case: Case) -> list[Body]:
     outer = np.trace(added) / 2 * np.eye(3) - added
     values, vectors = np.linalg.eigh(outer)
     point = vectors[:, 2] * math.sqrt(max(values[2], 0.0))
-    return case.with_inertia(case.right.inertia + parallel_axis(1.0, point))
+    return case.with_inertia(case.right.inertia + point_mass_tensor(1.0, point))
 
 
 def _in_other_axes(case: Case) -> list[Body]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from alpha5_model._support.spatial import pose
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.inertia import inconsistencies
+from alpha5_model.numbers.inertia import combine, inconsistencies
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.explaining import (
@@ -30,7 +30,6 @@ from alpha5_model.proofs.comparison.mistakes import (
     Body,
     Mistake,
     Part,
-    parallel_axis,
 )
 from alpha5_model.proofs.comparison.tolerance import (
     MOST,
@@ -156,14 +155,12 @@ def _less(whole: Body, others: Sequence[Body]) -> Body | None:
     """A body without some of its parts, all in one frame; None if none remains."""
     if not others:
         return whole
-    mass = whole.mass - sum(body.mass for body in others)
-    if mass <= 0:
+    masses = [whole.mass, *(-body.mass for body in others)]
+    if np.sum(masses) <= 0:
         return None
-    moment = whole.mass * whole.com - sum(body.mass * body.com for body in others)
-    com = moment / mass
-    inertia = whole.inertia + parallel_axis(whole.mass, whole.com - com)
-    for body in others:
-        inertia -= body.inertia + parallel_axis(body.mass, body.com - com)
+    coms = [whole.com, *(body.com for body in others)]
+    inertias = [whole.inertia, *(-body.inertia for body in others)]
+    mass, com, inertia = combine(masses, coms, inertias)
     if inconsistencies(mass, com, inertia):
         return None
     return Body(mass=mass, com=com, inertia=inertia)
@@ -294,14 +291,12 @@ def _explained_as_whole(
     So a body is recognized whose author split another revision's.
     """
     bodies = [part.body.at(part.pose) for part in parts]
-    mass = sum(body.mass for body in bodies)
-    if not mass:
+    masses = [body.mass for body in bodies]
+    if not np.sum(masses):
         return list(wrong)
-    com = np.sum([body.mass * body.com for body in bodies], axis=0) / mass
-    inertia = np.zeros((3, 3))
-    for body in bodies:
-        inertia += body.inertia + parallel_axis(body.mass, body.com - com)
-    whole = Part("", Body(mass=mass, com=com, inertia=inertia), np.eye(4))
+    coms = [body.com for body in bodies]
+    inertias = [body.inertia for body in bodies]
+    whole = Part("", Body(*combine(masses, coms, inertias)), np.eye(4))
     mistakes: dict[tuple[str, Quantity], Mistake] = {}
     for number in _wrong_in_link(arm, arm.body, [whole], 0, digits):
         if number.mistake:
