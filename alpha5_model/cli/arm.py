@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from typer import Argument
 
-from alpha5_model._support.checks import choice
 from alpha5_model._support.files import STDOUT
 from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
-from alpha5_model.cli import options, printing
-from alpha5_model.cli.units import LITRE, MILLIMETRE
-from alpha5_model.errors import InputError, OutputError
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
+from alpha5_model.errors import OutputError
 from alpha5_model.numbers.arm_checks import LENGTHS
 from alpha5_model.numbers.arm_file import arm_file
 from alpha5_model.numbers.arm_writing import arm_file_text
@@ -22,39 +22,56 @@ from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.tables import JOINT_NAMES
 
-_ACTIONS = ("new", "check", "show")
 #: The file that ``new`` writes if none is named.
 _NEW = Path("my_arm.toml")
+#: Sizes of the units in which lengths and volumes are printed, in SI units.
+_MILLIMETRE = 1e-3
+_LITRE = 1e-3
+
+HELP = """
+check gives the cost of each change alone: the largest change of the torque
+that holds a joint in sea water, and the largest distance that the tcp moves,
+within the file's limits.
+
+Example: alpha5 arm new my_arm.toml
+Example: alpha5 arm check my_arm.toml
+"""
 
 
-def arm(
-    action: Annotated[str, Argument(help="new, check or show.")],
-    file: Annotated[
-        Path | None,
-        Argument(help="The arm file. new: - for standard output; default my_arm.toml."),
-    ] = None,
-    as_json: options.Json = False,
-) -> None:
-    """Your own arm in a file: write one, say what it changes, print it.
+def options(parser: Parser) -> None:
+    parser.add_commands(
+        {
+            "new": ("write the catalogue's arm with every key and comments", _of_new),
+            "check": ("say what a file changes against the catalogue", _of_file),
+            "show": ("print the arm of a file", _of_file),
+        },
+    )
 
-    new writes the catalogue's arm with every key and comments, check says what
-    a file changes against it, and show prints the arm of a file. check gives the
-    cost of each change alone: the largest change of the torque that holds a joint
-    in sea water, and the largest distance that the tcp moves, within the file's
-    limits.
 
-    Example: alpha5 arm new my_arm.toml
-    Example: alpha5 arm check my_arm.toml
-    """
-    choice("action", action, _ACTIONS)
-    if action == "new":
-        _new(file or _NEW, as_json)
+def _of_new(parser: Parser) -> None:
+    parser.add_argument(
+        "file",
+        nargs="?",
+        type=Path,
+        default=_NEW,
+        metavar="FILE",
+        help="the file to write, - for standard output. Default: %(default)s",
+    )
+    common.as_json(parser)
+
+
+def _of_file(parser: Parser) -> None:
+    parser.add_argument("file", type=Path, metavar="FILE", help="the arm file")
+    common.as_json(parser)
+
+
+def run(given: Namespace) -> None:
+    if given.command == "new":
+        _new(given.file, given.json)
         return
-    if file is None:
-        raise InputError("file", file, f"an arm file: alpha5 arm {action} FILE")
-    own = arm_file(file)
-    if action == "show":
-        printing.show(as_json, own, _arm_text(own))
+    own = arm_file(given.file)
+    if given.command == "show":
+        printing.show(given.json, own, _arm_text(own))
         return
 
     # Pinocchio is loaded here only.
@@ -63,7 +80,7 @@ def arm(
     with printing.spinner("searching"):
         changes = arm_changes(own, parameters())
     record = {"name": own.name, "changes": changes}
-    printing.show(as_json, record, _changes_text(own, changes))
+    printing.show(given.json, record, _changes_text(own, changes))
 
 
 def _new(path: Path, as_json: bool) -> None:
@@ -84,7 +101,7 @@ def _changes_text(own: Alpha5Parameters, changes: Any) -> printing.Lines:
     yield f"{own.name} against the catalogue's arm; largest changes within its limits"
     rows = [["changed", "torque (N m)", "tcp (mm)"]]
     for change in changes:
-        cells = [_digits(change.torque), _digits(change.tcp / MILLIMETRE)]
+        cells = [_digits(change.torque), _digits(change.tcp / _MILLIMETRE)]
         rows.append([change.key, *cells])
     yield from table(rows, "<>>")
 
@@ -133,14 +150,14 @@ def _frames(own: Alpha5Parameters) -> printing.Lines:
         at = _written(own.mount.position)
         yield f"mount on {own.mount.parent} at {at} m"
     rows = [
-        [name, f"{getattr(own.dh[i], field) / MILLIMETRE:.6g}"]
+        [name, f"{getattr(own.dh[i], field) / _MILLIMETRE:.6g}"]
         for name, (i, field) in LENGTHS.items()
     ]
     yield "\nlengths (mm)"
     yield from table(rows, "<>", 2)
 
     tool = tool_of(own)
-    spacer = f"{own.spacer / MILLIMETRE:g} mm"
+    spacer = f"{own.spacer / _MILLIMETRE:g} mm"
     moved = f", moved by a spacer of {spacer}" if own.spacer else ""
     yield f"tcp at {_written(tool.position)} m in link_4{moved}"
 
@@ -167,9 +184,9 @@ def _joints(own: Alpha5Parameters) -> printing.Lines:
 def _bodies(own: Alpha5Parameters) -> printing.Lines:
     rows = [["body", "mass (kg)", "volume (L)", "com (mm)", "cob (mm)"]]
     for body in (*own.links, *own.attached):
-        com = _written(body.com / MILLIMETRE)
-        cob = _written(body.cob / MILLIMETRE)
-        cells = [f"{body.mass:.6g}", f"{body.volume / LITRE:.6g}", com, cob]
+        com = _written(body.com / _MILLIMETRE)
+        cob = _written(body.cob / _MILLIMETRE)
+        cells = [f"{body.mass:.6g}", f"{body.volume / _LITRE:.6g}", com, cob]
         rows.append([body.name, *cells])
     yield "\nbodies, each in its own frame"
     yield from table(rows, "<>><<", 2)

@@ -2,164 +2,184 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from typer import Argument, Option
 
 from alpha5_model._support.checks import choice
 from alpha5_model._support.files import STDOUT
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
-from alpha5_model.cli import options, printing, values
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
+from alpha5_model.cli.quantities import ANGLE, LENGTH, MASS, NUMBER, Scalar, Vector
 from alpha5_model.errors import InputError, OutputError
 
 if TYPE_CHECKING:
+    from alpha5_model.numbers.parameters import Alpha5Parameters
     from alpha5_model.studies.calibration import Calibration, Sensor, Session
 
-_ACTIONS = ("plan", "fit", "motors")
 _FORMATS = (".toml",)
 
-# The options of this command.
-_Action = Annotated[str, Argument(help="plan, fit or motors.")]
-_Files = Annotated[
-    list[Path],
-    Argument(
-        help="plan: the file to write; fit: the filled-in files; motors: a recording."
-    ),
-]
-_SensorKind = Annotated[
-    str,
-    Option(
-        "--sensor",
-        help="plan: scales (three), weight (one scale), force-torque, efforts or "
-        "vehicle-tilt.",
-    ),
-]
-_Vehicle = Annotated[
-    Path | None,
-    Option(
-        "--vehicle",
-        help="plan, vehicle-tilt: TOML with mass, com, volume, cob, xyz, rpy (SI).",
+HELP = """
+plan writes a file with the poses in which a sensor tells the most. Fill in
+the readings. fit makes an arm file of one or several such files, for example
+one in air and one in water, and names what is wrong with them. motors
+estimates friction and torque per ampere from recorded currents.
+
+Exit status of fit: 1 if the readings contradict the model.
+
+Example: alpha5 calibrate plan scales.toml
+Example: alpha5 calibrate fit scales.toml --output my_arm.toml
+Example: alpha5 calibrate motors sway.csv --fluid sea --output my_arm.toml
+"""
+
+
+def options(parser: Parser) -> None:
+    parser.add_commands(
+        {
+            "plan": ("write the poses in which a sensor tells the most", _of_plan),
+            "fit": ("make an arm file of the filled-in files", _of_fit),
+            "motors": ("friction and torque per ampere from currents", _of_motors),
+        }
+    )
+
+
+def _of_plan(parser: Parser) -> None:
+    parser.add_argument(
+        "file",
+        type=Path,
         metavar="FILE",
-    ),
-]
-_Poses = Annotated[int, Option(help="plan: how many poses.", min=1)]
-_Fluid = Annotated[
-    str | None,
-    Option(help=f"{options.FLUID} Default: air for plan, sea for motors."),
-]
-_Gravity = Annotated[
-    str | None,
-    Option(help="plan, motors: gravity in base_link (m/s^2). Default: 0 0 -9.81."),
-]
-_Positions = Annotated[
-    str | None,
-    Option(
-        help="plan: where three scales carry the plate: x y z of each in base_link (m)."
-    ),
-]
-_Noise = Annotated[
-    float | None, Option(help="plan: standard deviation of a reading (kg, N m or rad).")
-]
-_Ballast = Annotated[
-    float, Option(help="plan: mass on the scales beside the arm (kg).")
-]
-_Zeroed = Annotated[
-    bool, Option("--zeroed", help="plan: the scales showed 0 with the bare plate.")
-]
-_Prior = Annotated[
-    str,
-    Option(
-        help="plan, fit: how well the numbers are known before: to their printed "
-        "digits, or loose (masses and volumes to 10 %, centres to 5 mm)."
-    ),
-]
-_Zeros = Annotated[
-    str, Option(help="fit: standard deviation of the joints' zeros (rad).")
-]
-_Tilt = Annotated[
-    str, Option(help="fit: standard deviation of the mount's tilt (rad).")
-]
-_Payload = Annotated[
-    bool, Option("--payload", help="motors: weigh what the tool point carries.")
-]
-_Output = Annotated[
-    Path | None, Option("--output", "-o", help="fit, motors: the arm file, .toml.")
-]
+        help="the file to write; .csv for a motion instead of poses, for a "
+        "force-torque sensor or efforts",
+    )
+    parser.add_argument(
+        "--sensor",
+        default="scales",
+        help="scales (three), weight (one scale), force-torque, efforts or "
+        "vehicle-tilt. Default: %(default)s",
+    )
+    parser.add_argument(
+        "--poses", type=int, default=12, help="how many poses. Default: %(default)s"
+    )
+    parser.add_argument(
+        "--positions",
+        type=Vector(*[LENGTH] * 9),
+        metavar="X Y Z ...",
+        help="where three scales carry the plate: x y z of each in base_link (m)",
+    )
+    parser.add_argument(
+        "--vehicle",
+        type=Path,
+        metavar="FILE",
+        help="vehicle-tilt: TOML with mass, com, volume, cob, xyz, rpy (SI)",
+    )
+    parser.add_argument(
+        "--noise",
+        type=Scalar(NUMBER),
+        help="standard deviation of a reading (kg, N m or rad)",
+    )
+    parser.add_argument(
+        "--ballast",
+        type=Scalar(MASS),
+        default=0.0,
+        help="mass on the scales beside the arm (kg). Default: 0",
+    )
+    parser.add_argument(
+        "--zeroed",
+        action="store_true",
+        help="the scales showed 0 with the bare plate",
+    )
+    common.fluid(parser, "air")
+    common.gravity(parser, None, "in base_link (m/s^2). Default: 0 0 -9.81")
+    _prior(parser)
+    common.arm_file(parser)
+    common.as_json(parser)
 
 
-def calibrate(
-    action: _Action,
-    files: _Files,
-    sensor: _SensorKind = "scales",
-    poses: _Poses = 12,
-    fluid: _Fluid = None,
-    gravity: _Gravity = None,
-    positions: _Positions = None,
-    vehicle: _Vehicle = None,
-    noise: _Noise = None,
-    ballast: _Ballast = 0.0,
-    zeroed: _Zeroed = False,
-    prior: _Prior = "digits",
-    zeros: _Zeros = "1deg",
-    tilt: _Tilt = "0.5deg",
-    payload: _Payload = False,
-    output: _Output = None,
-    arm_file: options.Arm = None,
-    as_json: options.Json = False,
-) -> int:
-    """Weigh your own arm: poses to take, and an arm file of what you read.
+def _of_fit(parser: Parser) -> None:
+    parser.add_argument(
+        "files", nargs="+", type=Path, metavar="FILE", help="the filled-in files"
+    )
+    _prior(parser)
+    parser.add_argument(
+        "--zeros",
+        type=Scalar(ANGLE),
+        default="1deg",
+        help="standard deviation of the joints' zeros (rad). Default: %(default)s",
+    )
+    parser.add_argument(
+        "--tilt",
+        type=Scalar(ANGLE),
+        default="0.5deg",
+        help="standard deviation of the mount's tilt (rad). Default: %(default)s",
+    )
+    _output(parser)
+    common.arm_file(parser)
+    common.as_json(parser)
 
-    plan writes a file with the poses in which a sensor tells the most. Fill in
-    the readings. If the file's name ends in .csv, plan writes a motion instead,
-    for a force-torque sensor or efforts. The tilt of a floating vehicle is a
-    sensor, too: --vehicle names a file with its mass, buoyancy and centres.
 
-    fit makes an arm file of one or several such files, for example one in air
-    and one in water, and names what is wrong with them. motors estimates
-    friction and torque per ampere from recorded currents.
+def _of_motors(parser: Parser) -> None:
+    parser.add_argument(
+        "file", type=Path, metavar="FILE", help="a recording with currents"
+    )
+    common.fluid(parser)
+    common.gravity(parser, None, "in base_link (m/s^2). Default: 0 0 -9.81")
+    parser.add_argument(
+        "--payload", action="store_true", help="weigh what the tool point carries"
+    )
+    _output(parser)
+    common.arm_file(parser)
+    common.as_json(parser)
 
-    Exit status of fit: 1 if the readings contradict the model.
 
-    Example: alpha5 calibrate plan scales.toml
-    Example: alpha5 calibrate fit scales.toml --output my_arm.toml
-    Example: alpha5 calibrate motors sway.csv --fluid sea --output my_arm.toml
-    """
-    choice("action", action, _ACTIONS)
-    down: Any = None
-    if gravity is not None:
-        down = values.numbers("gravity", gravity, (3,), "m/s^2")
-    own = values.arm_record(arm_file)
-    if action == "fit":
-        check_outputs([*files, arm_file], output=(output, _FORMATS))
-        return _fit(files, prior, zeros, tilt, output, own, as_json)
+def _prior(parser: Parser) -> None:
+    parser.add_argument(
+        "--prior",
+        default="digits",
+        help="how well the numbers are known before: to their printed digits, or loose "
+        "(masses and volumes to 10 %%, centres to 5 mm). Default: %(default)s",
+    )
 
-    if action == "motors":
-        check_outputs([*files, arm_file], output=(output, _FORMATS))
-        known = "sea" if fluid is None else fluid
-        return _motors(files, known, down, payload, output, own, as_json)
 
-    file = _only(files, "one file to write")
+def _output(parser: Parser) -> None:
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="the arm file, .toml"
+    )
+
+
+def run(given: Namespace) -> int:
+    own = common.record_of(given)
+    if given.command == "plan":
+        return _plan(given, own)
+    files = given.files if given.command == "fit" else [given.file]
+    check_outputs([*files, given.arm], output=(given.output, _FORMATS))
+    return _fit(given, own) if given.command == "fit" else _motors(given, own)
+
+
+def _plan(given: Namespace, own: Alpha5Parameters | None) -> int:
+    """Poses to take, or a motion."""
+    file = given.file
     if str(file) != STDOUT and file.exists():
         raise OutputError(file, "it exists; name another file")
     from alpha5_model.studies.calibration import plan_poses, session_text
 
-    chosen = _sensor(sensor, positions, noise, zeroed, vehicle, down)
-    density = values.fluid_density("air" if fluid is None else fluid)
+    sensor = _sensor(given)
     if file.suffix == ".csv":
-        _plan_motion(file, chosen, as_json, own, density, down, prior)
+        _plan_motion(given, sensor, own)
         return 0
     planned = plan_poses(
-        chosen,
-        poses,
+        sensor,
+        given.poses,
         arm=own,
-        fluid_density=density,
-        gravity=down,
-        prior=prior,
-        ballast=ballast,
+        fluid_density=given.fluid,
+        gravity=given.gravity,
+        prior=given.prior,
+        ballast=given.ballast,
     )
     atomic_write(file, session_text(planned, own))
     degrees = np.degrees(planned.motion.q)
@@ -168,35 +188,25 @@ def calibrate(
         "channels": planned.sensor.channels,
         "q": planned.motion.q,
     }
-    printing.show(as_json, record, _plan_text(planned, degrees), file)
+    printing.show(given.json, record, _plan_text(planned, degrees), file)
     return 0
 
 
-def _only(files: list[Path], expected: str) -> Path:
-    """The one file that an action takes."""
-    first, *others = files
-    if others:
-        raise InputError("files", " ".join(map(str, files)), expected)
-    return first
-
-
 def _plan_motion(
-    file: Path,
-    sensor: Sensor,
-    as_json: bool,
-    own: Any,
-    density: float,
-    gravity: Any,
-    prior: str,
+    given: Namespace, sensor: Sensor, own: Alpha5Parameters | None
 ) -> None:
     """Plan a motion instead of poses, and write it."""
     from alpha5_model.studies.calibration import plan_excitation
 
     with printing.spinner("planning"):
         motion = plan_excitation(
-            sensor, arm=own, fluid_density=density, gravity=gravity, prior=prior
+            sensor,
+            arm=own,
+            fluid_density=given.fluid,
+            gravity=given.gravity,
+            prior=given.prior,
         )
-    motion.write(file)
+    motion.write(given.file)
     record = {
         "sensor": sensor.kind,
         "duration": motion.time[-1],
@@ -204,71 +214,56 @@ def _plan_motion(
         "evaluations": motion.evaluations,
     }
     words = f"a motion of {motion.time[-1]:g} s, the best of {motion.evaluations}"
-    printing.show(as_json, record, [words], file)
+    printing.show(given.json, record, [words], given.file)
 
 
-def _motors(
-    files: list[Path],
-    fluid: str,
-    gravity: Any,
-    payload: bool,
-    output: Path | None,
-    own: Any,
-    as_json: bool,
-) -> int:
+def _motors(given: Namespace, own: Alpha5Parameters | None) -> int:
     """Motors from a recording of currents."""
-    file = _only(files, "one recording")
     from alpha5_model.dynamics.load import load
     from alpha5_model.numbers.fluids import GRAVITY
     from alpha5_model.studies.calibration import motors
     from alpha5_model.trajectory import read_motion
 
-    pull = GRAVITY if gravity is None else gravity
-    arm = load(values.fluid_density(fluid), gravity=pull, arm=own)
-    found = motors(read_motion(file, arm=own), arm, payload=payload)
-    if output is not None:
-        found.write(output)
+    pull = GRAVITY if given.gravity is None else given.gravity
+    arm = load(given.fluid, gravity=pull, arm=own)
+    found = motors(read_motion(given.file, arm=own), arm, payload=given.payload)
+    if given.output is not None:
+        found.write(given.output)
     weighed = None if found.payload is None else found.payload._asdict()
     record = {
         "joints": {joint.name: joint._asdict() for joint in found.joints},
         "payload": weighed,
         "gravity_deviation": found.gravity_deviation,
     }
-    printing.show(as_json, record, str(found).splitlines(), output)
+    printing.show(given.json, record, str(found).splitlines(), given.output)
     return 0
 
 
-def _sensor(
-    kind: str,
-    positions: str | None,
-    noise: float | None,
-    zeroed: bool,
-    vehicle: Path | None,
-    gravity: Any,
-) -> Sensor:
-    """The sensor that the options describe."""
+def _sensor(given: Namespace) -> Sensor:
+    """The sensor that the options of ``plan`` describe."""
     from alpha5_model.studies.calibration.plan_file import SENSORS
 
+    kind = given.sensor
     make, names = SENSORS[choice("sensor", kind, tuple(SENSORS))]
-    given: dict[str, Any] = {}
-    if positions is not None:
-        points = values.numbers("positions", positions, (9,), "m")
-        given["positions"] = np.reshape(points, (3, 3))
-    if noise is not None:
-        given["torque_noise" if kind == "force-torque" else "noise"] = noise
-    if zeroed:
-        given["zeroed"] = True
-    if vehicle is not None:
-        given["vehicle"] = _tables(vehicle)
+    settings: dict[str, Any] = {}
+    if given.positions is not None:
+        settings["positions"] = np.reshape(given.positions, (3, 3))
+    if given.noise is not None:
+        name = "torque_noise" if kind == "force-torque" else "noise"
+        settings[name] = given.noise
+    if given.zeroed:
+        settings["zeroed"] = True
+    if given.vehicle is not None:
+        settings["vehicle"] = _tables(given.vehicle)
     elif "vehicle" in names:
         raise InputError("vehicle", None, f"--vehicle FILE, which {kind} needs")
-    for name in given:
+    for name in settings:
         if name not in names:
             expected = f"nothing: {kind} has no such option"
-            raise InputError(name, given[name], expected)
-    if kind == "weight" and gravity is not None:
-        given["gravity"] = gravity
-    return make(**given)
+            raise InputError(name, settings[name], expected)
+    if kind == "weight" and given.gravity is not None:
+        settings["gravity"] = given.gravity
+    return make(**settings)
 
 
 def _tables(file: Path) -> dict[str, Any]:
@@ -292,26 +287,18 @@ def _plan_text(planned: Session, degrees: Any) -> printing.Lines:
     yield "\nfill in the readings, then: alpha5 calibrate fit FILE --output my_arm.toml"
 
 
-def _fit(
-    files: list[Path],
-    prior: str,
-    zeros: str,
-    tilt: str,
-    output: Path | None,
-    own: Any,
-    as_json: bool,
-) -> int:
+def _fit(given: Namespace, own: Alpha5Parameters | None) -> int:
     """Fit the readings of files; 1 if they contradict the model."""
     from alpha5_model.studies.calibration import fit, read_session
 
-    sessions = [read_session(file, own) for file in files]
-    (of_zeros,) = values.numbers("zeros", zeros, (1,), "rad")
-    (of_tilt,) = values.numbers("tilt", tilt, (1,), "rad")
+    sessions = [read_session(file, own) for file in given.files]
     with printing.spinner("fitting"):
-        found = fit(sessions, arm=own, prior=prior, zeros=of_zeros, tilt=of_tilt)
-    if output is not None:
-        found.write(output)
-    printing.show(as_json, _record(found), str(found).split("\n"), output)
+        found = fit(
+            sessions, arm=own, prior=given.prior, zeros=given.zeros, tilt=given.tilt
+        )
+    if given.output is not None:
+        found.write(given.output)
+    printing.show(given.json, _record(found), str(found).split("\n"), given.output)
     return 1 if found.problems else 0
 
 

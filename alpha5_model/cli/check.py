@@ -2,75 +2,86 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
-
-from typer import Argument, Option
 
 from alpha5_model._support.text import table
-from alpha5_model.cli import audit_text, options, printing, values
+from alpha5_model.cli import audit_text, printing
+from alpha5_model.cli import options as common
 from alpha5_model.cli.compare import differences
-from alpha5_model.cli.words import WORDS
+from alpha5_model.cli.parsing import Parser
 from alpha5_model.errors import InputError
 from alpha5_model.proofs.audit import audit
 from alpha5_model.proofs.audit.row import AuditRow
 from alpha5_model.proofs.comparison import compare
 
+#: Heading of `audit_text.heading` -> its title, in the order of a report.
+_TITLES = {
+    "error": "Errors of the documents: wrong in every reading",
+    "reading": "Readings: wrong in the reading that is measured, right in another",
+    "observation": "Observed in their numbers: the documents do not claim these",
+    "outside": "Outside evidence: other people's numbers contradict theirs, and we do "
+    "not know who is right",
+    "transcription": "Transcription: signs and letters that may be right in the "
+    "originals, which we do not have",
+    "agrees": "Claims that hold",
+}
 #: The last lines of a short report.
 _MORE = "\n--verbose also shows what holds, what is printed, and what we use instead"
 
 
-def check(
-    file: Annotated[
-        Path | None, Argument(help="A URDF of the arm, compared with the tables.")
-    ] = None,
-    urdf: Annotated[
-        Path | None, Option(help="The same as the argument.", metavar="FILE")
-    ] = None,
-    arm_file: options.Arm = None,
-    verbose: Annotated[
-        bool, Option("--verbose", "-v", "--all", help=options.HELP["all"])
-    ] = False,
-    as_json: options.Json = False,
-) -> int:
-    """Check the documents against their own numbers, or a URDF against the documents.
+HELP = """
+A document that contradicts itself is a finding, not a failure. It is an
+error, a matter of reading, or a matter of transcription. --verbose also
+shows what holds, what is printed, and what we use instead.
 
-    A document that contradicts itself is a finding, not a failure. It is an
-    error, a matter of reading, or a matter of transcription. --verbose also
-    shows what holds, what is printed, and what we use instead.
+With a file this is alpha5 compare: exit status 0 the file agrees with the
+tables, or with your own arm (--arm), 1 it differs, 2 it cannot be read.
 
-    With a file this is alpha5 compare: exit status 0 the file agrees with the
-    tables, or with your own arm (--arm), 1 it differs, 2 it cannot be read.
+Example: alpha5 check my_arm.urdf
+"""
 
-    Example: alpha5 check my_arm.urdf
-    """
-    if file is not None and urdf is not None:
-        raise InputError("urdf", str(urdf), "one file to check")
-    given = file or urdf
-    if given is not None:
-        return _compare(given, arm_file, as_json)
-    if arm_file is not None:
-        raise InputError("arm", str(arm_file), "a file to check, FILE")
+
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "file",
+        nargs="?",
+        type=Path,
+        metavar="FILE",
+        help="a URDF of the arm, compared with the tables",
+    )
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="print all rows and reasons"
+    )
+    common.arm_file(parser)
+    common.as_json(parser)
+
+
+def run(given: Namespace) -> int:
+    if given.file is not None:
+        return _compare(given)
+    if given.arm is not None:
+        raise InputError("arm", str(given.arm), "a file to check, FILE")
 
     with printing.spinner("checking"):
         claims = audit()
-    printing.show(as_json, {"document": claims}, _report(claims, verbose))
+    printing.show(given.json, {"document": claims}, _report(claims, given.verbose))
     return 0
 
 
-def _compare(file: Path, arm_file: Path | None, as_json: bool) -> int:
-    own = values.arm_record(arm_file)
+def _compare(given: Namespace) -> int:
+    own = common.record_of(given)
     with printing.spinner("comparing"):
-        comparison = compare(file, arm=own)
-    printing.show(as_json, comparison.as_dict(), differences(comparison))
+        comparison = compare(given.file, arm=own)
+    printing.show(given.json, comparison.as_dict(), differences(comparison))
     return 0 if comparison.agrees else 1
 
 
 def _report(claims: Sequence[AuditRow], verbose: bool) -> printing.Lines:
     yield audit_text.counts(claims).capitalize()
     by_heading = audit_text.grouped(claims, audit_text.heading)
-    for heading, title in WORDS["check"].items():
+    for heading, title in _TITLES.items():
         rows = by_heading.get(heading, [])
         shown = [row for row in rows if verbose or row.verdict != "agrees"]
         if not shown:

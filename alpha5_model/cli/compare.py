@@ -3,120 +3,152 @@
 from __future__ import annotations
 
 import math
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from typer import Argument, Option, echo, style
 
-from alpha5_model._support.checks import choice
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
-from alpha5_model.cli import options, printing, values
-from alpha5_model.cli.units import GRAM, MILLIMETRE
-from alpha5_model.cli.words import WORDS
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
 from alpha5_model.errors import InputError, OutputError
 from alpha5_model.proofs.comparison import compare_robots
 from alpha5_model.proofs.comparison.as_arm import ArmOfModel, arm_of_robot, arm_text
 from alpha5_model.proofs.comparison.junit import junit_report
 from alpha5_model.proofs.comparison.model import read_model
 from alpha5_model.proofs.comparison.result import Comparison, explanation
-from alpha5_model.viewer.comparison_plot import plot_comparison
-from alpha5_model.viewer.figures import FORMATS
 
-#: Forms of the answer; the first one is for people.
-_FORMS = ("text", "json", "junit")
+_MOST_SAMPLES = 100_000
+#: Sizes of the units in which bodies are printed, in SI units.
+_MILLIMETRE = 1e-3
+_GRAM = 1e-3
 
-#: The help of an option.
-_SAMPLES = "Random joint positions at which both models are compared."
-_Other = Annotated[
-    Path | None, Argument(help="A URDF or xacro file of the Reach Alpha 5.")
-]
+HELP = """
+A URDF is only read. A xacro file is a program: --xacro runs it, with your
+rights, so use it only on files that you trust. --write-arm writes the model
+as an arm file, and lists what such a file cannot say. Findings end with their
+id in round brackets; --explain ID says what it means.
+
+Exit status: 0 joints and bodies agree, 1 something differs or it is another
+arm, 2 it cannot be read. A tool frame at another point of the gripper is no
+difference; the verdict says how far it is off.
+
+Example:
+alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
+"""
 
 
-def compare(
-    other: _Other = None,
-    joints: Annotated[
-        str, Option("--map", help="Joints: axis_e=NAME,axis_d=NAME and so on.")
-    ] = "",
-    base: Annotated[
-        str | None, Option(help="First link of an arm on a vehicle.")
-    ] = None,
-    xacro: Annotated[bool, Option("--xacro", help="Run the xacro file.")] = False,
-    package: Annotated[
-        list[str] | None, Option(help="With --xacro: NAME=FOLDER.")
-    ] = None,
-    arg: Annotated[list[str] | None, Option(help="With --xacro: NAME:=VALUE.")] = None,
-    samples: Annotated[int, Option(help=_SAMPLES, min=1, max=100_000)] = 500,
-    arm_file: options.Arm = None,
-    write_arm: Annotated[
-        Path | None, Option(help="Write the model as an arm file, .toml.")
-    ] = None,
-    form: Annotated[
-        str, Option("--format", help="text, json, or junit (a report for CI).")
-    ] = "text",
-    as_json: options.Json = False,
-    plot: options.Plot = None,
-    explain: Annotated[
-        str | None, Option(help="Say what a finding means, by its id.")
-    ] = None,
-) -> int:
-    """Compare another URDF of this arm with the printed tables, or with your own arm.
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "other",
+        nargs="?",
+        type=Path,
+        metavar="FILE",
+        help="a URDF or xacro file of the Reach Alpha 5",
+    )
+    parser.add_argument(
+        "--map",
+        default="",
+        metavar="MAP",
+        help="joints: axis_e=NAME,axis_d=NAME and so on",
+    )
+    parser.add_argument("--base", help="first link of an arm on a vehicle")
+    parser.add_argument("--xacro", action="store_true", help="run the xacro file")
+    parser.add_argument(
+        "--package", action="append", help="with --xacro: NAME=FOLDER", default=[]
+    )
+    parser.add_argument(
+        "--arg", action="append", help="with --xacro: NAME:=VALUE", default=[]
+    )
+    parser.add_argument(
+        "--samples",
+        type=int,
+        default=500,
+        help="random joint positions at which both models are compared, 1 to 100000. "
+        "Default: %(default)s",
+    )
+    common.arm_file(parser)
+    parser.add_argument(
+        "--write-arm",
+        type=Path,
+        metavar="FILE",
+        help="write the model as an arm file, .toml",
+    )
+    parser.add_argument(
+        "--format",
+        choices=("text", "json", "junit"),
+        default="text",
+        help="junit is a report for CI. Default: text",
+    )
+    parser.add_argument(
+        "--json",
+        dest="format",
+        action="store_const",
+        const="json",
+        help="the same as --format json",
+    )
+    common.plot(parser)
+    parser.add_argument(
+        "--explain", metavar="ID", help="say what a finding means, by its id"
+    )
 
-    A URDF is only read. A xacro file is a program: --xacro runs it, with your
-    rights, so use it only on files that you trust. --write-arm writes the model
-    as an arm file, and lists what such a file cannot say. Findings end with their
-    id in round brackets; --explain ID says what it means.
 
-    Exit status: 0 joints and bodies agree, 1 something differs or it is another
-    arm, 2 it cannot be read. A tool frame at another point of the gripper is no
-    difference; the verdict says how far it is off.
-
-    Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
-    """  # noqa: E501 (a line of the help)
-    if explain is not None:
-        printing.say(explanation(explain))
+def run(given: Namespace) -> int:
+    if given.explain is not None:
+        printing.say(explanation(given.explain))
         return 0
+    other, write_arm = given.other, given.write_arm
     if other is None:
-        raise InputError("OTHER", None, "a URDF or xacro file, or --explain ID")
-    _check_form(form, as_json)
-    outputs = {"write-arm": (write_arm, (".toml",)), "plot": (plot, FORMATS)}
-    check_outputs([other], **outputs)
-    if write_arm is not None and write_arm.exists():
-        raise OutputError(write_arm, "it exists; name another file")
-    names = values.pairs("map", joints.split(","), "=")
-    packages = values.pairs("package", package or [], "=")
-    arguments = values.pairs("arg", arg or [], ":=")
-    own = values.arm_record(arm_file)
+        raise InputError("FILE", None, "a URDF or xacro file, or --explain ID")
+    if not 1 <= given.samples <= _MOST_SAMPLES:
+        raise InputError("samples", given.samples, f"1 to {_MOST_SAMPLES}")
+    _check_outputs(other, write_arm, given.plot)
+    names = common.pairs("map", given.map.split(","), "=")
+    packages = common.pairs("package", given.package, "=")
+    arguments = common.pairs("arg", given.arg, ":=")
+    own = common.record_of(given)
     with printing.spinner("comparing"):
         # Read once: a xacro file is a program.
-        model = read_model(other, packages, arguments, xacro)
-        comparison = compare_robots(model, names, samples, other.parent, base, arm=own)
+        model = read_model(other, packages, arguments, given.xacro)
+        comparison = compare_robots(
+            model, names, given.samples, other.parent, given.base, arm=own
+        )
         described = None
         if write_arm is not None:
-            described = arm_of_robot(model, names, base)
+            described = arm_of_robot(model, names, given.base)
             atomic_write(write_arm, arm_text(described, other.name))
 
     # A model of another arm has no errors to draw.
-    picture = plot if comparison.joints else None
+    picture = given.plot if comparison.joints else None
     if picture is not None:
+        from alpha5_model.viewer.comparison_plot import plot_comparison
+
         plot_comparison(comparison, picture)
-    if form == "junit":
-        echo(junit_report(comparison, other.stem), nl=False)
+    if given.format == "junit":
+        print(junit_report(comparison, other.stem), end="")
     else:
         written = None if described is None else write_arm
-        as_record = as_json or form == "json"
-        _show(as_record, comparison, described, picture, written)
+        _show(given.format == "json", comparison, described, picture, written)
     return 0 if comparison.agrees else 1
 
 
-def _check_form(form: str, as_json: bool) -> None:
-    """Refuse a form that is unknown, or none that --json goes with."""
-    choice("format", form, _FORMS)
-    if as_json and form == "junit":
-        raise InputError("format", form, "json or text with --json")
+def _check_outputs(other: Path, write_arm: Path | None, plot: Path | None) -> None:
+    """Refuse outputs that must not be written."""
+    outputs: dict[str, tuple[Path | None, Sequence[str]]] = {
+        "write-arm": (write_arm, (".toml",))
+    }
+    if plot is not None:
+        from alpha5_model.viewer.figures import FORMATS
+
+        outputs["plot"] = (plot, FORMATS)
+    check_outputs([other], **outputs)
+    if write_arm is not None and write_arm.exists():
+        raise OutputError(write_arm, "it exists; name another file")
 
 
 def _show(
@@ -147,7 +179,8 @@ def differences(comparison: Comparison) -> printing.Lines:
     if not joints:
         return
 
-    yield style(comparison.verdict, fg="green" if comparison.agrees else "red")
+    colour = "green" if comparison.agrees else "red"
+    yield printing.styled(comparison.verdict, colour)
     yield from _findings(comparison)
     yield _largest(comparison)
     yield from _bodies(comparison)
@@ -198,9 +231,9 @@ def _inertia(side: dict[str, Any]) -> list[float]:
     com = side["com_m"] or [math.nan] * 3
     moments = side["principal_moments_kgm2"]
     return [
-        side["mass_kg"] / GRAM,
-        *(coordinate / MILLIMETRE for coordinate in com),
-        *(moment / MILLIMETRE**2 for moment in moments),
+        side["mass_kg"] / _GRAM,
+        *(coordinate / _MILLIMETRE for coordinate in com),
+        *(moment / _MILLIMETRE**2 for moment in moments),
     ]
 
 
@@ -213,20 +246,25 @@ def _cell(x: float, sign: str = "") -> str:
 
 def _largest(comparison: Comparison) -> str:
     """The largest differences, and where the tool was measured."""
-    words = WORDS["compare"]
     tool = comparison.tool
     if tool is None:
         return ""
-    return str(words["largest"]).format(
-        frame=f"frame {tool.frame}" if tool.frame else words["no_tool"],
-        base=tool.base or words["no_base"],
-        tip=tool.distance.max() / MILLIMETRE,
-        median=np.median(tool.distance) / MILLIMETRE,
-        turned=np.degrees(tool.angle.max()),
-        matched=tool.matched_distance.max() / MILLIMETRE,
-        matched_turned=np.degrees(tool.matched_angle.max()),
-        gravity=comparison.gravity_error.max(),
-        mass_matrix=comparison.mass_matrix_error,
+    frame = "no frame of one: where Table 1's {5} would be"
+    if tool.frame:
+        frame = f"frame {tool.frame}"
+    base = tool.base or "the base that the axes show"
+    tip = tool.distance.max() / _MILLIMETRE
+    median = np.median(tool.distance) / _MILLIMETRE
+    turned = np.degrees(tool.angle.max())
+    matched = tool.matched_distance.max() / _MILLIMETRE
+    matched_turned = np.degrees(tool.matched_angle.max())
+    gravity = comparison.gravity_error.max()
+    return (
+        f"\nTool ({frame}, in {base}) at the same joint positions: up to {tip:.3f} mm "
+        f"(median {median:.3f} mm) and {turned:.2f} deg off; with signs and zeros "
+        f"matched {matched:.3f} mm and {matched_turned:.2f} deg.\n"
+        f"Largest differences: gravity torque in air {gravity:.4g} N m, mass matrix "
+        f"{comparison.mass_matrix_error:.3g} kg m²."
     )
 
 

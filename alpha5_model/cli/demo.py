@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
-from typer import Option
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import is_stream
 from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import audit_text
+from alpha5_model.cli.parsing import Parser
 from alpha5_model.cli.printing import say
 from alpha5_model.cli.view import PICTURE_SIZE
 from alpha5_model.description import srdf
@@ -39,15 +39,22 @@ TARGET = (0.06, 0.05, 0.36)
 _OPENED = 0.008
 
 
-def demo(
-    output: Annotated[
-        Path, Option("--output", "-o", help="Folder to write into.")
-    ] = Path("demo"),
-) -> int:
-    """Generate the arm, check it, solve it, compute with water, and draw it.
+HELP = "Example: alpha5 demo --output /tmp/alpha5"
 
-    Example: alpha5 demo --output /tmp/alpha5
-    """
+
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("demo"),
+        metavar="FOLDER",
+        help="folder to write into. Default: %(default)s",
+    )
+
+
+def run(given: Namespace) -> int:
+    output: Path = given.output
     if is_stream(output):
         raise OutputError(output, "it is no folder")
     agree = _describe(output)

@@ -2,73 +2,79 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from pathlib import Path
-from typing import Annotated, Any
-
-from typer import Argument, Option
+from typing import Any
 
 from alpha5_model._support.text import table
-from alpha5_model.cli import options, printing, values
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
+from alpha5_model.cli.quantities import ANGLE_OR_LENGTH, Vector
 from alpha5_model.errors import InputError
 from alpha5_model.theory.dh import DHChain, DHLink
 from alpha5_model.theory.dh.types_and_tasks import classify, task_capability
 
-_LINK = "'THETA D A ALPHA SIGMA'"
 _ANSWER = {True: "yes", False: "no"}
 
 
-def dh(
-    q: Annotated[
-        list[str] | None, Argument(help=options.HELP["position"], metavar="[Q]...")
-    ] = None,
-    link: Annotated[
-        list[str] | None, Option("--link", help=options.HELP["link"])
-    ] = None,
-    urdf: Annotated[
-        Path | None, Option(help="Assign the frames to the arm of this URDF.")
-    ] = None,
-    frame: Annotated[str | None, Option(help="End effector in the URDF.")] = None,
-    arm_file: options.Arm = None,
-    as_json: options.Json = False,
-) -> None:
-    """Standard Denavit-Hartenberg table and frames: of the Alpha 5, or of any serial arm.
+HELP = """
+Without --link and --urdf, those of the Alpha 5.
 
-    Example: alpha5 dh 0.5 1.2 1 0
-    Example: alpha5 dh --link '0 0.1 0.2 1.5708 0' --link '0 0 0.3 0 0' -0.4 0.2
-    """  # noqa: E501 (a line of the help)
-    chain = _chain(link, urdf, frame, arm_file)
-    record = _record(chain, _position(chain, q))
-    printing.show(as_json, record, _text(chain, record))
+Example: alpha5 dh 0.5 1.2 1 0
+Example: alpha5 dh --link '0 0.1 0.2 1.5708 0' --link '0 0 0.3 0 0' -0.4 0.2
+"""
 
 
-def _chain(
-    link: list[str] | None, urdf: Path | None, frame: str | None, arm_file: Path | None
-) -> DHChain:
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "q",
+        nargs="?",
+        type=Vector(ANGLE_OR_LENGTH, counts=None),
+        metavar="Q",
+        help="joint position (rad or m). Default: THETA or D of each --link; without "
+        "--link, zero",
+    )
+    parser.add_argument(
+        "--link",
+        action="append",
+        type=Vector(*[ANGLE_OR_LENGTH] * 5, expected="THETA D A ALPHA SIGMA"),
+        metavar="LINK",
+        help="'THETA D A ALPHA SIGMA' (rad, m, m, rad; SIGMA 0 turns, 1 slides), once "
+        "per link",
+    )
+    parser.add_argument(
+        "--urdf", type=Path, help="assign the frames to the arm of this URDF"
+    )
+    parser.add_argument("--frame", help="end effector in the URDF")
+    common.arm_file(parser)
+    common.as_json(parser)
+
+
+def run(given: Namespace) -> None:
+    chain = _chain(given)
+    q = chain.home if given.q is None else given.q
+    if len(q) != chain.n:
+        names = ", ".join(chain.joint_names)
+        raise InputError("q", q, f"one number for each of {names}")
+    record = _record(chain, q)
+    printing.show(given.json, record, _text(chain, record))
+
+
+def _chain(given: Namespace) -> DHChain:
     """The arm that the options describe; the Alpha 5 without any."""
-    chosen = {"--link": link, "--urdf": urdf, "--arm": arm_file}
-    given = {name: value for name, value in chosen.items() if value}
-    if len(given) > 1:
-        both = [
-            value if name == "--link" else str(value) for name, value in given.items()
-        ]
-        raise InputError(", ".join(given), both, "one of the two")
-    if frame is not None and urdf is None:
-        raise InputError("--frame", frame, "--urdf with it")
+    chosen = {"--link": given.link, "--urdf": given.urdf, "--arm": given.arm}
+    named = [name for name, value in chosen.items() if value]
+    if len(named) > 1:
+        raise InputError(" and ".join(named), None, "one of them")
+    if given.frame is not None and given.urdf is None:
+        raise InputError("--frame", given.frame, "--urdf with it")
 
-    if urdf is not None:
-        return DHChain.from_urdf(urdf, frame)
-    if not link:
-        return DHChain.alpha5(arm=values.arm_record(arm_file))
-    rows = [values.numbers("--link", text, (), "rad or m", _LINK) for text in link]
-    return DHChain(tuple(DHLink.from_vector(row) for row in rows))
-
-
-def _position(chain: DHChain, q: list[str] | None) -> Any:
-    """The joint position that was given; the chain's home without one."""
-    if not q:
-        return chain.home
-    expected = f"one number for each of {', '.join(chain.joint_names)}"
-    return values.numbers("q", " ".join(q), (chain.n,), "rad or m", expected)
+    if given.urdf is not None:
+        return DHChain.from_urdf(given.urdf, given.frame)
+    if not given.link:
+        return DHChain.alpha5(arm=common.record_of(given))
+    return DHChain(tuple(DHLink.from_vector(row) for row in given.link))
 
 
 def _record(chain: DHChain, q: Any) -> dict[str, Any]:

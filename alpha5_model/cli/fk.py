@@ -2,44 +2,47 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from argparse import Namespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from typer import Argument
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model._support.text import table
-from alpha5_model.cli import options, printing, values
-from alpha5_model.cli.limits import JOINTS, beyond_limits
-from alpha5_model.cli.units import MILLIMETRE
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
-_POSITIONS = f"{JOINTS} (rad), or also axis_a (m); or stow, home, reach."
+HELP = "Example: alpha5 fk 180 70 100 0 deg"
 
 
-def fk(
-    q: Annotated[list[str], Argument(help=_POSITIONS)],
-    arm_file: options.Arm = None,
-    as_json: options.Json = False,
-) -> None:
-    """Where the tcp and the links are at a joint position, in base_link.
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "q",
+        type=common.POSITION,
+        metavar="Q",
+        help=f"{common.JOINTS} (rad), or also axis_a (m); or stow, home, reach",
+    )
+    common.arm_file(parser)
+    common.as_json(parser)
 
-    Example: alpha5 fk 180 70 100 0 deg
-    """
-    own = values.arm_record(arm_file)
-    position = values.joint_positions("q", " ".join(q), (4, 5), own)
-    gripper = "locked" if len(position) == 4 else "jaws"
-    arm = values.arm_in("sea", options.DOWN, gripper, None, None, own)
 
+def run(given: Namespace) -> None:
+    from alpha5_model.dynamics.load import load
+
+    own = common.record_of(given)
+    q = common.position_of(given.q, own)
+    arm = load(gripper="locked" if len(q) == 4 else "jaws", arm=own)
     record: dict[str, Any] = {
-        "q": position,
-        "beyond_limits": beyond_limits(arm, position),
-        "frames": _frames(arm, position),
+        "q": q,
+        "beyond_limits": common.beyond_limits(arm, q),
+        "frames": _frames(arm, q),
     }
-    printing.show(as_json, record, _text(record))
+    printing.show(given.json, record, _text(record))
 
 
 def _frames(arm: Arm, q: list[float]) -> dict[str, FloatArray]:
@@ -58,7 +61,7 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         ["", *["mm"] * 3, *["deg"] * 3],
     ]
     for name, pose in record["frames"].items():
-        position = pose[:3, 3] / MILLIMETRE
+        position = 1e3 * pose[:3, 3]
         angles = np.degrees(rpy_from_rotation(pose[:3, :3]))
         rows.append([name, *(f"{x:z.3f}" for x in (*position, *angles))])
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from argparse import Namespace
+from typing import Any
 
 import numpy as np
-from typer import Argument, Option
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import wrap
 from alpha5_model._support.text import table
-from alpha5_model.cli import options, printing, values
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
+from alpha5_model.cli.quantities import ANGLE, LENGTH, Scalar, Vector
 from alpha5_model.errors import SelfCollisionError
 from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
 from alpha5_model.numbers.parameters import parameters
@@ -19,40 +22,47 @@ from alpha5_model.numbers.parameters import parameters
 _SAME = 1e-6
 
 
-def ik(
-    x: Annotated[
-        float, Argument(help="x of the tcp in base_link (m).", parser=values.metres)
-    ],
-    y: Annotated[float, Argument(help="y (m).", parser=values.metres)],
-    z: Annotated[float, Argument(help="z (m).", parser=values.metres)],
-    wrist: Annotated[
-        float, Option(help="Angle of axis_b, theta_3 (rad).", parser=values.radians)
-    ] = 0.0,
-    arm_file: options.Arm = None,
-    as_json: options.Json = False,
-) -> None:
-    """All inverse kinematics solutions of a tcp position.
+HELP = """
+Exit status: 0 solved, 2 no branch is within the joint limits and free of
+self-collision. In the column limits, collides means: within the limits, but
+in self-collision.
 
-    Exit status: 0 solved, 2 no branch is within the joint limits and free of
-    self-collision. In the column limits, collides means: within the limits, but
-    in self-collision.
+Example: alpha5 ik 0.25 -0.1 0.05 --wrist 90deg
+"""
 
-    Example: alpha5 ik 0.25 -0.1 0.05 --wrist 90deg
-    """
-    own = values.arm_record(arm_file)
+
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "point",
+        type=Vector(LENGTH, LENGTH, LENGTH),
+        metavar="X Y Z",
+        help="point of the tcp in base_link (m)",
+    )
+    parser.add_argument(
+        "--wrist",
+        type=Scalar(ANGLE),
+        default=0.0,
+        help="angle of axis_b, theta_3 (rad). Default: 0",
+    )
+    common.arm_file(parser)
+    common.as_json(parser)
+
+
+def run(given: Namespace) -> None:
+    own = common.record_of(given)
     joints = (own or parameters()).joints[:4]
     middle = [(joint.lower + joint.upper) / 2 for joint in joints]
 
-    solutions = inverse_kinematics([x, y, z], wrist, arm=own)
+    solutions = inverse_kinematics(given.point, given.wrist, arm=own)
     best, collision = _best(solutions, middle)
     record: dict[str, Any] = {
-        "position": [x, y, z],
+        "position": given.point,
         "singular": solutions.singular,
         "best": best,
         "branches": [_branch(solutions, index) for index in range(len(BRANCHES))],
     }
     names = [joint.name for joint in joints]
-    printing.show(as_json, record, _text(record, names))
+    printing.show(given.json, record, _text(record, names))
     if collision is not None:
         raise collision
 

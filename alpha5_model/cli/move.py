@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentTypeError, Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from typer import Argument, Option
 
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
-from alpha5_model.cli import options, printing, values
-from alpha5_model.description.srdf import NAMED_POSES, named_pose
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
+from alpha5_model.cli.quantities import (
+    ALONE,
+    ANGLE,
+    ANGULAR_ACCELERATION,
+    ANGULAR_SPEED,
+    LENGTH,
+    NUMBER,
+    Scalar,
+    Vector,
+)
+from alpha5_model.description.srdf import named_pose
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.printed import published
 
@@ -23,94 +35,93 @@ if TYPE_CHECKING:
 
 _FORMATS = (".csv",)
 _EXPECTED = (
-    f"two places, each {', '.join(NAMED_POSES)} or 4 angles (rad); "
+    f"two places, each {', '.join(common.NAMED_POSES)} or 4 angles (rad); "
     "the second also a point, 3 numbers (m)"
 )
+_POSITION = Vector(ANGLE, ANGLE, ANGLE, ANGLE)
+_POINT = Vector(LENGTH, LENGTH, LENGTH)
 
-# The options of this command.
-_Places = Annotated[list[str], Argument(metavar="FROM TO", help=options.HELP["places"])]
-_Output = Annotated[
-    Path | None, Option("--output", "-o", help="Write the motion, .csv.")
-]
-_Obstacles = Annotated[Path | None, Option(help=options.HELP["obstacles"])]
-_Speed = Annotated[
-    float | None,
-    Option(
-        help="Highest speed of a joint (rad/s). Default: rated.",
-        parser=values.angular_speed,
-    ),
-]
-_Acceleration = Annotated[
-    float,
-    Option(
-        help="Highest acceleration of a joint (rad/s^2).",
-        parser=values.angular_acceleration,
-    ),
-]
-_Margin = Annotated[
-    float, Option(help="Distance to obstacles (m).", parser=values.metres)
-]
-_SelfMargin = Annotated[
-    float, Option(help="Distance between the links (m).", parser=values.metres)
-]
-_Rate = Annotated[
-    float | None, Option(help="Samples per second of the file. Default: 50.")
-]
-_Wrist = Annotated[
-    float | None,
-    Option(
-        help="theta_3 at the target point (rad). Default: as at the start, if free.",
-        parser=values.radians,
-    ),
-]
-_Line = Annotated[
-    bool,
-    Option("--line", help="Move the tcp in a straight line to a point (needs toppra)."),
-]
-_SupplyVoltage = Annotated[
-    float | None, Option(help="Supply voltage of the motors (V); not published.")
-]
-_CurrentLimit = Annotated[
-    float | None, Option(help="Current limit of each motor (A); not published.")
-]
+HELP = """
+FROM is stow, home, reach or four joint positions (rad); TO is the same, or
+a point x y z of the tcp in base_link (m). The motion (--output) is a file
+for alpha5 trajectory and alpha5 view --motion. --obstacles names a TOML file
+with a table for each obstacle: its name, then box = edges, cylinder =
+radius and length, sphere = radius, or mesh = an STL, OBJ or PLY file, and
+xyz and rpy in base_link (m, rad).
+
+Exit status: 0 found; 2 no path found, or beyond a limit at any speed.
+
+Example: alpha5 move home 0.2 0.1 0.1 --output planned.csv
+"""
 
 
-def move(
-    places: _Places,
-    output: _Output = None,
-    obstacles: _Obstacles = None,
-    speed: _Speed = None,
-    acceleration: _Acceleration = 1.0,
-    margin: _Margin = 0.005,
-    self_margin: _SelfMargin = 0.0,
-    wrist: _Wrist = None,
-    line: _Line = False,
-    rate: _Rate = None,
-    fluid: options.Fluid = "sea",
-    gravity: options.Gravity = options.DOWN,
-    mount: options.Mount = None,
-    payload: options.Payload = None,
-    supply_voltage: _SupplyVoltage = None,
-    current_limit: _CurrentLimit = None,
-    arm_file: options.Arm = None,
-    as_json: options.Json = False,
-) -> None:
-    """Move from one place to another without collision, within all limits.
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "places",
+        nargs="+",
+        metavar="FROM TO",
+        help="stow, home, reach or 4 joint positions (rad); TO also x y z (m)",
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="write the motion, .csv"
+    )
+    parser.add_argument(
+        "--obstacles",
+        type=Path,
+        metavar="FILE",
+        help="TOML file with a table for each obstacle in base_link",
+    )
+    parser.add_argument(
+        "--speed",
+        type=Scalar(ANGULAR_SPEED),
+        help="highest speed of a joint (rad/s). Default: rated",
+    )
+    parser.add_argument(
+        "--acceleration",
+        type=Scalar(ANGULAR_ACCELERATION),
+        default=1.0,
+        help="highest acceleration of a joint (rad/s^2). Default: 1",
+    )
+    parser.add_argument(
+        "--margin",
+        type=Scalar(LENGTH),
+        default=0.005,
+        help="distance to obstacles (m). Default: 0.005",
+    )
+    parser.add_argument(
+        "--self-margin",
+        type=Scalar(LENGTH),
+        default=0.0,
+        help="distance between the links (m). Default: 0",
+    )
+    parser.add_argument(
+        "--wrist",
+        type=Scalar(ANGLE),
+        help="theta_3 at the target point (rad). Default: as at the start, if free",
+    )
+    parser.add_argument(
+        "--line",
+        action="store_true",
+        help="move the tcp in a straight line to a point (needs toppra)",
+    )
+    parser.add_argument(
+        "--rate",
+        type=Scalar(NUMBER),
+        help="samples per second of the file. Default: 50",
+    )
+    common.fluid(parser)
+    common.gravity(parser)
+    common.mount(parser)
+    common.payload(parser)
+    common.drives(parser)
+    common.arm_file(parser)
+    common.as_json(parser)
 
-    FROM is stow, home, reach or four joint positions (rad); TO is the same, or
-    a point x y z of the tcp in base_link (m). The motion (--output) is a file
-    for alpha5 trajectory and alpha5 view --motion. --obstacles names a TOML file
-    with a table for each obstacle: its name, then box = edges, cylinder =
-    radius and length, sphere = radius, or mesh = an STL, OBJ or PLY file, and xyz and
-    rpy in base_link (m, rad).
 
-    Exit status: 0 found; 2 no path found, or beyond a limit at any speed.
-
-    Example: alpha5 move home 0.2 0.1 0.1 --output planned.csv
-    """
-    check_outputs([obstacles, arm_file], output=(output, _FORMATS))
-    own = values.arm_record(arm_file)
-    start, target = _places(places, own)
+def run(given: Namespace) -> None:
+    check_outputs([given.obstacles, given.arm], output=(given.output, _FORMATS))
+    own = common.record_of(given)
+    start, target = _places(given.places, own)
 
     from alpha5_model.planning.obstacle_file import read_obstacles
     from alpha5_model.planning.planner import plan
@@ -118,42 +129,46 @@ def move(
     motion = plan(
         start,
         target,
-        arm=values.arm_in(fluid, gravity, "locked", mount, payload, own),
-        obstacles=() if obstacles is None else read_obstacles(obstacles),
-        speed=speed,
-        acceleration=acceleration,
-        margin=margin,
-        self_margin=self_margin,
-        wrist=wrist,
-        line=line,
-        rate=rate,
-        supply_voltage=supply_voltage,
-        current_limit=current_limit,
+        arm=common.arm_of(given, "locked", own),
+        obstacles=() if given.obstacles is None else read_obstacles(given.obstacles),
+        speed=given.speed,
+        acceleration=given.acceleration,
+        margin=given.margin,
+        self_margin=given.self_margin,
+        wrist=given.wrist,
+        line=given.line,
+        rate=given.rate,
+        supply_voltage=given.supply_voltage,
+        current_limit=given.current_limit,
     )
-    if output is not None:
-        motion.write(output)
-    printing.show(as_json, _record(motion), _text(motion), output)
+    if given.output is not None:
+        motion.write(given.output)
+    printing.show(given.json, _record(motion), _text(motion), given.output)
 
 
 def _places(words: list[str], own: Alpha5Parameters | None) -> tuple[Any, Any]:
-    """Start and target from words: names or numbers."""
-    left = list(words)
-    start = _place(left, 4, own)
-    target = _place(left, 3 if len(left) == 3 else 4, own)
-    if start is None or target is None or left:
-        raise InputError("FROM TO", " ".join(words), _EXPECTED)
-    return start, target
+    """Start and target, from words that are names or numbers with their units."""
+    left = " ".join(words).replace(",", " ").split()
+    size = 1 if left[:1] and left[0] in common.NAMED_POSES else 4
+    # A unit may stand alone after the four numbers.
+    size += left[size : size + 1] != [] and left[size] in ALONE
+    start, target = left[:size], left[size:]
+    is_point = len([word for word in target if word not in ALONE]) == 3
+    try:
+        return (
+            _place(start, _POSITION, own),
+            _place(target, _POINT if is_point else _POSITION, own),
+        )
+    except ArgumentTypeError:
+        raise InputError("FROM TO", " ".join(words), _EXPECTED) from None
 
 
-def _place(left: list[str], count: int, own: Alpha5Parameters | None) -> Any:
-    """The place that the words start with; they are removed. None if there is none."""
-    if left and left[0] in NAMED_POSES:
-        return named_pose(left.pop(0), own)
-    taken = [left.pop(0) for _ in range(min(count, len(left)))]
-    if len(taken) < count:
-        return None
-    name, unit = ("TO", "m") if count == 3 else ("joint positions", "rad")
-    return values.numbers(name, " ".join(taken), (count,), unit)
+def _place(words: list[str], kind: Vector, own: Alpha5Parameters | None) -> Any:
+    """A point, or the joint positions of a pose."""
+    (name,) = words if len(words) == 1 else ("",)
+    if name in common.NAMED_POSES:
+        return named_pose(name, own)
+    return kind(" ".join(words))
 
 
 def _record(motion: PlannedMotion) -> dict[str, Any]:

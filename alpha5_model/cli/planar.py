@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
-
-from typer import Argument, Option
+from argparse import Namespace
+from typing import Any
 
 from alpha5_model._support.outputs import check_outputs
-from alpha5_model.cli import options, printing, values
-from alpha5_model.cli.words import WORDS
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
+from alpha5_model.cli.quantities import ANGLE_OR_LENGTH, SIZE, Scalar, Vector
 from alpha5_model.errors import InputError
 from alpha5_model.theory import planar as library
 from alpha5_model.viewer import figures
@@ -17,42 +18,55 @@ from alpha5_model.viewer.planar_plot import plot_planar, save
 _ANSWER = {True: "yes", False: "no", None: "for 3R only"}
 
 
-def planar(
-    lengths: Annotated[list[float], Argument(help="Link lengths, base to tip (m).")],
-    joints: Annotated[
-        str | None,
-        Option(help="R (turns) or P (slides) for each link. Default: all R."),
-    ] = None,
-    limits: Annotated[
-        list[str] | None, Option("--limits", "-l", help=options.HELP["limits"])
-    ] = None,
-    radius: Annotated[float | None, Option(help=options.HELP["radius"])] = None,
-    plot: options.Plot = None,
-    as_json: options.Json = False,
-) -> None:
-    """Workspace and dexterous workspace of a planar arm, and the notes' theorem.
+HELP = """
+The theorem is that of the lecture notes "Describing Robot Arms". It is
+sufficient for a full turn of the last link, not necessary.
 
-    The theorem is that of the lecture notes "Describing Robot Arms". It is
-    sufficient for a full turn of the last link, not necessary.
-
-    Example: alpha5 planar 5 4 1 --radius 3 --plot arm.png
-    """
-    check_outputs((), plot=(plot, figures.FORMATS))
-    ranges = None if limits is None else [_range(text) for text in limits]
-    arm = library.PlanarArm(lengths, ranges, joints)
-
-    record = _record(arm, radius)
-    if plot is not None:
-        save(plot_planar(arm), plot)
-    printing.show(as_json, record, _text(record), plot)
+Example: alpha5 planar 5 4 1 --radius 3 --plot arm.png
+"""
 
 
-def _range(text: str) -> tuple[float, float] | None:
-    if text.strip().lower() == "none":
-        return None
-    expected = "'LOWER UPPER' or none"
-    lower, upper = values.numbers("--limits", text, (2,), "rad or m", expected)
-    return lower, upper
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "lengths",
+        type=Vector(SIZE, counts=None),
+        metavar="LENGTHS",
+        help="link lengths, base to tip (m)",
+    )
+    parser.add_argument(
+        "--joints", help="R (turns) or P (slides) for each link. Default: all R"
+    )
+    parser.add_argument(
+        "-l",
+        "--limits",
+        action="append",
+        type=Vector(ANGLE_OR_LENGTH, ANGLE_OR_LENGTH, named=["none"]),
+        metavar="LIMITS",
+        help="'LOWER UPPER' (rad or m) or none, once per joint in order",
+    )
+    parser.add_argument(
+        "--radius",
+        type=Scalar(SIZE),
+        help="distance of the tip from the base (m), l_4 of the lecture notes: can the "
+        "last link turn fully there?",
+    )
+    common.plot(parser)
+    common.as_json(parser)
+
+
+def run(given: Namespace) -> None:
+    check_outputs((), plot=(given.plot, figures.FORMATS))
+    if given.radius is not None and given.radius < 0:
+        raise InputError("--radius", given.radius, "a distance of at least 0")
+    limits = given.limits and [
+        None if limits == "none" else tuple(limits) for limits in given.limits
+    ]
+    arm = library.PlanarArm(given.lengths, limits, given.joints)
+
+    record = _record(arm, given.radius)
+    if given.plot is not None:
+        save(plot_planar(arm), given.plot)
+    printing.show(given.json, record, _text(record), given.plot)
 
 
 def _record(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
@@ -137,12 +151,17 @@ def _text(record: dict[str, Any]) -> printing.Lines:
 
 
 def _dexterous_text(dexterous: dict[str, Any] | None) -> str:
-    words = WORDS["planar"]
     if dexterous is None:
-        return str(words["unknown"])
-    if dexterous["resolution"]:
-        enumerated: str = words["enumerated"]
-        return enumerated.format(area=dexterous["area"], **dexterous["resolution"])
+        return (
+            "not computed for this arm; planar.dexterity_map takes three joints or "
+            "more, the last R"
+        )
+    grid = dexterous["resolution"]
+    if grid:
+        return (
+            f"about {dexterous['area']:.4g} m^2, by enumeration every "
+            f"{grid['spacing']:.3g} m and with {grid['orientations']} orientations"
+        )
     if not dexterous["radii"]:
         return "empty"
     spans = [_span(low, high) for low, high in dexterous["radii"]]

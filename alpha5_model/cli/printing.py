@@ -16,8 +16,6 @@ from pathlib import Path
 from shutil import get_terminal_size
 from typing import Any, TypeAlias, TypeVar
 
-from typer import echo, style
-
 from alpha5_model._support.files import is_stdout
 from alpha5_model._support.text import plain, printable, readable, wrapped
 
@@ -35,6 +33,7 @@ _COLOURS = {
     "✗": "red",
     "·": "yellow",
 }
+_ANSI = {"red": "\x1b[31m", "green": "\x1b[32m", "yellow": "\x1b[33m"}
 _VERDICT = re.compile(rf"\A( *)({'|'.join(_COLOURS)})(?= )")
 #: The sign of a negative number, but not the hyphen of a word or an option.
 _MINUS = re.compile(r"(?<![\w.,=-])-(?=[\d.])")
@@ -54,12 +53,12 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
     taken = any(is_stdout(path) for path in files)
     with redirect_stdout(sys.stderr) if taken else nullcontext():
         if as_json:
-            echo(json.dumps(plain(record), indent=2))
+            print(json.dumps(plain(record), indent=2))
             return
         if text:
             say(*text)
         for path in files:
-            echo(f"wrote {path}")
+            print(f"wrote {path}")
 
 
 def say(*lines: str) -> None:
@@ -69,12 +68,17 @@ def say(*lines: str) -> None:
         if sys.stdout.isatty():
             shown = _MINUS.sub("−", shown)
         for part in wrapped(shown, width()):
-            echo(_VERDICT.sub(_coloured, part))
+            print(_VERDICT.sub(_coloured, part))
 
 
 def _coloured(match: re.Match[str]) -> str:
     indent, verdict = match.groups()
-    return indent + style(verdict, fg=_COLOURS[verdict])
+    return indent + styled(verdict, _COLOURS[verdict])
+
+
+def styled(text: str, colour: str) -> str:
+    """A text in a colour, on a terminal; else the text."""
+    return f"{_ANSI[colour]}{text}\x1b[0m" if sys.stdout.isatty() else text
 
 
 def width() -> int:

@@ -2,23 +2,38 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from typing import Any
 
-import typer
-
+from alpha5_model import __version__
 from alpha5_model._support.text import printable
-from alpha5_model.cli.commands import COMMANDS, application
-from alpha5_model.cli.syntax import one_syntax
-from alpha5_model.cli.values import hints
+from alpha5_model.cli.parsing import Parser, UsageError
 from alpha5_model.errors import Alpha5Error, ImplausibleWarning
 
-#: click's ClickException, the base class of all errors of the parser. It cannot be
-#: imported from click, because some versions of typer have a copy of click inside. But
-#: BadParameter derives from UsageError, and that from ClickException.
-_PARSER_ERROR: Any = typer.BadParameter.__mro__[2]
+#: Command -> what it does; each is a module of its name with ``options`` and ``run``.
+#: Only the module of the command that is called is imported.
+COMMANDS = {
+    "demo": "Generate the arm, check it, solve it, compute with water, and draw it.",
+    "generate": "Write the description of any variant of the arm.",
+    "check": "Check the documents against their own numbers, or a URDF against them.",
+    "arm": "Your own arm in a file: write one, say what it changes, print it.",
+    "compare": "Compare another URDF of this arm with the printed tables, or your arm.",
+    "torque": "Joint torques by cause, motor currents and the load on the mount.",
+    "trajectory": "Torques, motor currents, power and loads of a recorded motion.",
+    "fk": "Where the tcp and the links are at a joint position, in base_link.",
+    "ik": "All inverse kinematics solutions of a tcp position.",
+    "move": "Move from one place to another without collision, within all limits.",
+    "workspace": "The exact workspace, and how much of the published one is wrong.",
+    "dh": "Standard Denavit-Hartenberg table and frames, of any serial arm.",
+    "planar": "Workspace and dexterous workspace of a planar arm, and the theorem.",
+    "view": "Look at the arm: live in a browser, or as a page or a picture.",
+    "sweep": "Torques, currents and loads over many states: extremes, maps, tables.",
+    "calibrate": "Weigh your own arm: poses to take, and an arm file of what you read.",
+}
 
 
 def run() -> None:
@@ -36,11 +51,19 @@ def main(args: Sequence[str] | None = None) -> int:
         Exit status: 0, 1 if a check failed, 2 if the input cannot be used or the output
         cannot be written (one line on stderr), 130 if interrupted.
     """
-    hints.clear()
     with warnings.catch_warnings():
         warnings.simplefilter("always", ImplausibleWarning)
         warnings.showwarning = _one_line_warnings(warnings.showwarning)
-        return _status(sys.argv[1:] if args is None else args)
+        return _status(sys.argv[1:] if args is None else list(args))
+
+
+def parser_of(name: str) -> Parser:
+    """The parser of a command; this imports the command's module."""
+    parser = Parser(prog=f"alpha5 {name}")
+    module = import_module(f"alpha5_model.cli.{name}")
+    parser.description = f"{COMMANDS[name]}\n\n{module.HELP.strip()}"
+    module.options(parser)
+    return parser
 
 
 def _one_line_warnings(show_others: Callable[..., None]) -> Callable[..., None]:
@@ -64,44 +87,65 @@ def _one_line_warnings(show_others: Callable[..., None]) -> Callable[..., None]:
     return show
 
 
-def _status(args: Sequence[str]) -> int:
+def _status(args: list[str]) -> int:
     """Run the command; report user errors as one line and return the exit status."""
     try:
         status = _run_command(args)
-    except (Alpha5Error, OSError, SystemExit) as error:
-        # `alpha5 ... | head` closes the pipe: the parser exits with 1, as a failed
-        # check does.
-        if isinstance(error.__context__, BrokenPipeError):
+        # A reader that has left is noticed here, and not at exit.
+        sys.stdout.flush()
+    except (Alpha5Error, UsageError, OSError) as error:
+        # `alpha5 ... | head` closes the pipe, which is no failed check.
+        if isinstance(error, BrokenPipeError) or isinstance(
+            error.__context__, BrokenPipeError
+        ):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
-        if isinstance(error, SystemExit):
-            raise
         return _complain(str(error))
     except UnicodeEncodeError as error:
         unknown = error.object[error.start : error.end]
         remedy = "try PYTHONIOENCODING=utf-8:backslashreplace"
         return _complain(f"{error.encoding} output cannot hold {unknown!a}: {remedy}")
-    except _PARSER_ERROR as error:
-        message = error.format_message()
-        # Without arguments the help has just been printed, and the message is empty.
-        return _complain(f"{message} (see --help)") if message else 2
-
-    for hint in hints[:1]:
-        print(f"alpha5: warning: {hint}", file=sys.stderr)
-    return status if isinstance(status, int) else 0
+    except KeyboardInterrupt:
+        return 130
+    return status or 0
 
 
-def _run_command(args: Sequence[str]) -> Any:
+def _run_command(args: list[str]) -> int | None:
     """What the command's function returns: a status, or None."""
-    words = one_syntax(args)
-    # Only the command that is called is loaded: each brings what it needs.
-    called = [word for word in words[:1] if word in COMMANDS]
-    return application(*called)(args=words, standalone_mode=False)
+    name = args[0] if args else ""
+    if name in COMMANDS:
+        given = parser_of(name).parse_args(args[1:])
+        module = import_module(f"alpha5_model.cli.{name}")
+        status: int | None = module.run(given)
+        return status
+
+    if name == "--version":
+        from alpha5_model.kernels.choice import backend
+
+        print(f"{__version__}, kernels: {backend()}")
+        return 0
+    if name in ("", "-h", "--help"):
+        print(_help())
+        return 0 if name else 2
+    raise UsageError(f"no command {name!r}; choose from {', '.join(COMMANDS)}")
+
+
+def _help() -> str:
+    lines = [
+        "usage: alpha5 [-h] [--version] COMMAND ...",
+        "",
+        "The Reach Alpha 5 arm: generate, check, solve, compute, look.",
+        "",
+        *(f"  {name:12}{summary}" for name, summary in COMMANDS.items()),
+        "",
+        "alpha5 COMMAND --help explains a command. --version also says which kernels run.",
+    ]
+    return "\n".join(lines)
 
 
 def _complain(message: str) -> int:
-    """Print an error as one line, with the first hint if there is one."""
-    sentence = "; ".join([message, *hints[:1]])
-    line = printable(" ".join(sentence.split()))
+    """Print an error as one line."""
+    line = printable(" ".join(message.split()))
     # A file name may hold bytes that are not UTF-8, which stderr may refuse.
     print("alpha5:", line.encode(errors="backslashreplace").decode(), file=sys.stderr)
     return 2

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 import os
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
-
-from typer import Argument, Option
+from typing import Any
 
 from alpha5_model._support.text import table
-from alpha5_model.cli import options, printing, values
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
 from alpha5_model.errors import InputError
 from alpha5_model.studies.sweep.extent import Extent
 from alpha5_model.studies.sweep.run import sweep as run_study
@@ -33,45 +34,61 @@ _QUIET = str(
 )
 
 
-def sweep(
-    study: Annotated[
-        Path, Argument(help="TOML file: axes and outputs; see the guide on studies.")
-    ],
-    output: Annotated[
-        Path,
-        Option("--output", "-o", help="Folder of results; a study there is continued."),
-    ],
-    workers: Annotated[
-        int, Option(help="Processes on this machine; 0 uses this process alone.", min=0)
-    ] = 0,
-    scheduler: Annotated[
-        str | None, Option(help="Scheduler of a Dask cluster: tcp://host:8786.")
-    ] = None,
-    yes: Annotated[
-        bool, Option("--yes", help="Start even more than a billion rows or 10 GB.")
-    ] = False,
-    arm_file: options.Arm = None,
-    as_json: options.Json = False,
-) -> int:
-    """Torques, currents and loads over many states: extremes, maps, quantiles, tables.
+HELP = """
+Exit status: 1 if a recording could not be used.
 
-    Exit status: 1 if a recording could not be used.
+Example: alpha5 sweep study.toml --output results
+"""
 
-    Example: alpha5 sweep study.toml --output results
-    """
-    own = values.arm_record(arm_file)
+
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "study",
+        type=Path,
+        metavar="STUDY",
+        help="TOML file: axes and outputs; see the guide on studies",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="FOLDER",
+        help="folder of results; a study there is continued",
+    )
+    parser.add_argument(
+        "--workers",
+        type=int,
+        default=0,
+        help="processes on this machine; 0 uses this process alone. "
+        "Default: %(default)s",
+    )
+    parser.add_argument(
+        "--scheduler", help="scheduler of a Dask cluster: tcp://host:8786"
+    )
+    parser.add_argument(
+        "--yes",
+        action="store_true",
+        help="start even more than a billion rows or 10 GB",
+    )
+    common.arm_file(parser)
+    common.as_json(parser)
+
+
+def run(given: Namespace) -> int:
+    own = common.record_of(given)
     # Dask reads this when it is imported, by the workers, too.
     os.environ.setdefault("DASK_LOGGING", _QUIET)
     try:
         with printing.progress_bars() as progress:
             found = run_study(
-                study,
-                output,
-                workers=workers,
-                scheduler=scheduler,
+                given.study,
+                given.output,
+                workers=given.workers,
+                scheduler=given.scheduler,
                 progress=progress,
                 arm=own,
-                announce=partial(_announce, yes),
+                announce=partial(_announce, given.yes),
             )
     except KeyboardInterrupt:
         goes_on = "interrupted; the same command goes on with what is left"
@@ -88,7 +105,7 @@ def sweep(
     }
     if found.study.arm is not None:
         record["arm"] = found.study.arm.name
-    printing.show(as_json, record, _text(record), output)
+    printing.show(given.json, record, _text(record), given.output)
     return 1 if found.failures else 0
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.cli.limits import beyond_limits
+from alpha5_model.cli.options import beyond_limits
 from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import MissingParameterError
 from alpha5_model.numbers.hydrodynamics import LEVELS
@@ -31,13 +31,6 @@ class State(NamedTuple):
     a: list[float]
 
 
-class Motors(NamedTuple):
-    """Options of the motors; see `alpha5_model.dynamics.actuators.actuator`."""
-
-    constants: str | None
-    efficiency: str
-
-
 class _MovingWater(NamedTuple):
     """What moving water adds, for each level of `LEVELS`.
 
@@ -58,11 +51,17 @@ class _MotorCurrent(NamedTuple):
 
 
 def torque_record(
-    arm: Arm, state: State, motors: Motors, current: list[float] | None
+    arm: Arm,
+    state: State,
+    constants: str | None,
+    efficiency: str,
+    current: list[float] | None,
 ) -> Record:
     """Torques by cause, motor currents, and the load on the mount.
 
     Args:
+        constants, efficiency: Of the motors, see
+            `alpha5_model.dynamics.actuators.actuator`.
         current: Water current: velocity of the water in base_link [m/s]; None for still
             water.
     """
@@ -76,7 +75,10 @@ def torque_record(
         torque = torque + water.torque[_NOMINAL]
         wrench = wrench + water.wrench[_NOMINAL]
 
-    actuators = _actuators(arm, motors)
+    actuators = [
+        actuator(joint, constants, efficiency=efficiency, arm=arm.parameters)
+        for joint in arm.joint_names
+    ]
     currents = _motor_currents(actuators, torque, state)
     margin = torque_margin(arm, *state)
     columns: dict[str, Iterable[Any]] = {
@@ -97,7 +99,7 @@ def torque_record(
         "gravity": arm.model.gravity.linear,
         "water_current": current,
         "constants": actuators[0].constants,
-        "efficiency": motors.efficiency,
+        "efficiency": efficiency,
         "joints": _rows(columns),
         "self_collision": _self_collision(arm, state.q),
         "mount": _mount(wrench, water),
@@ -143,18 +145,6 @@ def _water_columns(water: _MovingWater | None) -> dict[str, FloatArray]:
         "moving_water": water.torque[_NOMINAL],
         "moving_water_range": np.stack([low, high], axis=1),
     }
-
-
-def _actuators(arm: Arm, motors: Motors) -> list[Actuator]:
-    return [
-        actuator(
-            joint,
-            motors.constants,
-            efficiency=motors.efficiency,
-            arm=arm.parameters,
-        )
-        for joint in arm.joint_names
-    ]
 
 
 def _motor_currents(

@@ -10,13 +10,19 @@ import numpy as np
 from alpha5_model._support.text import table
 from alpha5_model.cli import printing
 from alpha5_model.cli.torque_record import TERMS, Record
-from alpha5_model.cli.units import MILLIMETRE
-from alpha5_model.cli.words import WORDS
 from alpha5_model.numbers.hydrodynamics import LEVELS
 
 #: Decimals of every number, and the width to which a table keeps them.
 _DECIMALS = 4
 _LARGEST_WITH_DECIMALS = 1e5
+#: Cause of a torque -> head of its column.
+_CAUSES = {
+    "inertia": "inertia",
+    "coriolis": "+ Coriolis",
+    "weight": "+ weight",
+    "buoyancy": "+ buoyancy",
+    "moving_water": "+ water",
+}
 #: Joints that turn; the jaw rod, which slides, may follow them.
 _TURNING = 4
 
@@ -34,15 +40,17 @@ def torque_lines(record: Record) -> printing.Lines:
         yield from _moving_water(record)
     yield ""
     yield from _warnings(record)
-    yield _assumptions(record)
+    gravity = ", ".join(f"{round(g, 6) + 0.0:g}" for g in record["gravity"])
+    density = record["fluid_density"]
+    yield f"fluid {density:g} kg/m^3; gravity ({gravity}) m/s^2 in base_link"
+    yield "± from the digits of Tables 2 and 3"
 
 
 def _torque_table(joints: list[Record]) -> list[str]:
     """Torque of each joint by cause, and half the width of its interval."""
     in_water = "moving_water" in joints[0]
     causes = [*TERMS, *(["moving_water"] if in_water else [])]
-    heads = WORDS["torque"]["causes"]
-    head = ["", *(heads[cause] for cause in causes), "= torque", "±"]
+    head = ["", *(_CAUSES[cause] for cause in causes), "= torque", "±"]
     columns = [*causes, "torque"]
     numbers = [[*(joint[key] for key in columns), _margin(joint)] for joint in joints]
     decimals = _decimals(numbers)
@@ -82,16 +90,17 @@ def _mount_load(mount: Record) -> list[str]:
 
 def _current_table(joints: list[Record]) -> list[str]:
     """Current of each motor, its range, and what the range means."""
-    words = WORDS["torque"]["motor"]
     known = [joint for joint in joints if joint["current"] is not None]
     currents = [[joint["current"], *joint["current_range"]] for joint in known]
     decimals = _decimals(currents)
     rows = [["motor current", "A", "range", ""]]
     for joint in joints:
         if joint["current"] is None:
-            rows.append([joint["joint"], "-", "-", words["unknown"]])
+            rows.append([joint["joint"], "-", "-", "the screw's lead is not published"])
             continue
-        state = words["moving"] if joint["velocity"] else words["resting"]
+        state = "at rest; any in the range holds it"
+        if joint["velocity"]:
+            state = "moving, with friction and gear loss"
         current = _number(joint["current"], decimals)
         ends = _range(joint["current_range"], decimals)
         rows.append([joint["joint"], current, ends, state])
@@ -101,7 +110,7 @@ def _current_table(joints: list[Record]) -> list[str]:
 def _moving_water(record: Record) -> printing.Lines:
     """What moving water adds, with the interval of its estimates."""
     current = ", ".join(f"{x:g}" for x in record["water_current"])
-    yield WORDS["torque"]["water"].format(current=current)
+    yield f"moving water, ({current}) m/s in base_link; estimated, not published"
 
     names = []
     units = []
@@ -130,13 +139,7 @@ def _warnings(record: Record) -> printing.Lines:
     if "self_collision" in record:
         place = record["self_collision"]
         links = " and ".join(place["links"])
-        yield f"self-collision: {links} overlap by {place['depth'] / MILLIMETRE:.3g} mm"
-
-
-def _assumptions(record: Record) -> str:
-    gravity = ", ".join(f"{round(g, 6) + 0.0:g}" for g in record["gravity"])
-    assumptions: str = WORDS["torque"]["assumptions"]
-    return assumptions.format(fluid_density=record["fluid_density"], gravity=gravity)
+        yield f"self-collision: {links} overlap by {1e3 * place['depth']:.3g} mm"
 
 
 def _decimals(numbers: Sequence[Sequence[float]]) -> int | None:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from typer import Argument, Option
 
 from alpha5_model import trajectory as library
 from alpha5_model._support.checks import choice
 from alpha5_model._support.outputs import check_outputs
-from alpha5_model.cli import options, printing, values
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
+from alpha5_model.cli.quantities import LENGTH, NUMBER, Scalar
 from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS
@@ -25,132 +28,116 @@ from alpha5_model.viewer.motion_plot import motion_figure
 
 _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 
-# The options of this command.
-_File = Annotated[Path, Argument(help=options.HELP["file"])]
-_Topic = Annotated[
-    str | None, Option(help="Topic of the joint states, if a bag has several.")
-]
-_Prefix = Annotated[
-    str | None, Option(help="Prefix of the joints' names, such as left_.")
-]
-_Map = Annotated[
-    str,
-    Option(
-        "--map",
-        help="Names of the joints: axis_e=NAME,axis_d=-NAME (turns the other way) and "
-        "so on.",
-    ),
-]
-_Time = Annotated[
-    str | None,
-    Option("--time", help="Column of the time, NAME or NAME:ms (s, ms, us or ns)."),
-]
-_Episode = Annotated[
-    int | None, Option(help="Episode of a Parquet file that holds several.")
-]
-_Degrees = Annotated[
-    bool, Option("--degrees", help="Angles are in degrees, if columns name no unit.")
-]
-_Output = Annotated[
-    Path | None,
-    Option("--output", "-o", help="Every quantity over time: .csv, .json or .mcap."),
-]
-_Gripper = Annotated[str, Option(help=options.HELP["gripper"])]
-_Smoothing = Annotated[str, Option(help="spline, savgol or interpolate (no noise).")]
-_Bandwidth = Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")]
-_Velocities = Annotated[str, Option(help="file, positions (their slope) or auto.")]
-_SupplyVoltage = Annotated[
-    float | None, Option(help="Supply voltage of the motors (V); not published.")
-]
-_CurrentLimit = Annotated[
-    float | None, Option(help="Current limit of each motor (A); not published.")
-]
-_Verbose = Annotated[
-    bool,
-    Option("--verbose", "-v", help="Also print the assumptions behind the figures."),
-]
-_ScrewLead = Annotated[
-    float | None, Option(help="Screw lead of the jaw rod (m per turn); not published.")
-]
+HELP = """
+Recorded efforts are compared with the torques. The table (--output) has every
+quantity over time. For a planned motion without noise, use --smoothing
+interpolate. Velocities are those of the file if it has any (auto), or the
+slope of its positions. With --supply-voltage and --current-limit, the answer
+says what is left to the motors' limits; with --screw-lead, the current of the
+jaw rod. With --arm, limits, motors and mount are those of your arm; options
+override them.
+
+Example: alpha5 trajectory recording.csv --output torques.csv --plot page.png
+"""
 
 
-def trajectory(
-    file: _File,
-    topic: _Topic = None,
-    prefix: _Prefix = None,
-    joints: _Map = "",
-    degrees: _Degrees = False,
-    time: _Time = None,
-    episode: _Episode = None,
-    output: _Output = None,
-    plot: options.Plot = None,
-    verbose: _Verbose = False,
-    as_json: options.Json = False,
-    fluid: options.Fluid = "sea",
-    gravity: options.Gravity = options.DOWN,
-    mount: options.Mount = None,
-    payload: options.Payload = None,
-    current: options.Current = None,
-    gripper: _Gripper = "auto",
-    smoothing: _Smoothing = "spline",
-    bandwidth: _Bandwidth = 2.0,
-    velocities: _Velocities = "auto",
-    constants: options.Constants = None,
-    efficiency: options.Efficiency = "gearbox",
-    supply_voltage: _SupplyVoltage = None,
-    current_limit: _CurrentLimit = None,
-    screw_lead: _ScrewLead = None,
-    arm_file: options.Arm = None,
-) -> None:
-    """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE",
+        help="CSV with a header, columns in any order: time_secs or time (s), time_ms; "
+        "axis_e_pos, axis_d_pos, axis_c_pos, axis_b_pos (rad); optionally axis_a_pos "
+        "(jaw rod, m), axis_e_vel, axis_e_effort (N·m) and so on. Or Parquet (.parquet) "
+        "with the same columns. Or a ROS bag (.bag, .db3, .mcap or its folder) with "
+        "sensor_msgs/JointState",
+    )
+    common.reading(parser)
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="every quantity over time: .csv, .json or .mcap",
+    )
+    common.plot(parser)
+    parser.add_argument(
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="also print the assumptions behind the figures",
+    )
+    common.fluid(parser)
+    common.gravity(parser)
+    common.mount(parser)
+    common.payload(parser)
+    common.current(parser)
+    parser.add_argument(
+        "--gripper",
+        default="auto",
+        help="auto: jaws (5 joints) if the file has axis_a, else locked (4 joints, jaws "
+        "closed). locked leaves axis_a out; jaws needs it",
+    )
+    parser.add_argument(
+        "--smoothing",
+        default="spline",
+        help="spline, savgol or interpolate (no noise). Default: %(default)s",
+    )
+    parser.add_argument(
+        "--bandwidth",
+        type=Scalar(NUMBER),
+        default=2.0,
+        help="-3 dB frequency of the smoothing (Hz). Default: 2",
+    )
+    parser.add_argument(
+        "--velocities",
+        default="auto",
+        help="file, positions (their slope) or auto. Default: %(default)s",
+    )
+    common.motors(parser)
+    common.drives(parser)
+    parser.add_argument(
+        "--screw-lead",
+        type=Scalar(LENGTH),
+        help="screw lead of the jaw rod (m per turn); not published",
+    )
+    common.arm_file(parser)
+    common.as_json(parser)
 
-    Recorded efforts are compared with the torques. The table (--output) has every
-    quantity over time. For a planned motion without noise, use --smoothing
-    interpolate. Velocities are those of the file if it has any (auto), or the
-    slope of its positions. With --supply-voltage and --current-limit, the answer
-    says what is left to the motors' limits; with --screw-lead, the current of the
-    jaw rod. With --arm, limits, motors and mount are those of your arm; options
-    override them.
 
-    Example: alpha5 trajectory recording.csv --output torques.csv --plot page.png
-    """  # noqa: E501 (a line of the help)
+def run(given: Namespace) -> None:
     # Wrong outputs and choices are refused before the work.
-    check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
-    choice("gripper", gripper, ("auto", *GRIPPERS))
-    water_current = values.current_vector(current)
-    use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
+    output, plot = given.output, given.plot
+    check_outputs([given.file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
+    choice("gripper", given.gripper, ("auto", *GRIPPERS))
+    use_velocity = _USE_VELOCITY[
+        choice("velocities", given.velocities, tuple(_USE_VELOCITY))
+    ]
 
-    own = values.arm_record(arm_file)
+    own = common.record_of(given)
     with printing.progress_bars() as progress:
         motion = library.read_motion(
-            file,
-            progress,
-            topic=topic,
-            prefix=prefix,
-            arm=own,
-            joints=values.pairs("map", joints.split(","), "="),
-            degrees=degrees,
-            time=time,
-            episode=episode,
+            given.file, progress, arm=own, **common.reading_of(given)
         )
-        variant = _gripper(gripper, motion)
+        variant = _gripper(given.gripper, motion)
         analysis = library.analyse(
             motion,
-            values.arm_in(fluid, gravity, variant, mount, payload, own),
-            method=smoothing,
-            bandwidth=bandwidth,
+            common.arm_of(given, variant, own),
+            method=given.smoothing,
+            bandwidth=given.bandwidth,
             use_velocity=use_velocity,
-            constants=constants,
-            actuators=_rod_actuator(variant, screw_lead, constants, efficiency, own),
-            supply_voltage=supply_voltage,
-            current_limit=current_limit,
+            constants=given.constants,
+            actuators=_rod_actuator(given, variant, own),
+            supply_voltage=given.supply_voltage,
+            current_limit=given.current_limit,
             progress=progress,
-            current=water_current,
-            efficiency=efficiency,
+            current=given.current,
+            efficiency=given.efficiency,
         )
         summary = _summary(analysis)
         _write(analysis, output, plot, progress)
-    printing.show(as_json, summary, [library.text(summary, verbose)], output, plot)
+    lines = [library.text(summary, given.verbose)]
+    printing.show(given.json, summary, lines, output, plot)
 
 
 def _gripper(choice_of_user: str, motion: library.Motion) -> str:
@@ -174,21 +161,21 @@ def _write(
 
 
 def _rod_actuator(
-    gripper: str,
-    screw_lead: float | None,
-    constants: str | None,
-    efficiency: str,
-    own: Alpha5Parameters | None,
+    given: Namespace, gripper: str, own: Alpha5Parameters | None
 ) -> Mapping[str, Actuator]:
     """The jaw rod's actuator, if its screw lead is given: that is not published."""
-    if screw_lead is None:
+    if given.screw_lead is None:
         return {}
     rod = actuator(
-        "axis_a", constants, screw_lead=screw_lead, efficiency=efficiency, arm=own
+        "axis_a",
+        given.constants,
+        screw_lead=given.screw_lead,
+        efficiency=given.efficiency,
+        arm=own,
     )
     if gripper != "jaws":
         expected = "no value: the jaw rod is not part of the motion"
-        raise InputError("screw-lead", screw_lead, expected)
+        raise InputError("screw-lead", given.screw_lead, expected)
     return {"axis_a": rod}
 
 

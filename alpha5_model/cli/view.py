@@ -6,16 +6,19 @@ import os
 import signal
 import sys
 import threading
+from argparse import ArgumentTypeError, Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
-from typer import Option, echo
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.writing import atomic_write_all
-from alpha5_model.cli import options, printing, values
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
+from alpha5_model.cli.quantities import LENGTH, Vector
 from alpha5_model.errors import InputError, ViewerError
 from alpha5_model.trajectory import read_motion
 from alpha5_model.viewer.build import build_scene
@@ -23,7 +26,7 @@ from alpha5_model.viewer.film_frames import pictures
 from alpha5_model.viewer.framing import check_size, framed
 from alpha5_model.viewer.page import static_page
 from alpha5_model.viewer.picture import picture_png
-from alpha5_model.viewer.poses import pose_of, posed, with_base
+from alpha5_model.viewer.poses import posed, with_base
 from alpha5_model.viewer.scene import NO_PAYLOAD, Payload, Scene, Size
 from alpha5_model.viewer.tracks import resampled
 from alpha5_model.viewer.video_file import VIDEO_FORMATS, film
@@ -39,105 +42,132 @@ _VIDEO_SIZE = (1280, 720)
 #: A picture shows all of this many poses of a motion.
 _FRAMED_POSES = 24
 
-# The options of this command.
-_Pose = Annotated[str | None, Option(help="stow, home, reach, or positions (rad).")]
-_Target = Annotated[
-    str | None, Option(help="Point x y z in base_link (m); show its solutions.")
-]
-_Motion = Annotated[
-    Path | None, Option(help="Recording or plan to play (CSV, Parquet, ROS bag).")
-]
-_Show = Annotated[str | None, Option(help=options.HELP["groups"])]
-_Current = Annotated[str | None, Option(help=options.HELP["arrow"])]
-_Html = Annotated[Path | None, Option(help="Write a page that works from disk.")]
-_Image = Annotated[Path | None, Option(help="Write a picture, .png; needs no screen.")]
-_Video = Annotated[
-    Path | None, Option(help="Write the motion as .mp4 or .gif, 15 frames/s.")
-]
-_Size = Annotated[
-    str | None,
-    Option(help="Width x height in pixels. Default: 1600x1000, for a video 1280x720."),
-]
-_Port = Annotated[int, Option(help="Port of the live viewer; 0 takes a free one.")]
-_Serve = Annotated[
-    bool, Option("--serve", help="Serve the page without opening a browser.")
-]
+HELP = """
+With --html, --image or --video it writes a file and ends. Otherwise it serves
+the live viewer.
+
+Example:
+alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
+"""
 
 
-def view(
-    pose: _Pose = None,
-    target: _Target = None,
-    motion: _Motion = None,
-    show: _Show = None,
-    gripper: options.Gripper = "jaws",
-    fluid: options.Fluid = "sea",
-    payload: options.Payload = None,
-    mount: options.Mount = None,
-    current: _Current = None,
-    html: _Html = None,
-    image: _Image = None,
-    video: _Video = None,
-    size: _Size = None,
-    port: _Port = 0,
-    serve: _Serve = False,
-    arm_file: options.Arm = None,
-) -> None:
-    """Look at the arm: live in a browser, or as a page or a picture.
+def options(parser: Parser) -> None:
+    parser.add_argument(
+        "--pose",
+        type=common.POSITION,
+        metavar="Q",
+        help=f"stow, home, reach, or positions: {common.JOINTS} (rad), axis_a (m)",
+    )
+    parser.add_argument(
+        "--target",
+        type=Vector(LENGTH, LENGTH, LENGTH),
+        metavar="X Y Z",
+        help="point in base_link (m); show its solutions",
+    )
+    parser.add_argument(
+        "--motion",
+        type=Path,
+        metavar="FILE",
+        help="recording or plan to play (CSV, Parquet, ROS bag)",
+    )
+    common.reading(parser)
+    parser.add_argument(
+        "--show",
+        type=common.names,
+        help="groups to show, with commas: bodies, see-through, labels, frames, com, "
+        "cob, weight, buoyancy, workspace, surface, ghosts, collision, current, payload",
+    )
+    common.gripper(parser, "jaws")
+    common.fluid(parser)
+    common.payload(parser)
+    common.mount(parser)
+    parser.set_defaults(gravity=[0.0, 0.0, -9.81])
+    common.current(parser, "Shows an arrow, and adds its estimated load to the torques")
+    parser.add_argument(
+        "--html", type=Path, metavar="FILE", help="write a page that works from disk"
+    )
+    parser.add_argument(
+        "--image",
+        type=Path,
+        metavar="FILE",
+        help="write a picture, .png; needs no screen",
+    )
+    parser.add_argument(
+        "--video",
+        type=Path,
+        metavar="FILE",
+        help="write the motion as .mp4 or .gif, 15 frames/s",
+    )
+    parser.add_argument(
+        "--size",
+        type=_size,
+        help="width x height in pixels. Default: 1600x1000, for a video 1280x720",
+    )
+    parser.add_argument(
+        "--port",
+        type=int,
+        default=0,
+        help="port of the live viewer; 0 takes a free one. Default: 0",
+    )
+    parser.add_argument(
+        "--serve",
+        action="store_true",
+        help="serve the page without opening a browser",
+    )
+    common.arm_file(parser)
 
-    With --html, --image or --video it writes a file and ends. Otherwise it serves
-    the live viewer.
 
-    Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
-    """  # noqa: E501 (a line of the help)
-    pixels = None if size is None else _size(size)
+def run(given: Namespace) -> None:
+    html, image, video = given.html, given.image, given.video
     check_outputs(
-        [motion],
+        [given.motion],
         html=(html, (".html", ".htm")),
         image=(image, (".png",)),
         video=(video, VIDEO_FORMATS),
     )
-    if video is not None and motion is None:
+    if video is not None and given.motion is None:
         raise InputError("video", str(video), "a --motion to show in it")
 
-    record = values.arm_record(arm_file)
-    arm = values.arm_in(fluid, options.DOWN, gripper, mount, None, record)
+    record = common.record_of(given)
+    arm = common.arm_of(given, given.gripper, record, payload=False)
+    q = None
+    if given.pose is not None:
+        q = common.joint_position(given.pose, arm, record)
+    motion = None
+    if given.motion is not None:
+        motion = read_motion(
+            given.motion, arm=arm.parameters, **common.reading_of(given)
+        )
     shown = build_scene(
         arm,
-        None if pose is None else _position(arm, pose),
-        target=None if target is None else values.numbers("target", target, (3,), "m"),
-        motion=None if motion is None else read_motion(motion, arm=arm.parameters),
-        show=None if show is None else values.names(show),
-        current=values.current_vector(current),
+        q,
+        target=given.target,
+        motion=motion,
+        show=given.show,
+        current=given.current,
         payload=NO_PAYLOAD
-        if payload is None
-        else Payload(*values.payload_numbers(payload)),
+        if given.payload is None
+        else Payload(*common.payload_of(given.payload)),
     )
 
     written = [path for path in (html, image, video) if path is not None]
     if written:
-        _write(arm, shown, pixels, html, image, video)
+        _write(arm, shown, given.size, html, image, video)
         printing.show(False, None, (), *written)
         return
-    if not serve:
+    if not given.serve:
         _check_display()
-    _serve(arm, shown, port, open_browser=not serve)
+    _serve(arm, shown, given.port, open_browser=not given.serve)
 
 
 def _size(text: str) -> Size:
+    """The type of ``--size``."""
     try:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:
         expected = "WIDTHxHEIGHT in pixels, such as 1600x1000"
-        raise InputError("size", text, expected) from None
+        raise ArgumentTypeError(f"expected {expected}, got {text!r}") from None
     return check_size((width, height))
-
-
-def _position(arm: Arm, pose: str) -> FloatArray:
-    """The joint position of a named pose, or of numbers."""
-    if pose.endswith(("deg", "mm")):
-        numbers = values.joint_numbers("pose", pose, "rad", (4, 5))
-        pose = " ".join(repr(number) for number in numbers)
-    return pose_of(arm, pose)
 
 
 def _check_display() -> None:
@@ -213,7 +243,7 @@ def _serve(arm: Arm, shown: Scene, port: int, open_browser: bool) -> None:
     from alpha5_model.viewer.visualizer import ArmVisualizer
 
     visualizer = ArmVisualizer(arm, shown, port)
-    echo(f"{visualizer.url()} (Ctrl-C ends)")
+    print(f"{visualizer.url()} (Ctrl-C ends)", flush=True)
     if open_browser:
         visualizer.open()
     _wait_until_stopped()

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
-
-from typer import Option
+from typing import Any
 
 from alpha5_model import workspace as space
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
-from alpha5_model.cli import options, printing, values
-from alpha5_model.cli.units import LITRE, MILLIMETRE, SQUARE_CENTIMETRE
-from alpha5_model.cli.words import WORDS
+from alpha5_model.cli import options as common
+from alpha5_model.cli import printing
+from alpha5_model.cli.parsing import Parser
 from alpha5_model.collision.self_collision import without_self_collision
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -23,40 +22,63 @@ from alpha5_model.viewer import figures
 from alpha5_model.viewer.self_collision_plot import self_collision_figure
 from alpha5_model.viewer.workspace_plot import own_workspace_figure, workspace_figure
 
+#: Units in which areas, volumes and lengths are printed, in SI units.
+_SQUARE_CENTIMETRE = 1e-4
+_LITRE = 1e-3
+_MILLIMETRE = 1e-3
+#: Region of `PublishedErrors` -> what it is.
+_REGIONS = {
+    "reachable": "reachable within the joint limits",
+    "published": "published (Section 1.2)",
+    "unreachable": "published, not reachable",
+    "missed": "reachable, not published",
+}
 
-def workspace(
-    plot: options.Plot = None,
-    self_collision: Annotated[
-        bool, Option("--self-collision", help=options.HELP["touching"])
-    ] = False,
-    samples: Annotated[
-        int, Option(help="How many points --self-collision tries.")
-    ] = 20_000,
-    arm_file: options.Arm = None,
-    as_json: options.Json = False,
-) -> None:
-    """The exact workspace, and how much of the published one is wrong.
 
-    With --arm only the exact workspace is printed, because nothing is published
-    about your own arm.
+HELP = """
+With --arm only the exact workspace is printed, because nothing is published
+about your own arm.
 
-    Example: alpha5 workspace --self-collision --plot collision.pdf
-    """
-    check_outputs([arm_file], plot=(plot, figures.FORMATS))
-    own = values.arm_record(arm_file)
+Example: alpha5 workspace --self-collision --plot collision.pdf
+"""
+
+
+def options(parser: Parser) -> None:
+    common.plot(parser)
+    parser.add_argument(
+        "--self-collision",
+        action="store_true",
+        help="also compute the share that is reached only in self-collision; --plot "
+        "draws it",
+    )
+    parser.add_argument(
+        "--samples",
+        type=int,
+        default=20_000,
+        help="how many points --self-collision tries. Default: %(default)s",
+    )
+    common.arm_file(parser)
+    common.as_json(parser)
+
+
+def run(given: Namespace) -> None:
+    check_outputs([given.arm], plot=(given.plot, figures.FORMATS))
+    own = common.record_of(given)
+    plot = given.plot
     if own is not None:
-        _of_own_arm(own, plot, samples if self_collision else 0, as_json)
+        samples = given.samples if given.self_collision else 0
+        _of_own_arm(own, plot, samples, given.json)
         return
 
     share = None
-    if self_collision:
+    if given.self_collision:
         with printing.spinner("trying points for self-collision"):
-            share = space.sampled_share(without_self_collision, samples)
+            share = space.sampled_share(without_self_collision, given.samples)
 
     if plot is not None:
         with printing.spinner("drawing"):
             if share:
-                page = self_collision_figure(samples=samples)
+                page = self_collision_figure(samples=given.samples)
             else:
                 page = workspace_figure()
             figures.write_figure(page, plot)
@@ -64,7 +86,7 @@ def workspace(
     record = _record()
     if share is not None:
         record = {"without_self_collision": share} | record
-    printing.show(as_json, record, _text(record), plot)
+    printing.show(given.json, record, _text(record), plot)
 
 
 def _of_own_arm(
@@ -101,13 +123,12 @@ def _of_own_arm(
 
 
 def _own_text(record: dict[str, Any]) -> printing.Lines:
-    area = record["cross_section_area"]["both"] / SQUARE_CENTIMETRE
-    volume = record["volume"] / LITRE
+    area = record["cross_section_area"]["both"] / _SQUARE_CENTIMETRE
+    volume = record["volume"] / _LITRE
     yield f"The arm reaches {area:.2f} cm² of a half-plane, in all {volume:.3f} L."
     yield from _boundary(record["boundary"]["both"])
     if "without_self_collision" in record:
-        words = WORDS["workspace"]["collision"]
-        yield _collision(record["without_self_collision"], words)
+        yield _collision(record["without_self_collision"])
 
 
 def _record() -> dict[str, Any]:
@@ -127,32 +148,33 @@ def _record() -> dict[str, Any]:
 
 
 def _text(record: dict[str, Any]) -> printing.Lines:
-    words = WORDS["workspace"]
     errors = record["errors_of_the_published_region"]
-    yield from _regions(errors, words["regions"])
-    yield words["outside"].format(
-        area=errors.unreachable_area / errors.published_area,
-        volume=errors.unreachable_volume / errors.published_volume,
+    yield from _regions(errors)
+    area = errors.unreachable_area / errors.published_area
+    volume = errors.unreachable_volume / errors.published_volume
+    yield (
+        f"{area:.1%} of the published area and {volume:.1%} of its volume cannot be "
+        "reached."
     )
 
-    value = record["reach"]["value"] / MILLIMETRE
-    digits = record["reach"]["digits"] / MILLIMETRE
+    value = record["reach"]["value"] / _MILLIMETRE
+    digits = record["reach"]["digits"] / _MILLIMETRE
     yield (
         f"The tcp reaches {value:.1f} mm ±{digits:.1f} from the shoulder, "
         "by the digits of Table 1."
     )
     yield from _boundary(record["boundary"]["both"])
     if "without_self_collision" in record:
-        yield _collision(record["without_self_collision"], words["collision"])
+        yield _collision(record["without_self_collision"])
 
 
-def _regions(errors: space.PublishedErrors, names: dict[str, str]) -> list[str]:
+def _regions(errors: space.PublishedErrors) -> list[str]:
     """Area and volume of the reachable, the published and the differing regions."""
     sizes = vars(errors)
     rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
-    for region, name in names.items():
-        area = sizes[f"{region}_area"] / SQUARE_CENTIMETRE
-        volume = sizes[f"{region}_volume"] / LITRE
+    for region, name in _REGIONS.items():
+        area = sizes[f"{region}_area"] / _SQUARE_CENTIMETRE
+        volume = sizes[f"{region}_volume"] / _LITRE
         rows.append([name, f"{area:.2f}", f"{volume:.3f}"])
     return table(rows)
 
@@ -173,7 +195,7 @@ def _boundary(arcs: Iterable[space.Arc]) -> printing.Lines:
                 arc.side,
                 arc.cause.replace("at its ", "").replace(" limit", ""),
                 _millimetres(arc.center),
-                f"{arc.radius / MILLIMETRE:.1f}",
+                f"{arc.radius / _MILLIMETRE:.1f}",
                 _millimetres(start),
                 _millimetres(end),
             ]
@@ -183,18 +205,17 @@ def _boundary(arcs: Iterable[space.Arc]) -> printing.Lines:
 
 def _millimetres(point: Any) -> str:
     r, z = point
-    return f"{r / MILLIMETRE:z.1f}, {z / MILLIMETRE:z.1f}"
+    return f"{r / _MILLIMETRE:z.1f}, {z / _MILLIMETRE:z.1f}"
 
 
-def _collision(free: Any, words: str) -> str:
+def _collision(free: Any) -> str:
     """What is reached only in self-collision, from a sampled share of the volume."""
+    litres = free.total / _LITRE
     touching = 1 - free.share
-    litres = free.total / LITRE
-    return words.format(
-        share=touching,
-        error=free.standard_error,
-        samples=free.samples,
-        free=free.share * litres,
-        litres=touching * litres,
-        error_litres=free.standard_error * litres,
+    return (
+        f"Without self-collision {free.share * litres:.2f} L are reached; "
+        f"{touching:.1%} of the volume, {touching * litres:.2f} L, in self-collision "
+        f"only (standard error {free.standard_error:.2%}, "
+        f"{free.standard_error * litres:.3f} L, from {free.samples} points; any wrist "
+        "angle counts)."
     )
