@@ -138,7 +138,7 @@ def _help() -> str:
         "",
         *(f"  {name:12}{summary}" for name, summary in COMMANDS.items()),
         "",
-        "alpha5 COMMAND --help explains a command. --version also says which kernels run.",
+        "alpha5 COMMAND --help explains a command; --version also names the kernels.",
     ]
     return "\n".join(lines)
 

@@ -155,7 +155,7 @@ def _number(part: str, quantity: Quantity, alone: str) -> float:
     """One number in SI units; a warning if it seems to lack its unit.
 
     Raises:
-        ValueError: No number, a unit of another quantity, or a number that is too large.
+        ValueError: No number, or a unit of another quantity.
     """
     # The longest unit first: 5mm is not 5m in units of m.
     for unit in sorted(quantity.units, key=len, reverse=True):

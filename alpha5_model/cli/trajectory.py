@@ -46,11 +46,11 @@ def options(parser: Parser) -> None:
         "file",
         type=Path,
         metavar="FILE",
-        help="CSV with a header, columns in any order: time_secs or time (s), time_ms; "
-        "axis_e_pos, axis_d_pos, axis_c_pos, axis_b_pos (rad); optionally axis_a_pos "
-        "(jaw rod, m), axis_e_vel, axis_e_effort (N·m) and so on. Or Parquet (.parquet) "
-        "with the same columns. Or a ROS bag (.bag, .db3, .mcap or its folder) with "
-        "sensor_msgs/JointState",
+        help="CSV with a header, columns in any order: time_secs or time (s), "
+        "time_ms; axis_e_pos, axis_d_pos, axis_c_pos, axis_b_pos (rad); optionally "
+        "axis_a_pos (jaw rod, m), axis_e_vel, axis_e_effort (N·m) and so on. Or "
+        "Parquet (.parquet) with the same columns. Or a ROS bag (.bag, .db3, .mcap or "
+        "its folder) with sensor_msgs/JointState",
     )
     common.reading(parser)
     parser.add_argument(
@@ -75,8 +75,8 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--gripper",
         default="auto",
-        help="auto: jaws (5 joints) if the file has axis_a, else locked (4 joints, jaws "
-        "closed). locked leaves axis_a out; jaws needs it",
+        help="auto: jaws (5 joints) if the file has axis_a, else locked (4 joints, "
+        "jaws closed). locked leaves axis_a out; jaws needs it",
     )
     parser.add_argument(
         "--smoothing",

@@ -75,7 +75,8 @@ def options(parser: Parser) -> None:
         "--show",
         type=common.names,
         help="groups to show, with commas: bodies, see-through, labels, frames, com, "
-        "cob, weight, buoyancy, workspace, surface, ghosts, collision, current, payload",
+        "cob, weight, buoyancy, workspace, surface, ghosts, collision, current, "
+        "payload",
     )
     common.gripper(parser, "jaws")
     common.fluid(parser)
@@ -119,6 +120,8 @@ def options(parser: Parser) -> None:
 
 def run(given: Namespace) -> None:
     html, image, video = given.html, given.image, given.video
+    if given.size is not None:
+        check_size(given.size)
     check_outputs(
         [given.motion],
         html=(html, (".html", ".htm")),
@@ -167,7 +170,7 @@ def _size(text: str) -> Size:
     except ValueError:
         expected = "WIDTHxHEIGHT in pixels, such as 1600x1000"
         raise ArgumentTypeError(f"expected {expected}, got {text!r}") from None
-    return check_size((width, height))
+    return width, height
 
 
 def _check_display() -> None:
