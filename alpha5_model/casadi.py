@@ -7,7 +7,7 @@
     print(arm.inverse_dynamics.__doc__)  # names, shapes and units
 
 They are of SX kind, so that all of CasADi works on them, and are interpreted. From
-Python, ``f.buffer()`` is far faster than a plain call. ``alpha5 generate --format c``
+Python, ``f.buffer()`` is far faster than a plain call. ``alpha5 generate c``
 writes the same functions as C.
 """
 

@@ -16,10 +16,10 @@ from alpha5_model.cli import main as alpha5
 
 
 def load() -> mujoco.MjModel:
-    """The model that ``alpha5 generate --format mjcf`` writes, with idle motors."""
+    """The model that ``alpha5 generate mjcf`` writes, with idle motors."""
     with tempfile.TemporaryDirectory() as folder:
         status = alpha5(
-            ["generate", "--format", "mjcf", "--actuators", "motor", "--output", folder]
+            ["generate", "mjcf", "--actuators", "motor", "--output", folder]
         )
         assert status == 0
         return mujoco.MjModel.from_xml_path(str(Path(folder) / "alpha5.xml"))

@@ -1,6 +1,6 @@
 // The closed-form inverse kinematics as a MoveIt plugin would call it: the nearest solution.
 //
-//   alpha5 generate --format c --output alpha5_c
+//   alpha5 generate c --output alpha5_c
 //   cc -std=c99 -c alpha5_c/alpha5.c
 //   c++ -std=c++17 -I alpha5_c my_plugin.cpp alpha5.o
 //

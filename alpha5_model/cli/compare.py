@@ -39,7 +39,7 @@ arm, 2 it cannot be read. A tool frame at another point of the gripper is no
 difference; the verdict says how far it is off.
 
 Example:
-alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
+alpha5 compare other.urdf --map axis_e=j1,axis_d=j2,axis_c=j3,axis_b=j4
 """
 
 

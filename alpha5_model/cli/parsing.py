@@ -9,14 +9,16 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
 from alpha5_model.cli.quantities import ALONE, Vector
+from alpha5_model.errors import Alpha5Error
 
 #: One number or several in one word, each perhaps with its unit: 1, -0.4,0.2, 90deg.
-_NUMBER = r"[-+−]?(?:\d+\.?\d*|\.\d+|inf|nan)(?:e[-+]?\d+)?(?:[a-z]+(?:/s)?(?:\^\d)?)?"
+_UNIT = r"(?:(?:deg|rad|mm|m)(?:/s(?:\^2)?)?|kg|g|L|m\^3|kg/m\^3)"
+_NUMBER = rf"[-+−]?(?:\d+\.?\d*|\.\d+|inf|nan)(?:e[-+]?\d+)?{_UNIT}?"
 _NUMBERS = re.compile(rf"\s*{_NUMBER}(?:[\s,]+{_NUMBER})*[\s,]*", re.IGNORECASE)
 _SEPARATED = re.compile(r"[\s,]+")
 
 
-class UsageError(Exception):
+class UsageError(Alpha5Error):
     """Words that a command does not take."""
 
 
@@ -28,17 +30,21 @@ class Parser(ArgumentParser):
     """
 
     def __init__(self, **settings: Any) -> None:
-        super().__init__(
-            formatter_class=RawDescriptionHelpFormatter, allow_abbrev=False, **settings
-        )
+        #: Sub-command -> its parser; without any, the parser takes options itself.
+        self.commands: dict[str, Parser] = {}
+        #: Options and arguments, in the order of the help.
+        self.options: list[Action] = []
         self._vectors: dict[str, Vector] = {}
         self._takes_a_word: set[str] = set()
         self._takes_numbers = False
-        self._has_commands = False
+        super().__init__(
+            formatter_class=RawDescriptionHelpFormatter, allow_abbrev=False, **settings
+        )
 
     def add_argument(self, *names: Any, **settings: Any) -> Action:
         """As argparse's; one with a `Vector` as its type takes several words."""
         action = super().add_argument(*names, **settings)
+        self.options.append(action)
         if isinstance(action.type, Vector):
             self._vectors |= dict.fromkeys(action.option_strings, action.type)
             self._takes_numbers |= not action.option_strings
@@ -50,18 +56,25 @@ class Parser(ArgumentParser):
         self, commands: Mapping[str, tuple[str, Callable[[Parser], None]]]
     ) -> None:
         """Add sub-commands: name -> what it does, and what adds its options."""
-        self._has_commands = True
         metavar = f"{{{','.join(commands)}}}"
         added = self.add_subparsers(dest="command", metavar=metavar, required=True)
         for name, (summary, options) in commands.items():
             sentence = f"{summary[:1].upper()}{summary[1:]}."
-            options(added.add_parser(name, help=summary, description=sentence))
+            parser = added.add_parser(name, help=summary, description=sentence)
+            options(parser)
+            self.commands[name] = parser
+
+    def leaves(self) -> dict[str, Parser]:
+        """Words of a command line -> the parser that takes its options."""
+        if not self.commands:
+            return {self.prog: self}
+        return {command.prog: command for command in self.commands.values()}
 
     def parse_known_args(  # type: ignore[override]
         self, args: Sequence[str], namespace: Namespace | None = None
     ) -> tuple[Namespace, list[str]]:
         """As argparse's, of words in which each vector is one word."""
-        if self._has_commands:
+        if self.commands:
             return super().parse_known_args(list(args), namespace)
         given, unknown = super().parse_known_args(self._joined(args), namespace)
         if unknown:
@@ -93,7 +106,7 @@ class Parser(ArgumentParser):
 
 
 def _numbers(left: deque[str], most: int | None) -> list[str]:
-    """Take numbers from the start of the words, and a unit after several of them.
+    """Take numbers from the start of the words, and a unit after them.
 
     Args:
         left: The words; what is taken is removed.
@@ -105,9 +118,9 @@ def _numbers(left: deque[str], most: int | None) -> list[str]:
     taken: list[str] = []
     while left and _NUMBERS.fullmatch(left[0]) and len(taken) != most:
         taken.append(left.popleft())
-        if len(_SEPARATED.split(taken[0].strip(" ,"))) > 1:
+        if most and len(_SEPARATED.split(taken[0].strip(" ,"))) > 1:
             break
-    if taken and most != 1 and left and left[0] in ALONE:
+    if taken and left and left[0] in ALONE:
         taken.append(left.popleft())
     # With a space before it, argparse does not take -1e-3 for an option.
     word = " ".join(taken)

@@ -7,12 +7,13 @@ import sys
 import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from alpha5_model import __version__
-from alpha5_model._support.text import printable
-from alpha5_model.cli.parsing import Parser, UsageError
-from alpha5_model.errors import Alpha5Error, ImplausibleWarning
+from alpha5_model.errors import Alpha5Error, ImplausibleWarning, UnknownNameError
+
+if TYPE_CHECKING:
+    from alpha5_model.cli.parsing import Parser
 
 #: Command -> what it does; each is a module of its name with ``options`` and ``run``.
 #: Only the module of the command that is called is imported.
@@ -59,6 +60,8 @@ def main(args: Sequence[str] | None = None) -> int:
 
 def parser_of(name: str) -> Parser:
     """The parser of a command; this imports the command's module."""
+    from alpha5_model.cli.parsing import Parser
+
     parser = Parser(prog=f"alpha5 {name}")
     module = import_module(f"alpha5_model.cli.{name}")
     parser.description = f"{COMMANDS[name]}\n\n{module.HELP.strip()}"
@@ -82,7 +85,7 @@ def _one_line_warnings(show_others: Callable[..., None]) -> Callable[..., None]:
             show_others(message, category, *place, **more)
         elif text not in printed:
             printed.add(text)
-            print("alpha5: warning:", printable(text), file=sys.stderr)
+            print("alpha5: warning:", _line(text), file=sys.stderr)
 
     return show
 
@@ -93,7 +96,7 @@ def _status(args: list[str]) -> int:
         status = _run_command(args)
         # A reader that has left is noticed here, and not at exit.
         sys.stdout.flush()
-    except (Alpha5Error, UsageError, OSError) as error:
+    except (Alpha5Error, OSError) as error:
         # `alpha5 ... | head` closes the pipe, which is no failed check.
         if isinstance(error, BrokenPipeError) or isinstance(
             error.__context__, BrokenPipeError
@@ -107,6 +110,9 @@ def _status(args: list[str]) -> int:
         return _complain(f"{error.encoding} output cannot hold {unknown!a}: {remedy}")
     except KeyboardInterrupt:
         return 130
+    except SystemExit:
+        # argparse has printed a help.
+        return 0
     return status or 0
 
 
@@ -127,7 +133,7 @@ def _run_command(args: list[str]) -> int | None:
     if name in ("", "-h", "--help"):
         print(_help())
         return 0 if name else 2
-    raise UsageError(f"no command {name!r}; choose from {', '.join(COMMANDS)}")
+    raise UnknownNameError("command", name, COMMANDS)
 
 
 def _help() -> str:
@@ -145,7 +151,14 @@ def _help() -> str:
 
 def _complain(message: str) -> int:
     """Print an error as one line."""
+    print("alpha5:", _line(message), file=sys.stderr)
+    return 2
+
+
+def _line(message: str) -> str:
+    """A message on one line; it may hold names from a file."""
+    from alpha5_model._support.text import printable
+
     line = printable(" ".join(message.split()))
     # A file name may hold bytes that are not UTF-8, which stderr may refuse.
-    print("alpha5:", line.encode(errors="backslashreplace").decode(), file=sys.stderr)
-    return 2
+    return line.encode(errors="backslashreplace").decode()

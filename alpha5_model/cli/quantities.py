@@ -100,11 +100,11 @@ class Vector:
             quantities *= len(parts)
         fits = any(unit in quantity.units for quantity in quantities[: len(parts)])
         if len(parts) in (self.counts or [len(parts)]) and (fits or not unit):
+            pairs = list(zip(parts, quantities, strict=False))
             with suppress(ValueError):
-                return [
-                    _number(part, quantity, unit)
-                    for part, quantity in zip(parts, quantities, strict=False)
-                ]
+                values = [_number(part, quantity, unit) for part, quantity in pairs]
+                _warn_of_unit(pairs, unit)
+                return values
         raise ArgumentTypeError(f"expected {self.expected}, got {text.strip()!r}")
 
     @property
@@ -151,8 +151,18 @@ def _parts(text: str) -> tuple[list[str], str]:
     return parts, alone
 
 
+def _warn_of_unit(pairs: Sequence[tuple[str, Quantity]], alone: str) -> None:
+    """Warn of the first number that seems to lack its unit; one warning is enough."""
+    for part, quantity in pairs:
+        if quantity.plausible is None or alone in quantity.units or part[-1].isalpha():
+            continue
+        for hint in plausibility.hints(part, float(part), quantity.plausible):
+            warnings.warn(hint, ImplausibleWarning, stacklevel=2)
+            return
+
+
 def _number(part: str, quantity: Quantity, alone: str) -> float:
-    """One number in SI units; a warning if it seems to lack its unit.
+    """One number in SI units.
 
     Raises:
         ValueError: No number, or a unit of another quantity.
@@ -163,12 +173,7 @@ def _number(part: str, quantity: Quantity, alone: str) -> float:
             return _checked(float(part.removesuffix(unit)), quantity, unit)
     if alone in quantity.units:
         return _checked(float(part), quantity, alone)
-
-    value = _checked(float(part), quantity, "")
-    if quantity.plausible is not None:
-        for hint in plausibility.hints(part, value, quantity.plausible):
-            warnings.warn(hint, ImplausibleWarning, stacklevel=2)
-    return value
+    return _checked(float(part), quantity, "")
 
 
 def _checked(value: float, quantity: Quantity, unit: str) -> float:

@@ -9,18 +9,20 @@ readers of the source; running this file brings it up to date.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 from errata_tables import FIRST, corrections, first_errata, other_errata
-from markdown_tables import plain, table
-from typer.main import get_command
+from markdown_tables import table
 
 import alpha5_model as a5
-from alpha5_model.cli import COMMANDS, application
+from alpha5_model.cli import COMMANDS
+from alpha5_model.cli.program import parser_of
 
 PAGES = Path(__file__).resolve().parents[1]
 MARK = re.compile(
@@ -84,7 +86,7 @@ ANSWERS = {
     "demo": "demo",
     "dh": "dh 0.5 1.2 1 0",
     "fk": "fk 180 70 100 0 deg",
-    "generate": "generate --gripper jaws --output made/arm.urdf",
+    "generate": "generate urdf --gripper jaws --output made/arm.urdf",
     "ik": "ik 0.25 -0.1 0.05 --wrist 90deg",
     "move": "move home 0.2 0.1 0.1 --output planned.csv",
     "planar": "planar 5 4 1 --radius 3",
@@ -122,74 +124,21 @@ def commands() -> str:
 
 
 def command_section(name: str) -> str:
-    """One command, from the objects that print its help."""
-    command: Any = get_command(application(name)).commands[name]  # type: ignore[attr-defined]
-    blocks = [
-        " ".join(block.split()) for block in re.split(r"\n\s*\n", command.help.strip())
-    ]
-    examples = [
-        f"alpha5 {words.strip()}"
-        for block in blocks
-        if block.startswith("Example")
-        for words in re.split(r"(?:Examples?:)? ?\balpha5 ", block)[1:]
-    ]
-    named = sorted(command.params, key=lambda parameter: parameter.param_type_name)
-    words = [
-        parameter.metavar or parameter.name.upper()
-        for parameter in named
-        if positional(parameter)
-    ]
+    """One command: an answer that it gives, and its help."""
+    parser = parser_of(name)
+    # Helps are as wide as the page, whatever terminal builds it.
+    with patch.dict(os.environ, COLUMNS="100"):
+        helps = [parser.format_help()]
+        helps += [command.format_help() for command in parser.commands.values()]
     return "\n".join(
         [
             f"(alpha5-{name})=",
             f"## alpha5 {name}",
             "",
-            *(
-                f"{plain(block)}\n"
-                for block in blocks
-                if not block.startswith("Example")
-            ),
-            f"```text\n{' '.join(['alpha5', name, *words, '[OPTIONS]'])}\n```",
-            "",
-            *(["```sh", *examples, "```", ""] if examples else []),
             *answer(name),
-            table(
-                ["argument or option", "default", "meaning"], map(parameter_row, named)
-            ),
+            *(f"```text\n{text.rstrip()}\n```\n" for text in helps),
         ]
     )
-
-
-def positional(parameter: Any) -> bool:
-    """Whether it is an argument without a name."""
-    return bool(parameter.param_type_name == "argument")
-
-
-def parameter_row(parameter: Any) -> list[str]:
-    """Name with its value, default and help of an argument or option."""
-    flag = getattr(parameter, "is_flag", False)
-    *short, name = sorted(parameter.opts, key=len)
-    word = parameter.metavar or name.rpartition("-")[2].upper()
-    value = " ".join([word] * max(1, parameter.nargs))
-    shown = (
-        [value]
-        if positional(parameter)
-        else [*short, name if flag else f"{name} {value}"]
-    )
-    default = parameter.default
-    if isinstance(default, tuple | list):
-        default = " ".join(map(str, default))
-    given = "" if flag or default is None or default == "" else f"`{default}`"
-    return [
-        ", ".join(f"`{words}`" for words in shown),
-        "required" if parameter.required else given,
-        plain(parameter.help or "")
-        + (
-            " May be given again."
-            if parameter.multiple and parameter.nargs == 1
-            else ""
-        ),
-    ]
 
 
 TEXTS: dict[str, Callable[[], str]] = {

@@ -33,5 +33,5 @@ fi
 cd "$work/checkout"
 "$uv" venv --quiet --python 3.11 "$VIRTUAL_ENV"
 "${retry[@]}" "$uv" pip install --quiet --resolution lowest-direct --editable '.[test]'
-"$uv" pip list | grep -E '^(numpy|pin|scipy|typer|rich|mujoco|pytest) '
+"$uv" pip list | grep -E '^(numpy|pin|scipy|rich|mujoco|pytest) '
 python -m pytest --numprocesses 2 --dist loadfile --ignore tests/scripts -m "not slow and not browser and not tools" "$@"

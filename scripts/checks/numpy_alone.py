@@ -108,7 +108,7 @@ def main() -> int:
     for name, good in checks.items():
         print("yes" if good else "NO ", name)
     brought = {name.partition(".")[0] for name in sys.modules}
-    heavy = sorted(brought & {"scipy", "pinocchio", "coal", "yaml", "typer", "rich"})
+    heavy = sorted(brought & {"scipy", "pinocchio", "coal", "yaml", "rich"})
     print(f"kernels: {a5.backend()}; other packages: {', '.join(heavy) or 'none'}")
     required = os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1"
     compiled = a5.backend() == "compiled" or not required

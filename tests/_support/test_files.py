@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 import random
 import shutil
@@ -23,7 +22,8 @@ from alpha5_model._support.files import read_named, standard_stream
 from alpha5_model._support.outputs import check_outputs, output_format
 from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.cli import COMMANDS as COMMAND_NAMES
-from alpha5_model.cli import application, main
+from alpha5_model.cli import main
+from alpha5_model.cli.program import parser_of
 from alpha5_model.errors import (
     FileFormatError,
     InputError,
@@ -174,15 +174,13 @@ def test_devices_are_written_into(tmp_path: Path) -> None:
     (tmp_path / "link.html").symlink_to("null")
     for name in ("null", "link.html"):
         atomic_write(tmp_path / name, "gone")
-        assert (
-            main(["generate", "--format", "sdf", "--output", str(tmp_path / name)]) == 0
-        )
+        assert main(["generate", "sdf", "--output", str(tmp_path / name)]) == 0
     with pytest.raises(OutputError, match="No space left"):
         atomic_write_all(
             {tmp_path / "plain": "kept out", tmp_path / "full": "x" * 100_000}
         )
     assert main(["planar", "2", "1", "--plot", str(tmp_path / "full")]) == 2
-    assert main(["generate", "--output", str(tmp_path / "null")]) == 0
+    assert main(["generate", "urdf", "--output", str(tmp_path / "null")]) == 0
     for name in ("null", "full"):
         assert stat.S_ISCHR((tmp_path / name).stat().st_mode)
     assert (tmp_path / "link.html").is_symlink()
@@ -338,7 +336,7 @@ def test_standard_output_by_any_name(motion_file: Path) -> None:
     assert "TCP: path" in done.stdout
     done = shell("alpha5 planar 2 1 --plot /dev/fd/1 | head -c 4 | tail -c 3", folder)
     assert (done.stdout, "Error" in done.stderr) == ("PNG", False)
-    done = shell("alpha5 generate --output -", folder)
+    done = shell("alpha5 generate urdf --output -", folder)
     assert done.stdout.startswith("<?xml")
     assert done.stdout.endswith("</robot>\n")
     assert not {"meshes", "-"} & set(names(folder))
@@ -390,10 +388,10 @@ COMMANDS = {
         {"--html": ".html", "--image": ".png", "--video": ".mp4"},
     ),
     "compare": (["compare", "{}"], {"--plot": ".png", "--write-arm": ".toml"}),
-    "check": (["check", "--urdf", "{}"], {}),
+    "check": (["check", "{}"], {}),
     "dh": (["dh", "--urdf", "{}"], {}),
     "arm": (["arm", "check", "{}"], {}),  # new never writes over a file
-    "generate": (["generate", "--arm", "{}"], {"--output": ".urdf"}),
+    "generate": (["generate", "urdf", "--arm", "{}"], {"--output": ".urdf"}),
     "demo": (["demo"], {}),  # its folder is not read
     "sweep": (["sweep", "{}"], {}),  # a folder is written
     "planar": (["planar", "2", "1"], {"--plot": ".png"}),
@@ -409,12 +407,6 @@ COMMANDS = {
 }
 
 
-def takes_path(annotation: Any) -> bool:
-    """Whether an annotated type is a path or a union with one."""
-    annotated = getattr(annotation, "__origin__", annotation)
-    return annotated is Path or Path in getattr(annotated, "__args__", ())
-
-
 def test_no_command_has_a_path_that_is_not_tested_here() -> None:
     read = {
         "file",
@@ -423,19 +415,19 @@ def test_no_command_has_a_path_that_is_not_tested_here() -> None:
         "other",
         "urdf",
         "study",
-        "arm_file",
+        "arm",
         "obstacles",
         "vehicle",
     }
-    for command in application(*COMMAND_NAMES).registered_commands:
-        assert command.callback is not None
-        parameters = inspect.signature(command.callback, eval_str=True).parameters
-        paths = {name for name, p in parameters.items() if takes_path(p.annotation)}
-        words, outputs = COMMANDS.get(str(command.name), ([], {}))
+    for command in COMMAND_NAMES:
+        leaves = parser_of(command).leaves().values()
+        options = [option for leaf in leaves for option in leaf.options]
+        paths = {option.dest for option in options if option.type is Path}
+        words, outputs = COMMANDS.get(command, ([], {}))
         known = {option.lstrip("-").replace("-", "_") for option in outputs} | read
-        folder = {"output"} if command.name in ("demo", "sweep") else set()
-        assert paths <= known | folder, command.name
-        assert bool(paths) == (command.name in COMMANDS)
+        folder = {"output"} if command in ("demo", "sweep") else set()
+        assert paths <= known | folder, command
+        assert bool(paths) == (command in COMMANDS)
         assert bool(paths & read) == ("{}" in words)
 
 

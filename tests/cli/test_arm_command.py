@@ -115,8 +115,8 @@ def test_show_and_check_say_signs_and_accelerations(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("chek", "a.toml"), "unknown action 'chek'; choose from new, check, show"),
-        (("check",), "file: expected an arm file: alpha5 arm check FILE, got None"),
+        (("chek", "a.toml"), "argument {new,check,show}: invalid choice: 'chek'"),
+        (("check",), "the following arguments are required: FILE"),
         (("show", "none.toml"), "none.toml: no such file; expected an arm file (TOML)"),
         (("show", "a.toml"), "a.toml, lengths.a_1: expected at most 2 m; if it is in"),
     ],

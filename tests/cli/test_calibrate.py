@@ -73,8 +73,8 @@ def test_a_problem_is_said_first(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["fill", "plan.toml"], "choose from plan, fit"),
-        (["plan", "one.toml", "two.toml"], "expected one file to write"),
+        (["fill", "plan.toml"], "invalid choice: 'fill'"),
+        (["plan", "one.toml", "two.toml"], "two.toml"),
         (["plan", "there.toml"], "it exists; name another file"),
         (["plan", "new.toml", "--sensor", "scale"], "choose from scales, weight"),
         (["plan", "new.toml", "--positions", "1 2 3"], "positions"),
@@ -195,15 +195,13 @@ def test_a_plan_has_a_pose_at_least(
 ) -> None:
     path = tmp_path / "plan.toml"
     assert main(["calibrate", "plan", str(path), "--poses", poses]) == 2
-    assert "--poses" in capsys.readouterr().err
+    assert "poses" in capsys.readouterr().err
     assert not path.exists()
 
 
-@pytest.mark.parametrize(
-    ("action", "expected"), [("plan", "one file to write"), ("motors", "one recording")]
-)
+@pytest.mark.parametrize("action", ["plan", "motors"])
 def test_some_actions_take_one_file(
-    action: str, expected: str, capsys: pytest.CaptureFixture[str]
+    action: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["calibrate", action, "a.toml", "b.toml"]) == 2
-    assert f"files: expected {expected}, got 'a.toml b.toml'" in capsys.readouterr().err
+    assert "unrecognized arguments: b.toml" in capsys.readouterr().err

@@ -28,7 +28,7 @@ def environment():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
-    [("ik", "0.25", "0.1", "0.1"), ("workspace",), ("generate",), TORQUE],
+    [("ik", "0.25", "0.1", "0.1"), ("workspace",), ("generate", "urdf"), TORQUE],
     ids=lambda arguments: arguments[0],
 )
 def test_a_reader_that_leaves_is_no_failed_check(arguments):
@@ -70,11 +70,11 @@ def test_a_full_disk_is_one_line_and_status_2():
         ((*TORQUE, "--gravity", "1e300 0 0"), "gravity"),
         ((*TORQUE, "--gravity", "nan 0 0"), "gravity[0]"),
         (("ik", "1e300", "0", "0"), "1e+303 mm away"),
-        (("check", "--urdf", "."), "is a folder"),
+        (("check", "."), "is a folder"),
         (("compare", "."), "is a folder"),
         (("dh", "--urdf", "."), "is a folder"),
-        (("generate", "--parent", "base_link"), "parent"),
-        (("generate", "--parent", "left_tcp", "--prefix", "left_"), "parent"),
+        (("generate", "urdf", "--parent", "base_link"), "parent"),
+        (("generate", "urdf", "--parent", "left_tcp", "--prefix", "left_"), "parent"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(capsys, arguments, words):

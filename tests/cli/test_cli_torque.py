@@ -138,9 +138,7 @@ def test_degrees_and_tilt(capsys):
     radians = json.loads(
         run(capsys, "--q", *text(np.deg2rad([170, 60, 100, 20])), "--json")
     )
-    degrees = json.loads(
-        run(capsys, "--q", "170", "60", "100", "20", "--degrees", "--json")
-    )
+    degrees = json.loads(run(capsys, "--q", "170", "60", "100", "20", "deg", "--json"))
     torque = [[joint["torque"] for joint in r["joints"]] for r in (radians, degrees)]
     assert torque[0] == pytest.approx(torque[1], abs=1e-15)
     tilted = json.loads(
@@ -167,7 +165,7 @@ def test_the_currents_follow_the_choice_of_efficiency(capsys, efficiency):
 
 @pytest.mark.parametrize(
     ("words", "angles"),
-    [("reach", "180 90 180 90 deg"), ("home --degrees", "180 45 135 90 deg")],
+    [("reach", "180 90 180 90 deg"), ("home", "180 45 135 90 deg")],
 )
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_a_named_pose_is_its_angles(capsys, words, angles, gripper):
@@ -198,7 +196,7 @@ def test_a_named_pose_keeps_the_limits_of_your_own_arm(capsys, tmp_path):
     ("arguments", "message"),
     [
         (["--q", "1", "2", "nan", "0"], "q[2]"),
-        (["--q", "1", "2"], "four numbers"),
+        (["--q", "1", "2"], "four or five numbers"),
         ([], "--q"),
         (["--q", "1", "2", "x", "0"], "--q"),
         (["--q", *text(Q), "--fluid", "mercury"], "sea, fresh, air"),

@@ -100,7 +100,7 @@ def test_the_workspace_is_that_of_the_file(capsys: Any) -> None:
 
 
 def test_the_urdf_is_that_of_the_file(capsys: Any) -> None:
-    assert main(["generate", "--arm", str(EXAMPLE)]) == 0
+    assert main(["generate", "urdf", "--arm", str(EXAMPLE)]) == 0
     written = capsys.readouterr().out
     assert written == urdf(Variant(arm=a5.arm_file(EXAMPLE), mesh_prefix="meshes/"))
 
@@ -113,7 +113,7 @@ def test_the_urdf_is_that_of_the_file(capsys: Any) -> None:
         (["torque", "--q", "3 1 1 0"], "mine.toml, links.link_2.mass: "),
         (["workspace"], "mine.toml, links.link_2.mass: "),
         (["dh"], "mine.toml, links.link_2.mass: "),
-        (["generate"], "mine.toml, links.link_2.mass: "),
+        (["generate", "urdf"], "mine.toml, links.link_2.mass: "),
     ],
 )
 def test_a_wrong_file_is_one_line(
@@ -157,4 +157,4 @@ def test_the_dh_table_is_that_of_the_file(capsys: Any) -> None:
     assert np.array(found["frames"]["tool"]) == pytest.approx(expected, abs=1e-14)
     assert found["links"][0]["lower"] == record.joints[0].lower
     assert main(["dh", "--arm", str(EXAMPLE), "--link", "0 0 1 0 0"]) == 2
-    assert "--link, --arm: expected one of the two" in capsys.readouterr().err
+    assert "--link and --arm: expected one of them" in capsys.readouterr().err

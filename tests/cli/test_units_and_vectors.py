@@ -38,7 +38,7 @@ def test_units_are_those_of_the_quantity(capsys: Capture) -> None:
     place = answer(capsys, "ik", "0.25", "-0.1", "0.05")
     for words in (["250", "-100", "50", "mm"], ["250mm", "-0.1m", "50mm"]):
         assert answer(capsys, "ik", *words)["branches"] == place["branches"]
-    assert refused(capsys, "q", "fk", "1.5m", "1.2", "1.8", "0")
+    assert refused(capsys, "argument Q", "fk", "1.5m", "1.2", "1.8", "0")
     assert refused(capsys, "", "ik", "0.25deg", "-0.1", "0.05")
 
 
@@ -89,5 +89,5 @@ def test_compare_is_the_function(other: Path, capsys: Capture) -> None:
 
 def test_the_help_lists_every_command(capsys: Capture) -> None:
     assert main(["--help"]) == 0
-    listed = re.findall(r"^│ ([a-z]+) ", capsys.readouterr().out, re.MULTILINE)
+    listed = re.findall(r"^  ([a-z]+) ", capsys.readouterr().out, re.MULTILINE)
     assert set(COMMANDS) <= set(listed)

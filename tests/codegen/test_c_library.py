@@ -126,7 +126,7 @@ def test_cmake_builds_and_tests_it(tmp_path: Path) -> None:
     library = str(tmp_path / "library")
     build = str(tmp_path / "build")
     flags = f"-DCMAKE_C_FLAGS={' '.join(STRICT)}"
-    assert main(["generate", "--format", "c", "--output", library]) == 0
+    assert main(["generate", "c", "--output", library]) == 0
     for command in (
         ["cmake", "-S", library, "-B", build, flags],
         ["cmake", "--build", build],
@@ -180,14 +180,13 @@ def test_the_source_needs_nothing_but_libm() -> None:
         (["--parameters", "global"], "choose from folded, struct"),
         (["--gravity", "1 2"], "three numbers"),
         (["--fluid", "-1"], "at least 0"),
-        (["--gripper", "jaws"], "--format urdf"),
-        (["--format", "sdf", "--real", "float"], "--format c with it"),
+        (["--gripper", "jaws"], "--gripper"),
     ],
 )
 def test_wrong_options_end_in_one_line(
     arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["generate", "--format", "c", *arguments]) == 2
+    assert main(["generate", "c", *arguments]) == 2
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
@@ -199,7 +198,7 @@ def test_without_casadi_it_says_what_to_install(
     for name in [n for n in sys.modules if n.startswith("alpha5_model.codegen")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "casadi", None)
-    assert main(["generate", "--format", "c", "--output", str(tmp_path / "c")]) == 2
+    assert main(["generate", "c", "--output", str(tmp_path / "c")]) == 2
     assert capsys.readouterr().err.endswith(
         "needs casadi, which is not installed: pip install casadi\n"
     )

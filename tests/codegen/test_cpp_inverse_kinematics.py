@@ -38,7 +38,7 @@ def program(tmp_path_factory) -> Path:
         pytest.skip("no compiler here")
     pytest.importorskip("casadi", reason="CasADi writes the C library")
     folder = tmp_path_factory.mktemp("cpp")
-    assert main(["generate", "--format", "c", "--output", str(folder)]) == 0
+    assert main(["generate", "c", "--output", str(folder)]) == 0
     (folder / "main.cpp").write_text(PROGRAM, encoding="utf-8")
     strict = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
     for command in (

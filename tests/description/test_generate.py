@@ -185,12 +185,12 @@ def test_yaml_numbers_read_back_exactly():
 
 def test_command_line_writes_file_and_meshes(tmp_path, capsys):
     target = tmp_path / "out" / "arm.urdf"
-    assert main(["generate", "--output", str(target), "--gripper", "jaws"]) == 0
+    assert main(["generate", "urdf", "--output", str(target), "--gripper", "jaws"]) == 0
     for mesh in ET.parse(target).getroot().iter("mesh"):
         assert (target.parent / mesh.get("filename")).is_file()
-    assert main(["generate", "--mesh-uri", "package"]) == 0
+    assert main(["generate", "urdf", "--mesh-uri", "package"]) == 0
     assert "package://alpha5_description/meshes/link_0.obj" in capsys.readouterr().out
-    assert main(["generate", "--mesh-uri", "file"]) == 0
+    assert main(["generate", "urdf", "--mesh-uri", "file"]) == 0
     uri = next(ET.fromstring(capsys.readouterr().out).iter("mesh")).get("filename")
     assert Path(uri.removeprefix("file://")).is_file()
 
@@ -243,6 +243,6 @@ def test_a_parent_with_the_name_of_a_link_of_the_arm_is_refused():
 @pytest.mark.parametrize("uri", ["relative", "package", "file"])
 def test_meshes_are_written_beside_a_file_that_names_them_there(uri, tmp_path):
     path = tmp_path / "alpha5.urdf"
-    assert main(["generate", "--mesh-uri", uri, "--output", str(path)]) == 0
+    assert main(["generate", "urdf", "--mesh-uri", uri, "--output", str(path)]) == 0
     assert path.exists()
     assert (tmp_path / "meshes").exists() is (uri == "relative")

@@ -104,7 +104,7 @@ def test_sdf_has_friction_and_damping_and_says_what_it_has_not(
     assert line in text
     for kind, output in (("sdf", "folder"), ("urdf", "arm.urdf"), ("mjcf", "mjcf")):
         file = str(tmp_path / "arm.toml")
-        arguments = ["generate", "--arm", file, "--format", kind]
+        arguments = ["generate", kind, "--arm", file]
         assert main([*arguments, "--output", str(tmp_path / output)]) == 0
         said = capsys.readouterr().err
         assert ("rotor inertia" in said) == (kind != "mjcf")

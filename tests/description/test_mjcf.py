@@ -350,7 +350,7 @@ def test_ten_seconds_of_random_control_without_a_warning(
 ):
     monkeypatch.chdir(tmp_path)
     folder = tmp_path / "alpha5"
-    arguments = ["--format", "mjcf", "--gripper", "jaws", "--actuators", actuators]
+    arguments = ["mjcf", "--gripper", "jaws", "--actuators", actuators]
     assert main(["generate", *arguments, "--output", str(folder)]) == 0
     model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
     data = mujoco.MjData(model)

@@ -90,7 +90,7 @@ def test_names_that_no_file_can_hold_are_refused(text, capsys):
         with pytest.raises(InputError) as caught:
             Variant(**{name: text})
         assert caught.value.name == name
-    assert main(["generate", "--prefix", text]) == 2
+    assert main(["generate", "urdf", "--prefix", text]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
@@ -102,7 +102,15 @@ def test_a_prefix_may_be_greek():
 def test_a_prefix_that_is_not_utf_8_in_a_real_shell():
     """The bytes as the system passes them, which Python turns into lone surrogates."""
     done = subprocess.run(
-        [sys.executable, "-m", "alpha5_model", "generate", "--prefix", b"\xff\xfe"],
+        [
+            sys.executable,
+            "-m",
+            "alpha5_model",
+            "generate",
+            "urdf",
+            "--prefix",
+            b"\xff\xfe",
+        ],
         capture_output=True,
         check=False,
         env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
@@ -114,7 +122,7 @@ def test_a_prefix_that_is_not_utf_8_in_a_real_shell():
 @pytest.mark.slow
 def test_output_that_its_encoding_cannot_hold_is_one_line():
     done = subprocess.run(
-        [sys.executable, "-m", "alpha5_model", "generate", "--prefix", "ά_"],
+        [sys.executable, "-m", "alpha5_model", "generate", "urdf", "--prefix", "ά_"],
         capture_output=True,
         check=False,
         env={

@@ -430,13 +430,13 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
 def test_generate_writes_the_arm_of_a_file(
     words: list[str], expected: Any, capsys: Any
 ) -> None:
-    assert main(["generate", "--arm", str(EXAMPLE), "--format", *words]) == 0
+    assert main(["generate", words[0], "--arm", str(EXAMPLE), *words[1:]]) == 0
     assert capsys.readouterr().out == expected(a5.arm_file(EXAMPLE))
 
 
 def test_generate_writes_one_file_for_xacro(tmp_path: Path, capsys: Any) -> None:
     numbers = tmp_path / "mine.yaml"
-    words = ["generate", "--format", "xacro", "--output"]
+    words = ["generate", "xacro", "--output"]
     assert main([*words, str(numbers), "--arm", str(EXAMPLE)]) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["mine.yaml"]
     assert numbers.read_text("utf-8") == parameter_yaml(a5.arm_file(EXAMPLE))

@@ -167,7 +167,7 @@ def test_the_closed_fingers_are_shown_where_the_urdf_shows_them():
 @needs_libsdformat
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_libsdformat_accepts_model_and_world(tmp_path, gripper):
-    arguments = ["--format", "sdf", "--gripper", gripper, "--output", str(tmp_path)]
+    arguments = ["sdf", "--gripper", gripper, "--output", str(tmp_path)]
     assert main(["generate", *arguments]) == 0
     for name in ("model.sdf", "world.sdf"):
         done = libsdformat(tmp_path / name)
@@ -205,16 +205,16 @@ def test_the_fingers_follow_the_rod_in_sdf_1_11():
 def test_command_line_refuses_what_the_format_does_not_have(tmp_path, capsys):
     folder = str(tmp_path / "out")
     for arguments, option in (
-        (["--format", "sdf", "--prefix", "l_"], "--prefix"),
-        (["--format", "mjcf", "--prefix", "l_"], "attach"),
-        (["--format", "sdf", "--buoyancy", "none"], "--buoyancy"),
-        (["--format", "mjcf", "--sdf-version", "1.11"], "--sdf-version"),
-        (["--format", "sdf", "--sdf-version", "1.10"], "SDF version"),
-        (["--format", "mjcf", "--ros2-control"], "--ros2-control"),
-        (["--fluid", "fresh"], "--fluid"),
-        (["--format", "fbx"], "format"),
-        (["--format", "sdf", "--fluid", "mercury"], "fluid"),
-        (["--format", "sdf", "--fluid", "-5"], "fluid"),
+        (["sdf", "--prefix", "l_"], "--prefix"),
+        (["mjcf", "--prefix", "l_"], "--prefix"),
+        (["sdf", "--buoyancy", "none"], "--buoyancy"),
+        (["mjcf", "--sdf-version", "1.11"], "--sdf-version"),
+        (["sdf", "--sdf-version", "1.10"], "SDF version"),
+        (["mjcf", "--ros2-control"], "--ros2-control"),
+        (["urdf", "--fluid", "fresh"], "--fluid"),
+        (["fbx"], "fbx"),
+        (["sdf", "--fluid", "mercury"], "fluid"),
+        (["sdf", "--fluid", "-5"], "fluid"),
     ):
         assert main(["generate", *arguments, "--output", folder]) == 2
         error = capsys.readouterr().err

@@ -248,7 +248,7 @@ def test_meshes_lie_in_the_folder_that_is_named(prefix, expected):
 
 
 def test_the_command_takes_a_uri_of_meshes(capsys):
-    words = ["generate", "--collision", "none", "--mesh-uri"]
+    words = ["generate", "urdf", "--collision", "none", "--mesh-uri"]
     assert main([*words, "package://mine/meshes"]) == 0
     assert '"package://mine/meshes/link_0.obj"' in capsys.readouterr().out
     assert main([*words, "http"]) == 2
@@ -298,7 +298,7 @@ def test_1_2_has_the_accelerations_of_an_arm_file():
 def test_the_command_writes_the_accelerations_of_a_file(tmp_path, capsys):
     arm = tmp_path / "arm.toml"
     arm.write_text("format = 1\n[joint_limits.axis_d]\nmax_acceleration = 0.5\n")
-    words = ["generate", "--arm", str(arm), "--collision", "none"]
+    words = ["generate", "urdf", "--arm", str(arm), "--collision", "none"]
     assert main([*words, "--urdf-version", "1.2"]) == 0
     limit = ET.fromstring(capsys.readouterr().out).find("joint[@name='axis_d']/limit")
     assert limit.get("acceleration") == "0.5"

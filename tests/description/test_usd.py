@@ -249,7 +249,7 @@ def _volume(prim: Any) -> float:
 
 def test_the_command_writes_the_table_of_the_water_beside(tmp_path, path, capsys):
     file = tmp_path / "arm.usda"
-    arguments = ["generate", "--format", "usd", "--fluid", "fresh"]
+    arguments = ["generate", "usd", "--fluid", "fresh"]
     assert main([*arguments, "--output", str(file)]) == 0
     assert capsys.readouterr().err == ""
     assert {each.name for each in tmp_path.iterdir()} == {"arm.usda", "water.json"}
@@ -281,5 +281,5 @@ def test_without_the_converter_it_says_what_to_install(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "urdf_usd_converter", None)
     with pytest.raises(MissingDependencyError, match="pip install urdf-usd-converter"):
         usd_files()
-    assert main(["generate", "--format", "usd"]) == 2
+    assert main(["generate", "usd"]) == 2
     assert capsys.readouterr().err.count("\n") == 1

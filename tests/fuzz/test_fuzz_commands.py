@@ -57,10 +57,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     "--current": TRIPLES,
     "--explain": ("body.mass", "tool.offset", ""),
     "--fluid": ("sea", "fresh", "air", "1025", "0", "1.025", "1e5", "-3"),
-    "--format": (
-        *("urdf", "srdf", "xacro", "mjcf", "sdf", "usd", "c", "water"),
-        *("text", "json", "junit"),
-    ),
+    "--format": ("text", "json", "junit"),
     "--frame": ("link_2", "tcp"),
     "--gravity": TRIPLES,
     "--gripper": ("auto", "locked", "jaws"),
@@ -101,13 +98,19 @@ WRITTEN = {
 }
 #: Command -> values of its arguments.
 ARGUMENTS: dict[str, tuple[tuple[str, ...], ...]] = {
-    "arm": (("check", "show", "new", "x"), VALUES["--arm"]),
-    "calibrate": (("plan", "fit", "motors"), ("readings.toml", *RECORDINGS)),
+    **dict.fromkeys(("arm check", "arm show", "arm new"), (VALUES["--arm"],)),
+    **{
+        f"calibrate {action}": (("readings.toml", *RECORDINGS),)
+        for action in ("plan", "fit", "motors")
+    },
     "check": (ROBOTS,),
     "compare": (ROBOTS,),
     "dh": (),
     "fk": (NUMBERS,) * 4,
-    "generate": (),
+    **{
+        f"generate {form}": ()
+        for form in ("urdf", "srdf", "xacro", "mjcf", "sdf", "usd", "c", "water")
+    },
     "ik": (("0.3", "0.25"), ("0.1", "-0.05"), ("0.1", "0")),
     "move": (PLACES, PLACES),
     "planar": (("0.3", "1.2", "3"),) * 3,
@@ -134,15 +137,13 @@ LEFT_OUT = {
 @cache
 def options(command: str) -> dict[str, bool]:
     """Long name of each option of a command -> whether it is a flag."""
-    import typer.main
+    from alpha5_model.cli.program import parser_of
 
-    from alpha5_model.cli import COMMANDS, application
-
-    every: Any = typer.main.get_command(application(*COMMANDS))
+    leaf = parser_of(command.partition(" ")[0]).leaves()[f"alpha5 {command}"]
     found = {}
-    for parameter in every.commands[command].params:
-        if parameter.param_type_name == "option" and parameter.opts[0] not in LEFT_OUT:
-            found[parameter.opts[0]] = parameter.is_flag
+    for option in leaf.options:
+        if option.option_strings and option.option_strings[-1] not in LEFT_OUT:
+            found[option.option_strings[-1]] = option.nargs == 0
     return found
 
 
@@ -151,7 +152,7 @@ def any_words(rng: Random) -> list[str]:
     command = rng.choice([*ARGUMENTS])
     known = options(command)
     chosen = rng.sample([*known], min(rng.randrange(4), len(known)))
-    words = [command]
+    words = command.split()
     for name in dict.fromkeys([*ALWAYS.get(command, []), *chosen]):
         words.append(name)
         if not known[name]:

@@ -21,7 +21,6 @@ HEAVY = {
     "scipy",
     "casadi",
     "jax",
-    "typer",
     "rich",
     "yaml",
     "pyarrow",

@@ -8,7 +8,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -17,15 +16,15 @@ LIST = TESTS / "public_api.txt"
 
 
 def command_line() -> Iterator[str]:
-    import typer.main
+    from alpha5_model.cli import COMMANDS
+    from alpha5_model.cli.program import parser_of
 
-    from alpha5_model.cli import COMMANDS, application
-
-    commands: Any = typer.main.get_command(application(*COMMANDS))
-    for name, command in commands.commands.items():
-        yield f"alpha5 {name}"
-        for parameter in command.params:
-            yield from (f"alpha5 {name} {option}" for option in parameter.opts)
+    for name in COMMANDS:
+        for command, parser in parser_of(name).leaves().items():
+            yield command
+            for option in parser.options:
+                yield from (f"{command} {flag}" for flag in option.option_strings)
+                yield from [] if option.option_strings else [f"{command} {option.dest}"]
 
 
 def listed() -> list[str]:

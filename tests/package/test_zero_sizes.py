@@ -123,12 +123,12 @@ def test_check_of_a_link_whose_com_is_its_origin(
     own = tmp_path / "own.toml"
     own.write_text(a5.arm_file_text(record), encoding="utf-8")
     model = tmp_path / "own.urdf"
-    assert main(["generate", "--arm", str(own), "--output", str(model)]) == 0
-    assert main(["check", "--urdf", str(model), "--arm", str(own)]) == 0
+    assert main(["generate", "urdf", "--arm", str(own), "--output", str(model)]) == 0
+    assert main(["check", str(model), "--arm", str(own)]) == 0
 
     text = model.read_text(encoding="utf-8")
     moved = re.sub(r'xyz="0\.0 (.*\s*<mass value="0\.234")', r'xyz="0.001 \1', text)
     assert moved != text
     model.write_text(moved, encoding="utf-8")
-    assert main(["check", "--urdf", str(model), "--arm", str(own)]) == 1
+    assert main(["check", str(model), "--arm", str(own)]) == 1
     assert "link_0" in capsys.readouterr().out

@@ -88,11 +88,6 @@ def test_a_report_of_a_model_that_agrees_passes(capsys):
     assert {"link_0", "link_4", "axis_e", "axis_b", "tool"} <= set(names)
 
 
-def test_a_report_is_not_json_as_well(capsys):
-    assert main(["compare", str(a5.URDF_PATH), "--format", "junit", "--json"]) == 2
-    assert "format: expected json or text with --json" in capsys.readouterr().err
-
-
 def test_a_report_has_the_findings_as_failures(heavy, capsys):
     suite = report(capsys, str(heavy), status=1)
     assert suite.get("failures") == "1"

@@ -288,10 +288,7 @@ def test_hydrodynamics_is_a_flag():
 )
 def test_the_option_is_the_librarys(tmp_path, capsys, kind, file):
     out = tmp_path / "out"
-    assert (
-        main(["generate", "--format", kind, "--hydrodynamics", "--output", str(out)])
-        == 0
-    )
+    assert main(["generate", kind, "--hydrodynamics", "--output", str(out)]) == 0
     text = (out / file).read_text("utf-8")
     assert ("fluid_added_mass" in text, "fluidcoef" in text) == (
         kind == "sdf",
@@ -300,10 +297,9 @@ def test_the_option_is_the_librarys(tmp_path, capsys, kind, file):
     assert json.dumps(capsys.readouterr().err) == '""'
 
 
-def test_urdf_has_no_place_for_it_and_says_so(capsys):
-    assert main(["generate", "--hydrodynamics"]) == 2
+def test_urdf_has_no_place_for_it(capsys):
+    assert main(["generate", "urdf", "--hydrodynamics"]) == 2
     out = capsys.readouterr()
     assert out.out == ""
     assert len(out.err.splitlines()) == 1
-    assert "URDF has no element for drag or added mass" in out.err
-    assert "--format mjcf or sdf" in out.err
+    assert "--hydrodynamics" in out.err

@@ -206,7 +206,7 @@ def test_the_arm_weighs_in_water_what_it_should():
 
 def test_the_command_writes_the_table(tmp_path, capsys):
     file = tmp_path / "mine.json"
-    arguments = ["generate", "--format", "water", "--fluid", "fresh"]
+    arguments = ["generate", "water", "--fluid", "fresh"]
     assert main([*arguments, "--output", str(file)]) == 0
     assert "mine.json" in capsys.readouterr().out
     assert main(arguments) == 0
@@ -216,9 +216,9 @@ def test_the_command_writes_the_table(tmp_path, capsys):
 
 def test_the_command_refuses_in_one_line(tmp_path, capsys):
     for arguments in (
-        ["--format", "water", "--prefix", "left_"],
-        ["--format", "water", "--fluid", "-1"],
-        ["--format", "water", "--output", str(tmp_path)],
+        ["water", "--prefix", "left_"],
+        ["water", "--fluid", "-1"],
+        ["water", "--output", str(tmp_path)],
     ):
         assert main(["generate", *arguments]) == 2
         assert capsys.readouterr().err.count("\n") == 1
