@@ -40,7 +40,12 @@ def options(parser: Parser) -> None:
         "-l",
         "--limits",
         action="append",
-        type=Vector(ANGLE_OR_LENGTH, ANGLE_OR_LENGTH, named=["none"]),
+        type=Vector(
+            ANGLE_OR_LENGTH,
+            ANGLE_OR_LENGTH,
+            named=["none"],
+            expected="LOWER UPPER or none",
+        ),
         metavar="LIMITS",
         help="'LOWER UPPER' (rad or m) or none, once per joint in order",
     )

@@ -70,8 +70,8 @@ def test_commands_refuse_them_in_one_line(capsys):
 def test_dh_reads_what_moves_and_says_nothing_else(tmp_path, capfd):
     """urdfdom complains on stderr of a colour; nobody asked for the colour."""
     (tmp_path / "arm.urdf").write_text(TEXT.replace('rgba="', 'rgba="x', 1))
-    for command in ("dh", "check"):
-        assert main([command, "--urdf", str(tmp_path / "arm.urdf")]) == 0
+    for command in (["dh", "--urdf"], ["check"]):
+        assert main([*command, str(tmp_path / "arm.urdf")]) == 0
         assert capfd.readouterr().err == ""
 
 

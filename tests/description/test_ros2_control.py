@@ -235,7 +235,7 @@ def test_parameters_replace_those_of_the_layout_or_are_added(capsys):
     own = ["serial_port=/dev/tty=1", "heartbeat_timeout=3"]
     for pair in own:
         options += f" --ros2-control-param {pair}"
-    assert main(["generate", *options.split()]) == 0
+    assert main(["generate", "urdf", *options.split()]) == 0
     written = capsys.readouterr().out
     assert Control(written).parameters == {
         "serial_port": "/dev/tty=1",
