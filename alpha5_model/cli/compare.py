@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from typer import Argument, Option, echo, style
@@ -19,12 +19,13 @@ from alpha5_model.cli.units import GRAM, MILLIMETRE
 from alpha5_model.cli.words import WORDS
 from alpha5_model.errors import InputError, OutputError
 from alpha5_model.proofs.comparison import compare_robots
-from alpha5_model.proofs.comparison.as_arm import ArmOfModel, arm_of_robot, arm_text
-from alpha5_model.proofs.comparison.junit import junit_report
 from alpha5_model.proofs.comparison.model import read_model
 from alpha5_model.proofs.comparison.result import Comparison, explanation
 from alpha5_model.viewer.comparison_plot import plot_comparison
 from alpha5_model.viewer.figures import FORMATS
+
+if TYPE_CHECKING:
+    from alpha5_model.proofs.comparison.as_arm import ArmOfModel
 
 #: Forms of the answer; the first one is for people.
 _FORMS = ("text", "json", "junit")
@@ -96,6 +97,8 @@ def compare(
         comparison = compare_robots(model, names, samples, other.parent, base, arm=own)
         described = None
         if write_arm is not None:
+            from alpha5_model.proofs.comparison.as_arm import arm_of_robot, arm_text
+
             described = arm_of_robot(model, names, base)
             atomic_write(write_arm, arm_text(described, other.name))
 
@@ -104,6 +107,8 @@ def compare(
     if picture is not None:
         plot_comparison(comparison, picture)
     if form == "junit":
+        from alpha5_model.proofs.comparison.junit import junit_report
+
         echo(junit_report(comparison, other.stem), nl=False)
     else:
         written = None if described is None else write_arm
