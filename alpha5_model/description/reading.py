@@ -241,6 +241,13 @@ class _Reader:
 
     def link(self, element: ET.Element) -> UrdfLink:
         shapes = self.shapes(element, "collision")
+        volume = sum((shape.volume for shape in shapes), 0.0)
+        centre = np.zeros(3)
+        if volume > 0:
+            centres = [shape.placement[:3, 3] for shape in shapes]
+            weights = [shape.volume for shape in shapes]
+            centre = np.average(centres, axis=0, weights=weights)
+
         inertial = self.inertial(element)
         files = []
         scales = {}
@@ -253,7 +260,8 @@ class _Reader:
             mass=inertial.mass,
             com=inertial.com,
             inertia=inertial.inertia,
-            volume=sum((shape.volume for shape in shapes), 0.0),
+            volume=volume,
+            shape_centre=centre,
             meshes=tuple(shape.file for shape in shapes if shape.file),
             files=tuple(files),
             scales=scales,

@@ -57,6 +57,7 @@ class UrdfLink:
         com: In the link frame, (3,) [m].
         inertia: At the COM, in the link's axes, (3, 3) [kg m^2].
         volume: Sum of the volumes of all collision primitives [m^3].
+        shape_centre: Their centroid in the link frame, (3,) [m]; zero without any.
         meshes: File names of collision meshes, whose volume is not counted.
         files: File names of all meshes.
         scales: File name -> the scale that is written for it, if there is one.
@@ -67,6 +68,7 @@ class UrdfLink:
     com: FloatArray
     inertia: FloatArray
     volume: float
+    shape_centre: FloatArray
     meshes: tuple[str, ...]
     files: tuple[str, ...]
     scales: Mapping[str, tuple[float, ...]] = field(default_factory=dict)

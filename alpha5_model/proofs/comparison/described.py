@@ -39,7 +39,7 @@ SAME_COM = 0.02  # [m]
 SAME_ZERO = 0.005  # [rad]
 #: A smaller error of a dimension is rounding [m, rad].
 ROUNDING = 1e-9
-#: From this distance on, a misplaced body or tool counts in full.
+#: From this distance on, a misplaced body, tool or shape counts in full.
 FULL_SCORE_AT = 0.05  # [m]
 #: The wrist is taken as rolled if its body then fits this many times better.
 BETTER = 4
@@ -448,8 +448,8 @@ def _oddity(
 
     A reversed joint or a shifted zero scores 1, a distance to the other side 2, an axis
     turned by pi 4. A base that is displaced or upside down scores up to 6, misplaced
-    bodies up to 4 together, and a misplaced tool frame up to 6. Of equal scores the one
-    with the smaller zeros is taken.
+    bodies up to 4 together, misplaced collision shapes the same, and a misplaced tool
+    frame up to 6. Of equal scores the one with the smaller zeros is taken.
     """
     score = 30 * min(0.2, _from_base(reading.stands))
     score += float(np.signbit(reading.sign).sum())
@@ -463,6 +463,10 @@ def _oddity(
     coms = np.array([link.com for link in record.links])
     off_coms = reading.coms - coms
     score += 4 * _misplacement(off_coms[2:][theirs.mass[2:] > 0])
+
+    shapes = moved(reading.placed, theirs.shape_centres)
+    off_shapes = shapes - np.array([link.cob for link in record.links])
+    score += 4 * _misplacement(off_shapes[1:][np.isfinite(off_shapes[1:, 0])])
 
     if theirs.tool:
         frame = theirs.link_poses[theirs.tool]

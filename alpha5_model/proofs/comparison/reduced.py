@@ -210,6 +210,7 @@ class Reduced(FourJoints):
         digits: Rounding of their origins.
         tool: Link fixed to the last body that is named like a tool; empty if none.
         volume: Of the collision primitives of the arm [m^3].
+        shape_centres: Their centroid in each body's frame, (5, 3) [m]; NaN without any.
     """
 
     joints: tuple[UrdfJoint, ...]
@@ -221,6 +222,7 @@ class Reduced(FourJoints):
     digits: Rounding
     tool: str
     volume: float
+    shape_centres: FloatArray
 
 
 def reduce(
@@ -276,6 +278,7 @@ def reduce(
         if body[name] > 0 or name in base:
             groups[body[name]].append(name)
     bodies = [_sum(robot, pose, group) for group in groups]
+    centres = [_shape_centre(robot, pose, group) for group in groups]
 
     way = path_to(robot, joints[-1].child)
     first = next((name for name in base_path if name in base), base_path[-1])
@@ -295,6 +298,7 @@ def reduce(
         digits=last_digits(behind_first),
         tool=_tool_link(robot, joints[-1].child),
         volume=sum(robot.links[name].volume for name in itertools.chain(*groups)),
+        shape_centres=np.array(centres),
     )
 
 
@@ -312,6 +316,17 @@ def _sum(
     if sum(masses) == 0.0:
         return 0.0, np.zeros(3), np.zeros((3, 3))
     return combine(masses, coms, inertias)
+
+
+def _shape_centre(
+    robot: UrdfRobot, pose: Mapping[str, FloatArray], group: Sequence[str]
+) -> FloatArray:
+    """Centroid of the collision primitives of links that move together, (3,) [m]."""
+    links = [robot.links[name] for name in group if robot.links[name].volume > 0]
+    if not links:
+        return np.full(3, math.nan)
+    centres = [moved(pose[link.name], link.shape_centre) for link in links]
+    return np.average(centres, axis=0, weights=[link.volume for link in links])
 
 
 # --- Base and tool --------------------------------------------------------------------
