@@ -6,7 +6,7 @@ import math
 from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,10 +18,11 @@ from alpha5_model.cli import printing
 from alpha5_model.cli.parsing import Parser
 from alpha5_model.errors import InputError, OutputError
 from alpha5_model.proofs.comparison import compare_robots
-from alpha5_model.proofs.comparison.as_arm import ArmOfModel, arm_of_robot, arm_text
-from alpha5_model.proofs.comparison.junit import junit_report
 from alpha5_model.proofs.comparison.model import read_model
 from alpha5_model.proofs.comparison.result import Comparison, explanation
+
+if TYPE_CHECKING:
+    from alpha5_model.proofs.comparison.as_arm import ArmOfModel
 
 _MOST_SAMPLES = 100_000
 #: Sizes of the units in which bodies are printed, in SI units.
@@ -120,6 +121,8 @@ def run(given: Namespace) -> int:
         )
         described = None
         if write_arm is not None:
+            from alpha5_model.proofs.comparison.as_arm import arm_of_robot, arm_text
+
             described = arm_of_robot(model, names, given.base)
             atomic_write(write_arm, arm_text(described, other.name))
 
@@ -130,6 +133,8 @@ def run(given: Namespace) -> int:
 
         plot_comparison(comparison, picture)
     if given.format == "junit":
+        from alpha5_model.proofs.comparison.junit import junit_report
+
         print(junit_report(comparison, other.stem), end="")
     else:
         written = None if described is None else write_arm

@@ -222,8 +222,9 @@ def _link(
         remedy = f"give an inertia too, for example the printed one times {ratio:.3g}"
         warn(f"{key}.mass: {link.mass:g} kg with the printed inertia; {remedy}")
 
-    # Link 1 as printed spreads beyond its bounds already.
-    if not inconsistencies(
+    # Link 1 as printed spreads beyond its bounds already. Of a COM that is outside the
+    # record warns.
+    if not excess_of_box(link.com, link.bounds) and not inconsistencies(
         published.mass, published.com, published.inertia, published.bounds
     ):
         for problem in inconsistencies(link.mass, link.com, link.inertia, link.bounds):

@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -97,6 +98,7 @@ class Jaws:
         return tuple(_in_link_4(body) for body in self.bodies)
 
 
+@lru_cache(maxsize=8)
 def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     """Take the rod and the fingers out of link 4.
 

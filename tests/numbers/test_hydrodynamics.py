@@ -14,10 +14,7 @@ from alpha5_model.numbers.hydrodynamics import (
     LEVELS,
     SETS,
     BodyHydrodynamics,
-    DragStrip,
     centre_of_added_mass,
-    gauss_count,
-    gauss_points,
     gauss_rule,
     hydrodynamics,
     scaled_at_centre,
@@ -232,13 +229,6 @@ def test_the_files_are_symmetric_and_in_order(name):
         assert row.method.strip()
 
 
-def test_the_blocks_of_an_added_mass_have_units_of_their_own():
-    for row in read("estimated").values():
-        units = [[entry.unit for entry in line] for line in row.added_mass]
-        linear = ["kg"] * 3 + ["kg.m"] * 3
-        assert units == [linear] * 3 + [["kg.m"] * 3 + ["kg.m^2"] * 3] * 3
-
-
 @pytest.mark.parametrize(
     "wrong", [{"gripper": "open"}, {"level": 1}, {"numbers": "printed"}]
 )
@@ -259,17 +249,6 @@ def test_an_added_mass_of_other_units_is_judged_in_its_own():
 def test_the_example_runs(capsys):
     runpy.run_path(str(ROOT / "examples" / "arm_on_bluerov2.py"), run_name="__main__")
     assert "net weight" in capsys.readouterr().out
-
-
-def test_shares_of_an_added_mass_at_both_ends() -> None:
-    matrix = np.diag([1.0, 2.0, 3.0, 0.1, 0.2, 0.3])
-    matrix[1, 5] = matrix[5, 1] = 0.4
-    assert np.array_equal(scaled_at_centre(matrix, np.ones(6)), matrix)
-    assert not scaled_at_centre(matrix, np.zeros(6)).any()
-    for factor in (0.25, 4.0):
-        np.testing.assert_allclose(
-            scaled_at_centre(matrix, np.full(6, factor)), factor * matrix, atol=1e-14
-        )
 
 
 def moved_to_origin(at_centre: np.ndarray, centre: np.ndarray) -> np.ndarray:
@@ -312,49 +291,3 @@ def test_low_and_high_are_on_both_sides_of_nominal(gripper: str) -> None:
                 assert one.across < other.across
                 assert one.along < other.along
                 assert one.diameter == other.diameter
-
-
-def test_how_far_rounding_may_take_an_added_mass() -> None:
-    """A millionth of the diagonal; beyond it is an error of who wrote the numbers."""
-    for size in (1.0, 1e-6):
-        matrix = size * np.eye(6)
-        matrix[0, 4] = 0.9e-6 * size
-        found = BodyHydrodynamics(matrix).added_mass
-        assert found[0, 4] == found[4, 0] == pytest.approx(0.45e-6 * size)
-        matrix[0, 4] = 1.1e-6 * size
-        with pytest.raises(a5.Alpha5Error, match="a symmetric matrix"):
-            BodyHydrodynamics(matrix)
-
-        matrix = size * np.eye(6)
-        for coupling, possible in ((1 + 0.8e-6, True), (1 + 1.2e-6, False)):
-            matrix[1, 2] = matrix[2, 1] = coupling * size
-            if possible:
-                BodyHydrodynamics(matrix)
-                continue
-            with pytest.raises(a5.Alpha5Error, match="no negative eigenvalue"):
-                BodyHydrodynamics(matrix)
-
-
-def test_points_on_a_strip() -> None:
-    """Four up to a length of 0.1 m, six beyond; shares of the whole length."""
-    start = np.array([0.01, -0.02, 0.03])
-    short, long, upright = (
-        DragStrip(start, start + np.array(line), diameter=0.04, across=1.0)
-        for line in ([0.06, 0.08, 0.0], [0.06, 0.081, 0.0], [0.0, 0.0, 0.1])
-    )
-    assert short.along == 0.0
-    assert gauss_count(upright) == 4
-    for strip, count in ((short, 4), (long, 6), (long, 9)):
-        points = gauss_points(strip, count) if count == 9 else gauss_points(strip)
-        assert len(points) == count
-        assert sum(share for _, share in points) == pytest.approx(1.0, abs=1e-14)
-        line = strip.end - strip.start
-        # The mean of the k-th power of the way along, by which the quadrature is made.
-        for power in range(2 * count):
-            mean = sum(
-                share * ((at - start) @ line / (line @ line)) ** power
-                for at, share in points
-            )
-            assert mean == pytest.approx(1 / (power + 1), abs=1e-13)
-        for at, _ in points:
-            assert np.cross(at - start, line) == pytest.approx(np.zeros(3), abs=1e-15)

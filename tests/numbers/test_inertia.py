@@ -147,32 +147,6 @@ def test_combine_joins_and_takes_out(seed: int) -> None:
     np.testing.assert_allclose(rest, a.tensor(a.com), atol=1e-10)
 
 
-def test_batches_equal_single_calls() -> None:
-    clouds = [Cloud(i) for i in range(6)]
-    m = np.array([c.mass for c in clouds]).reshape(2, 3)
-    c = np.array([c.com for c in clouds]).reshape(2, 3, 3)
-    t = np.array([c.tensor(c.com) for c in clouds]).reshape(2, 3, 3, 3)
-    for name in ("tensor_at_origin", "tensor_at_com", "pseudo_inertia"):
-        function = getattr(mod, name)
-        batch = function(m, c, t)
-        for index in np.ndindex(2, 3):
-            np.testing.assert_array_equal(
-                batch[index], function(m[index], c[index], t[index])
-            )
-    turns = np.array([rotation(k) for k in range(6)]).reshape(2, 3, 3, 3)
-    for name, arguments in (
-        ("rotate_tensor", (turns, t)),
-        ("point_mass_tensor", (m, c)),
-        ("second_moments", (t,)),
-        ("principal_moments", (t,)),
-    ):
-        function = getattr(mod, name)
-        batch = function(*arguments)
-        for index in np.ndindex(2, 3):
-            one = function(*(argument[index] for argument in arguments))
-            np.testing.assert_allclose(batch[index], one, rtol=1e-14, atol=1e-15)
-
-
 def test_arguments_are_left_alone_and_checked() -> None:
     tensor = np.arange(9.0).reshape(3, 3)
     kept = tensor.copy()
@@ -320,65 +294,9 @@ def test_impossible_bodies_are_named(words: str) -> None:
     assert mod.inconsistencies(1.0, np.zeros(3), CUBE, BOX) == ()
 
 
-def test_a_flat_disc_is_the_limit_of_the_triangle_inequality() -> None:
-    found = mod.inconsistencies(
-        1.0, np.zeros(3), np.diag([1.0, 1.0, 2.0]), tolerance=0.0
-    )
-    assert found == ("the pseudo-inertia is not positive definite",)
-
-
-def test_a_needle_is_the_limit_of_a_positive_moment() -> None:
-    (found,) = mod.inconsistencies(
-        1.0, np.zeros(3), np.diag([1.0, 1.0, 0.0]), tolerance=0.0
-    )
-    assert found == "the smallest principal moment 0 kg m^2 is not positive"
-
-
 def test_a_body_without_mass_is_only_that() -> None:
     found = mod.inconsistencies(0.0, np.zeros(3), CUBE, BOX)
     assert found == ("mass 0 kg is not positive",)
-
-
-def test_the_tolerance_is_a_share() -> None:
-    """Eight masses in the corners of a box have the largest spread in it."""
-    corners = 0.05**2 * 2 * np.eye(3)
-    zero = np.zeros(3)
-    assert mod.inconsistencies(1.0, zero, corners, BOX, 1e-9) == ()
-    assert mod.inconsistencies(1.0, zero, 1.05 * corners, BOX, 0.1) == ()
-    found = mod.inconsistencies(1.0, zero, 1.15 * corners, BOX, 0.1)
-    assert [text.partition(" spreads")[0] for text in found] == ["the mass"] * 3
-
-    slender = np.diag([1.0, 1.0, 2.1])
-    (found_1,) = mod.inconsistencies(1.0, zero, slender, tolerance=0.1)
-    assert found_1 == "the pseudo-inertia is not positive definite"
-    (found_2,) = mod.inconsistencies(1.0, zero, slender, tolerance=0.04)
-    assert "exceeds the sum of the others" in found_2
-    with pytest.raises(InputError, match="tolerance"):
-        mod.inconsistencies(1.0, zero, CUBE, tolerance=-1e-3)
-
-
-def test_a_com_on_the_face_of_a_body_is_not_outside() -> None:
-    found = mod.inconsistencies(1.0, [0.05, -0.05, 0.0], CUBE, BOX)
-    assert all("the mass spreads" in text for text in found)
-    assert len(found) == 2
-
-
-def test_principal_moments_are_those_of_the_symmetric_part() -> None:
-    rng = np.random.default_rng(4)
-    square = rng.normal(size=(3, 3))
-    symmetric = np.diag([1.0, 2.0, 3.0]) + (square + square.T) / 2
-    askew = symmetric + np.array([[0, 1, 2], [-1, 0, 3], [-2, -3, 0]])
-    expected = np.linalg.eigvalsh(symmetric)
-    assert mod.principal_moments(askew) == pytest.approx(expected, abs=1e-12)
-
-
-def test_a_body_that_is_taken_out_of_nothing() -> None:
-    cloud = Cloud(5)
-    tensor = cloud.tensor(cloud.com)
-    mass, com, left = mod.combine([-cloud.mass], [cloud.com], [-tensor])
-    assert mass == -cloud.mass
-    np.testing.assert_allclose(com, cloud.com, atol=1e-14)
-    np.testing.assert_allclose(left, -tensor, atol=1e-14)
 
 
 @pytest.mark.parametrize("i", range(5))

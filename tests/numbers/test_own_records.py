@@ -187,45 +187,6 @@ def test_what_is_just_possible_is_accepted() -> None:
     Motors(rotor_inertias=none, backward_frictions=none, viscous_frictions=none)
 
 
-def test_a_com_in_mm_is_known_as_such_anywhere_in_the_body() -> None:
-    """Link 1 reaches from 14 to 67 mm above its origin."""
-    for com in ([0, 0, 14.005], [0, 0, 66.995], [39.995, -19.995, 50]):
-        with pytest.raises(InputError, match="is it in mm"):
-            dataclasses.replace(ARM.links[1], com=com)
-    for com in ([0, 0, 13.995], [0, 0, 67.005], [40.005, 0, 50]):
-        with pytest.raises(InputError) as caught:
-            dataclasses.replace(ARM.links[1], com=com)
-        assert "mm" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: attached(position=[0.0, 0.0, -75.0]),
-        lambda: attached(spacer=22.0),
-        lambda: mounted(position=[210, 0, -85]),
-        lambda: Motors(supply_voltage=24000.0),
-        lambda: Motors(current_limits=(1000.0, None, None, None, None)),
-        lambda: Motors(rotor_inertias=(None, 0.5, None, None, None)),
-        lambda: Motors(backward_frictions=(3.7, None, None, None, None)),
-    ],
-)
-def test_other_units_are_warned_of(make: Any) -> None:
-    with pytest.warns(ImplausibleWarning, match="if it is in m|if it is in kg mm"):
-        make()
-
-
-def test_the_defaults_are_as_printed() -> None:
-    assert ARM.mount is None
-    assert ARM.attached == ()
-    assert ARM.tool is None
-    assert ARM.name == "alpha5"
-    assert ARM.spacer == 0.0
-    assert ARM.motors.supply_voltage is None
-    assert set(ARM.motors.current_limits + ARM.motors.rotor_inertias) == {None}
-    assert loaded_links(ARM) == ARM.links
-
-
 def records_of(value: Any) -> Iterator[Any]:
     """A record and all records inside it."""
     if isinstance(value, tuple):

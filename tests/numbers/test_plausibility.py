@@ -7,7 +7,6 @@ import json
 import math
 import subprocess
 import sys
-import threading
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -21,7 +20,6 @@ from alpha5_model.cli import main
 from alpha5_model.description.mjcf import MjcfOptions
 from alpha5_model.dynamics.actuators import Actuator
 from alpha5_model.errors import ImplausibleWarning, InputError
-from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.hydrodynamics import DragStrip
 from alpha5_model.water.vehicle import Vehicle
 
@@ -187,16 +185,6 @@ def test_an_impossible_quantity_raises() -> None:
         assert caught.value.name == name
 
 
-def test_the_jaws_have_no_negative_number_but_an_angle() -> None:
-    for field in dataclasses.fields(P.jaws):
-        if field.name == "sdk_plane":
-            assert jaws(sdk_plane=-0.5).sdk_plane == -0.5
-            continue
-        with pytest.raises(InputError) as error:
-            jaws(**{field.name: -0.5})
-        assert error.value.name == field.name
-
-
 #: Made without a word.
 PLAUSIBLE: dict[str, Callable[[], Any]] = {
     "air": lambda: a5.load(1.2),
@@ -238,17 +226,6 @@ def test_replaced_records_hold_arrays_of_their_own_that_nobody_can_write() -> No
     assert not made.com.flags.writeable
 
 
-def test_in_a_file_another_unit_is_an_error() -> None:
-    with plausibility.of_file("arm.toml"):
-        with pytest.raises(InputError, match=r"mass: .* in g, write 0\.5") as caught:
-            plausibility.check("mass", 500.0, plausibility.MASS)
-        with pytest.warns(ImplausibleWarning, match=r"^arm\.toml: odd$"):
-            plausibility.warn("odd")
-    assert caught.value.name == "mass"
-    with pytest.warns(ImplausibleWarning, match="^mass: "):
-        plausibility.check("mass", 500.0, plausibility.MASS)
-
-
 def test_calls_in_a_loop_never_warn() -> None:
     with pytest.warns(ImplausibleWarning):
         arm = a5.load(1.025)
@@ -278,30 +255,6 @@ def test_a_filter_of_the_category_silences_it() -> None:
         with pytest.raises(InputError):
             payload(-500)
     assert issubclass(ImplausibleWarning, UserWarning)
-
-
-def test_silence_ends_with_its_block_and_is_of_one_thread() -> None:
-    heard = []
-
-    def other() -> None:
-        with warnings.catch_warnings(record=True) as found:
-            warnings.simplefilter("always")
-            a5.load(1.025)
-        heard.append(len(found))
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        with plausibility.silenced():
-            a5.load(1.025)
-            with plausibility.silenced():
-                a5.load(1.025)
-            a5.load(1.025)
-            thread = threading.Thread(target=other)
-            thread.start()
-            thread.join()
-    assert heard == [1]
-    with pytest.warns(ImplausibleWarning):
-        a5.load(1.025)
 
 
 COMMANDS = {

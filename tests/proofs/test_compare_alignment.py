@@ -16,7 +16,6 @@ import shared_recordings as recordings
 from compared_models import AXES, advised, compared, wheres
 from model_edits import (
     dressed,
-    inertial_of,
     matrix,
     reverse,
     rpy_of,
@@ -28,7 +27,6 @@ from urdf_edits import OWN
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
-from alpha5_model.proofs.comparison.digits import meant_angle
 from alpha5_model.viewer.comparison_plot import plot_comparison
 
 MODELS = recordings.RECORDINGS / "models"
@@ -146,28 +144,6 @@ def test_a_twisted_axis_is_measured_and_nothing_else(index):
     assert f"ours is {ours:.2f} deg" in text
 
 
-@pytest.mark.parametrize(
-    ("text", "multiple"),
-    [
-        ("3.14", 12),
-        ("3.1415", 12),
-        ("-1.57075", -6),
-        ("1.5708", 6),
-        ("2.09439", 8),
-        ("0.785", 3),
-    ],
-)
-def test_a_short_multiple_of_pi_is_recognised(text, multiple):
-    assert meant_angle(text) == pytest.approx(multiple * math.pi / 12, rel=1e-15)
-
-
-@pytest.mark.parametrize(
-    "text", ["1.5", "1.572", "3.15", "0.52", "1.3021582029078473", "1.5707", "0"]
-)
-def test_other_angles_stay(text):
-    assert (meant_angle(text) == float(text)) == (text != "1.5707")
-
-
 def test_digits_that_explain_a_difference_make_it_none():
     short = OWN.replace("0.1507053084665567", "0.151").replace("0.0462", "0.046")
     remarks = compared(short, samples=5).findings
@@ -257,22 +233,6 @@ def test_a_larger_arm_of_the_same_maker_is_told_apart(scale):
         "This is not a Reach Alpha 5: of its 6 turning joints"
     )
     assert comparison.as_dict()["tip_error_m"] is None
-
-
-def test_of_many_carried_bodies_the_heaviest_are_named():
-    text = with_vehicle(25.0)
-    for name, mass in (("frame", 40.0), ("light", 0.5)):
-        body = f"<link name='{name}'>{inertial_of(mass)}</link>"
-        joint = (
-            f"<joint name='to_{name}' type='fixed'>"
-            f"<parent link='hull'/><child link='{name}'/></joint>"
-        )
-        text = text.replace("</robot>", f"{body}{joint}</robot>")
-    said = compared(text).findings[1].text
-    assert (
-        ": frame (40 kg), hull (25 kg), t0 (25 kg) and 2 more, 115.5 kg in all; with"
-        in said
-    )
 
 
 def test_a_vehicle_is_left_out_of_link_0():

@@ -219,6 +219,21 @@ def test_a_sign_is_found_to_the_last_digit(tmp_path: Path) -> None:
     assert [f.mistake for f in result.findings if f.serious] == ["sign_iyz"]
 
 
+@pytest.mark.parametrize(
+    ("per_si", "mistake"), [(1e6, "kg_mm2_solidworks"), (1e9, "g_mm2_solidworks")]
+)
+def test_a_tensor_pasted_as_solidworks_prints_it_is_named(
+    per_si: float, mistake: str, tmp_path: Path
+) -> None:
+    """Unit and signs are wrong at once: the document prints kg mm^2 so."""
+    one = arm("locked")
+    for link in ("link_0", "link_3"):
+        body = dm.inertial(dm.named(dm.ET.fromstring(one.text), "link", link))
+        printed = (2 * np.diag(np.diag(body.inertia)) - body.inertia) * per_si
+        damage = dm.Damage(mistake, link, "inertia", printed, frozenset([mistake]))
+        assert faults(one, [damage], tmp_path) == []
+
+
 @pytest.mark.parametrize("quantity", ["mass", "com", "inertia"])
 def test_no_mistake_is_named_for_random_numbers(quantity: str, tmp_path: Path) -> None:
     """The judge sees a wrong name: what no mistake gives is found, but not named."""

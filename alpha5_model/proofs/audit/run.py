@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.parameters import parameters
 from alpha5_model.numbers.printed import published
-from alpha5_model.numbers.tables import Published
 from alpha5_model.proofs.audit import bodies, geometry, lecture, motors
 from alpha5_model.proofs.audit.row import AuditRow
 
@@ -26,21 +25,11 @@ def audit() -> tuple[AuditRow, ...]:
     Returns:
         Frozen rows, in the order of the topics; computed once.
     """
+    printed = published()
     record = parameters()
-    return (*audit_of_document(published(), record), *lecture.rows(record))
-
-
-def audit_of_document(
-    printed: Published, parameters: Alpha5Parameters
-) -> list[AuditRow]:
-    """The rows of the manufacturer's document.
-
-    Args:
-        printed: Its tables.
-        parameters: The same in SI units.
-    """
-    return [
-        *geometry.rows(printed, parameters),
-        *bodies.rows(printed, parameters),
-        *motors.rows(printed, parameters),
-    ]
+    return (
+        *geometry.rows(printed, record),
+        *bodies.rows(printed, record),
+        *motors.rows(printed, record),
+        *lecture.rows(record),
+    )

@@ -22,7 +22,7 @@ from alpha5_model._support.spatial import moved, wrap
 from alpha5_model.description.urdf_robot import UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.arm_checks import FARTHEST_TOOL, TAKEN
+from alpha5_model.numbers.arm_checks import FARTHEST_TOOL, LENGTHS, TAKEN
 from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
 from alpha5_model.numbers.jaws import split_link_4
@@ -51,7 +51,6 @@ ROUNDING = 1e-12
 LEFT_OUT = 1e-7
 #: A base_link whose d_0 differs by more is another frame [m].
 OTHER_BASE = 0.1
-#: Names that a parent of base_link cannot have.
 
 
 class ArmOfModel(NamedTuple):
@@ -120,26 +119,24 @@ def _arm_of_robot(
     described = describe_as_table(theirs, catalogue)
     origin, d_0 = _base(catalogue, theirs, described)
     zeros = _zeros(described)
-    links = _links(catalogue, theirs, described, origin)
+    dh, of_axes = _rows(catalogue, described, d_0, zeros)
+    links, of_bodies = _links(catalogue, theirs, described, origin)
+    joints, of_limits = _joints(catalogue, theirs, described, zeros)
     record = replace(
-        catalogue,
-        dh=_rows(catalogue, described, d_0, zeros),
-        links=links,
-        joints=_joints(catalogue, theirs, described, zeros),
-        name=_plain(other.name, "arm"),
+        catalogue, dh=dh, links=links, joints=joints, name=_plain(other.name, "arm")
     )
-    left_out = [f"warning: {one.written.name} was mended: {one.id}" for one in slips]
-    left_out += _notes_on_axes(catalogue, described, d_0)
-    if _has_no_wrist(record):
-        left_out.append(_note_on_wrist(record.links[4]))
-        record = replace(record, links=(*links[:4], catalogue.links[4]))
-    left_out += _notes_on_bodies(catalogue, theirs, described, record.links)
-    left_out += _notes_on_limits(catalogue, theirs, described)
-    tool = _tool(record, theirs, described)
+    tool, of_tool = _tool(record, theirs, described)
     mount = _mount(other, origin)
-    left_out += _notes_on_frames(other, theirs, tool, mount, record, described)
     return ArmOfModel(
-        record=replace(record, tool=tool, mount=mount), left_out=tuple(left_out)
+        record=replace(record, tool=tool, mount=mount),
+        left_out=(
+            *(f"warning: {one.written.name} was mended: {one.id}" for one in slips),
+            *of_axes,
+            *of_bodies,
+            *of_limits,
+            *of_tool,
+            *_notes_on_the_rest(other, theirs, mount),
+        ),
     )
 
 
@@ -186,17 +183,6 @@ def _zeros(described: Described) -> FloatArray:
     return np.where(np.abs(zeros) > smallest, zeros, 0.0)
 
 
-def _lengths(described: Described, d_0: float) -> dict[str, tuple[int, str, float]]:
-    """Name of a length -> its row of Table 1, its field, and the model's value [m]."""
-    own = described.dimensions
-    return {
-        "a_0": (0, "a", own.a_0),
-        "d_0": (0, "d", d_0),
-        "a_1": (1, "a", own.a_1),
-        "a_2": (2, "a", own.a_2),
-    }
-
-
 def _changed(record: Any, field: str, value: Any) -> Any:
     """A record with another number; None if no arm file takes the number."""
     with plausibility.of_file("arm"), suppress(InputError):
@@ -206,40 +192,47 @@ def _changed(record: Any, field: str, value: Any) -> Any:
 
 def _rows(
     catalogue: Alpha5Parameters, described: Described, d_0: float, zeros: FloatArray
-) -> tuple[DHParameters, ...]:
-    """The rows of Table 1 with the model's lengths and zeros."""
-    rows = list(catalogue.dh)
-    for i, field, length in _lengths(described, d_0).values():
-        printed = getattr(rows[i], field)
-        if abs(length - printed) > ROUNDING and length * printed > 0:
-            rows[i] = _changed(rows[i], field, length) or rows[i]
-    for i, zero in enumerate(wrap(zeros).tolist()):
-        if zero:
-            rows[i] = replace(rows[i], theta_offset=rows[i].theta_offset + zero)
-    return tuple(rows)
+) -> tuple[tuple[DHParameters, ...], list[str]]:
+    """The rows of Table 1 with the model's lengths and zeros.
 
-
-def _notes_on_axes(
-    catalogue: Alpha5Parameters, described: Described, d_0: float
-) -> Iterator[str]:
-    """Twists, offsets, reversed joints and lengths that no arm file says."""
+    Returns:
+        The rows, and notes on twists, offsets, reversed joints and lengths that no arm
+        file says.
+    """
+    notes = []
     changes = described.changes
     twists = (changes.alpha_0, math.hypot(changes.alpha_1, changes.beta_1))
     for axis, twist in zip(AXES[1:], (*twists, changes.alpha_2), strict=True):
         if abs(twist) > LEFT_OUT:
-            degrees = abs(math.degrees(twist))
-            yield f"{axis} is twisted by {degrees:.3g} deg against the axis before it"
+            turned = f"twisted by {abs(math.degrees(twist)):.3g} deg"
+            notes.append(f"{axis} is {turned} against the axis before it")
     if abs(changes.d_1) > LEFT_OUT:
         beside = abs(changes.d_1) * 1e3
-        yield f"axis_b stands {beside:.3g} mm beside the plane of the arm"
+        notes.append(f"axis_b stands {beside:.3g} mm beside the plane of the arm")
     for axis, sign in zip(AXES, described.sign, strict=True):
         if sign < 0:
-            yield f"{axis} turns the other way: its position is minus the model's"
-    for name, (i, field, length) in _lengths(described, d_0).items():
-        if length * getattr(catalogue.dh[i], field) <= 0:
-            yield f"{name} is {length:.3g} m, which has not the sign of Table 1"
-        elif _changed(catalogue.dh[i], field, length) is None:
-            yield f"{name} is {length:.3g} m: the printed one is kept"
+            notes.append(
+                f"{axis} turns the other way: its position is minus the model's"
+            )
+
+    rows = list(catalogue.dh)
+    own = described.dimensions
+    lengths = {"a_0": own.a_0, "d_0": d_0, "a_1": own.a_1, "a_2": own.a_2}
+    for name, length in lengths.items():
+        i, field = LENGTHS[name]
+        printed = getattr(rows[i], field)
+        row = _changed(rows[i], field, length)
+        if length * printed <= 0:
+            given = f"{name} is {length:.3g} m"
+            notes.append(f"{given}, which has not the sign of Table 1")
+        elif row is None:
+            notes.append(f"{name} is {length:.3g} m: the printed one is kept")
+        elif abs(length - printed) > ROUNDING:
+            rows[i] = row
+    for i, zero in enumerate(wrap(zeros).tolist()):
+        if zero:
+            rows[i] = replace(rows[i], theta_offset=rows[i].theta_offset + zero)
+    return tuple(rows), notes
 
 
 # --- Bodies ---------------------------------------------------------------------------
@@ -250,14 +243,20 @@ def _links(
     theirs: Reduced,
     described: Described,
     base: FloatArray,
-) -> tuple[LinkParameters, ...]:
+) -> tuple[tuple[LinkParameters, ...], list[str]]:
     """The links with the model's bodies, those that an arm file can say.
+
+    A COM may be outside the bounds of the printed link: that is worth a warning, and
+    no reason to write another body.
 
     Args:
         catalogue: The catalogue's arm.
         theirs: The model.
         described: It in our terms.
         base: Pose of base_link in its root, (4, 4).
+
+    Returns:
+        The links, and notes on bodies that are kept as printed and on odd COMs.
     """
     frames = described.frames.copy()
     frames[0] = base
@@ -265,33 +264,30 @@ def _links(
     placed = np.linalg.inv(frames) @ theirs.zero_poses()
     coms = moved(placed, theirs.com)
     inertias = rotate_tensor(placed[:, :3, :3], theirs.inertia)
-    links = []
-    for k, link in enumerate(catalogue.links):
+    inertias = (inertias + np.swapaxes(inertias, 1, 2)) / 2
+
+    links: list[LinkParameters] = []
+    notes = []
+    for k, printed in enumerate(catalogue.links):
         mass = float(theirs.mass[k])
-        inertia = (inertias[k] + inertias[k].T) / 2
-        if _problem_of_body(link, mass, coms[k], inertia):
-            links.append(link)
-        else:
-            links.append(_link(link, mass, coms[k], inertia))
-    return tuple(links)
+        at = ", ".join(f"{x * 1e3:z.1f}" for x in coms[k])
+        problem = _problem_of_body(printed, mass, coms[k], inertias[k])
+        link = printed if problem else _link(printed, mass, coms[k], inertias[k])
+        if printed.name == "link_4" and not _leaves_a_wrist(catalogue, link):
+            problem = f"has {mass:.4g} kg with its COM at ({at}) mm, which leaves no "
+            problem += "wrist beside the jaws"
+            link = printed
+        links.append(link)
 
-
-def _link(
-    link: LinkParameters, mass: float, com: FloatArray, inertia: FloatArray
-) -> LinkParameters:
-    """A link with another body; printed numbers stay if only rounding differs.
-
-    A COM may be outside the bounds of the printed link: that is worth a warning, and
-    no reason to write another body.
-    """
-    changes: dict[str, Any] = {}
-    if abs(mass - link.mass) > ROUNDING * link.mass:
-        changes["mass"] = mass
-    if np.abs(com - link.com).max() > ROUNDING:
-        changes["com"] = com
-    if np.abs(inertia - link.inertia).max() > ROUNDING * np.abs(link.inertia).max():
-        changes["inertia"] = inertia
-    return replace(link, **changes) if changes else link
+        bounds = printed.bounds
+        outside = (link.com < bounds[:, 0]) | (link.com > bounds[:, 1])
+        if problem:
+            notes.append(f"warning: {link.name} {problem}: the printed one is kept")
+        elif outside.any():
+            notes.append(
+                f"warning: {link.name} has its COM outside the link, at ({at}) mm"
+            )
+    return tuple(links), notes
 
 
 def _problem_of_body(
@@ -308,41 +304,26 @@ def _problem_of_body(
     return ""
 
 
-def _notes_on_bodies(
-    catalogue: Alpha5Parameters,
-    theirs: Reduced,
-    described: Described,
-    links: Sequence[LinkParameters],
-) -> Iterator[str]:
-    """Bodies that no arm file says, and those whose COM is outside of their link."""
-    for k, link in enumerate(links):
-        mass = float(theirs.mass[k])
-        inertia = (described.inertias[k] + described.inertias[k].T) / 2
-        problem = _problem_of_body(catalogue.links[k], mass, described.coms[k], inertia)
-        if problem:
-            yield f"{link.name} {problem}: the printed one is kept"
-            continue
-        bounds = catalogue.links[k].bounds
-        outside = (link.com < bounds[:, 0]) | (link.com > bounds[:, 1])
-        if outside.any():
-            at = ", ".join(f"{x * 1e3:z.1f}" for x in link.com)
-            yield f"warning: {link.name} has its COM outside the link, at ({at}) mm"
+def _link(
+    link: LinkParameters, mass: float, com: FloatArray, inertia: FloatArray
+) -> LinkParameters:
+    """A link with another body; printed numbers stay if only rounding differs."""
+    changes: dict[str, Any] = {}
+    if abs(mass - link.mass) > ROUNDING * link.mass:
+        changes["mass"] = mass
+    if np.abs(com - link.com).max() > ROUNDING:
+        changes["com"] = com
+    if np.abs(inertia - link.inertia).max() > ROUNDING * np.abs(link.inertia).max():
+        changes["inertia"] = inertia
+    return replace(link, **changes) if changes else link
 
 
-def _has_no_wrist(record: Alpha5Parameters) -> bool:
-    """Whether link_4 less rod and fingers is no possible body: arms have jaws."""
-    try:
-        split_link_4(record)
-    except InputError:
+def _leaves_a_wrist(catalogue: Alpha5Parameters, link_4: LinkParameters) -> bool:
+    """Whether link_4 less rod and fingers is a possible body: arms have jaws."""
+    with suppress(InputError):
+        split_link_4(replace(catalogue, links=(*catalogue.links[:4], link_4)))
         return True
     return False
-
-
-def _note_on_wrist(link: LinkParameters) -> str:
-    """What the model says of such a link_4."""
-    at = ", ".join(f"{x * 1e3:z.1f}" for x in link.com)
-    text = f"link_4 has {link.mass:.4g} kg with its COM at ({at}) mm"
-    return f"{text}, which leaves no wrist beside the jaws: the printed one is kept"
 
 
 # --- Limits ---------------------------------------------------------------------------
@@ -353,22 +334,47 @@ def _joints(
     theirs: Reduced,
     described: Described,
     zeros: FloatArray,
-) -> tuple[JointParameters, ...]:
-    """The joints with the model's limits, in positions of the record."""
+) -> tuple[tuple[JointParameters, ...], list[str]]:
+    """The joints with the model's limits, in positions of the record.
+
+    Returns:
+        The joints, and notes on limits of the model that no arm file says.
+    """
     joints = list(catalogue.joints)
+    notes = []
     for i, (ours, model) in enumerate(zip(joints[:4], theirs.joints, strict=True)):
-        ends = [ours.lower - zeros[i], ours.upper - zeros[i]]
-        if model.lower is not None and model.upper is not None:
-            sign = described.sign[i]
-            given = sorted([sign * model.lower, sign * model.upper])
-            if not _problem_of_range(ours, given):
-                ends = given
-        joints[i] = replace(ours, lower=float(ends[0]), upper=float(ends[1]))
+        ends = [float(ours.lower - zeros[i]), float(ours.upper - zeros[i])]
+        if model.lower is None or model.upper is None:
+            notes.append(f"{ours.name} has no limits: the catalogue's are kept")
+        else:
+            if model.lower > model.upper:
+                given = f"{model.lower:.4g} to {model.upper:.4g} rad"
+                notes.append(
+                    f"warning: {ours.name} has reversed limits, {given}: sorted here"
+                )
+            own = described.sign[i] * np.array([model.lower, model.upper])
+            own_ends = np.sort(own).tolist()
+            problem = _problem_of_range(ours, own_ends)
+            if problem:
+                notes.append(
+                    f"{ours.name} has a range {problem}: the catalogue's is kept"
+                )
+            else:
+                ends = own_ends
+        joints[i] = replace(ours, lower=ends[0], upper=ends[1])
         for field in ("velocity", "effort"):
             value = getattr(model, field)
-            if value:
-                joints[i] = _changed(joints[i], field, value) or joints[i]
-    return tuple(joints)
+            largest = f"largest {field}"
+            if not value or value <= 0:
+                notes.append(f"{ours.name} has no {largest}: the catalogue's is kept")
+                continue
+            changed = _changed(joints[i], field, value)
+            if changed is None:
+                text = f"{ours.name} has a {largest} of {value:.4g}"
+                notes.append(f"{text}: the catalogue's is kept")
+            else:
+                joints[i] = changed
+    return tuple(joints), notes
 
 
 def _problem_of_range(joint: JointParameters, ends: Sequence[float]) -> str:
@@ -382,51 +388,25 @@ def _problem_of_range(joint: JointParameters, ends: Sequence[float]) -> str:
     return f"from {ends[0]:.4g} to {ends[1]:.4g} rad"
 
 
-def _notes_on_limits(
-    catalogue: Alpha5Parameters, theirs: Reduced, described: Described
-) -> Iterator[str]:
-    """Limits of the model that no arm file says."""
-    for i, (ours, model) in enumerate(
-        zip(catalogue.joints[:4], theirs.joints, strict=True)
-    ):
-        if model.lower is None or model.upper is None:
-            yield f"{ours.name} has no limits: the catalogue's are kept"
-        else:
-            if model.lower > model.upper:
-                ends = f"{model.lower:.4g} to {model.upper:.4g} rad"
-                yield f"warning: {ours.name} has reversed limits, {ends}: sorted here"
-            sign = described.sign[i]
-            problem = _problem_of_range(
-                ours, sorted([sign * model.lower, sign * model.upper])
-            )
-            if problem:
-                yield f"{ours.name} has a range {problem}: the catalogue's is kept"
-        for field in ("velocity", "effort"):
-            value = getattr(model, field)
-            if not value or value <= 0:
-                yield f"{ours.name} has no largest {field}: the catalogue's is kept"
-            elif _changed(ours, field, value) is None:
-                text = f"{ours.name} has a largest {field} of {value:.4g}"
-                yield f"{text}: the catalogue's is kept"
-
-
 # --- Tool, mount and the rest ---------------------------------------------------------
 
 
 def _tool(
     record: Alpha5Parameters, theirs: Reduced, described: Described
-) -> Pose | None:
-    """The model's tool; None for Table 1's."""
+) -> tuple[Pose | None, list[str]]:
+    """The model's tool, None for Table 1's, and what an arm file cannot say of it."""
     if not theirs.tool:
-        return None
+        return None, ["it has no tool frame: Table 1's is kept"]
     pose = described.placed[4] @ theirs.link_poses[theirs.tool]
     printed = printed_tool(record.dh[3], record.dh[4])
     off = pose[:3, 3] - printed.position
+    if np.linalg.norm(off) > FARTHEST_TOOL:
+        far = f"its tool frame {theirs.tool} is more than {FARTHEST_TOOL} m off"
+        return None, [far]
     turned = np.abs(pose[:3, :3] - printed.rotation).max()
-    is_printed = np.abs(off).max() < ROUNDING and turned < ROUNDING
-    if is_printed or np.linalg.norm(off) > FARTHEST_TOOL:
-        return None
-    return Pose(position=pose[:3, 3], rotation=pose[:3, :3])
+    if np.abs(off).max() < ROUNDING and turned < ROUNDING:
+        return None, []
+    return Pose(position=pose[:3, 3], rotation=pose[:3, :3]), []
 
 
 def _mount(other: UrdfRobot, base: FloatArray) -> Pose | None:
@@ -439,22 +419,10 @@ def _mount(other: UrdfRobot, base: FloatArray) -> Pose | None:
     return Pose(position=base[:3, 3], rotation=base[:3, :3], parent=parent)
 
 
-def _notes_on_frames(
-    other: UrdfRobot,
-    theirs: Reduced,
-    tool: Pose | None,
-    mount: Pose | None,
-    record: Alpha5Parameters,
-    described: Described,
+def _notes_on_the_rest(
+    other: UrdfRobot, theirs: Reduced, mount: Pose | None
 ) -> Iterator[str]:
-    """Tool and mount that no arm file says, and what a URDF and a file never share."""
-    if not theirs.tool:
-        yield "it has no tool frame: Table 1's is kept"
-    elif tool is None:
-        pose = described.placed[4] @ theirs.link_poses[theirs.tool]
-        printed = printed_tool(record.dh[3], record.dh[4]).position
-        if np.linalg.norm(pose[:3, 3] - printed) > FARTHEST_TOOL:
-            yield f"its tool frame {theirs.tool} is more than {FARTHEST_TOOL} m off"
+    """The name of the mount, and what a URDF and an arm file never share."""
     if mount is not None and mount.parent != other.root:
         yield f"its root is named {other.root}: the mount's is {mount.parent}"
 

@@ -26,7 +26,6 @@ from alpha5_model.numbers.parameters import (
 )
 from alpha5_model.numbers.pose import tool_of
 from alpha5_model.numbers.rigid_body import RigidBody
-from alpha5_model.proofs.comparison.base_joint import turned_base_joint
 from alpha5_model.proofs.comparison.bodies import bodies_of, findings_of_bodies
 from alpha5_model.proofs.comparison.corrections import angle_between
 from alpha5_model.proofs.comparison.described import Described, describe, describe_like
@@ -37,7 +36,10 @@ from alpha5_model.proofs.comparison.differences import (
 )
 from alpha5_model.proofs.comparison.digits import as_meant
 from alpha5_model.proofs.comparison.jaw_joints import jaw_joints
-from alpha5_model.proofs.comparison.joint_mistakes import without_joint_mistakes
+from alpha5_model.proofs.comparison.joint_mistakes import (
+    turned_base_joint,
+    without_joint_mistakes,
+)
 from alpha5_model.proofs.comparison.lint import lint
 from alpha5_model.proofs.comparison.model import (
     TURNING,

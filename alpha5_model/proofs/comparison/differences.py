@@ -14,7 +14,6 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, wrap
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
-from alpha5_model.geometry.exported_shapes import exported_primitives
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
 from alpha5_model.numbers.pose import tool_of
@@ -617,15 +616,20 @@ def _volume(evidence: Evidence) -> Iterator[Finding]:
         yield finding("volume.meshes", meshes=meshes)
 
     volume = evidence.meant.volume
+    if not volume:
+        return
     printed = sum(link.volume for link in evidence.record.links)
     # Our own collision shapes enclose the bodies and are not meant to displace water.
     off = min(abs(volume - printed), abs(volume - _own_shapes(evidence.record)))
-    if volume and off > VOLUME_TOLERANCE * printed:
+    if off > VOLUME_TOLERANCE * printed:
         yield finding("volume", theirs=volume * 1e3, ours=printed * 1e3)
 
 
 def _own_shapes(record: Alpha5Parameters) -> float:
     """Volume of our own collision shapes [m^3]."""
+    # Imported late: most other models have no primitives.
+    from alpha5_model.geometry.exported_shapes import exported_primitives
+
     volume = 0.0
     for shapes in exported_primitives("locked", record.spacer).values():
         for shape in shapes:

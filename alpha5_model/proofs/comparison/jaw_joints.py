@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,7 +29,6 @@ from alpha5_model.proofs.comparison.corrections import (
 )
 from alpha5_model.proofs.comparison.described import Described
 from alpha5_model.proofs.comparison.digits import last_digits, last_place
-from alpha5_model.proofs.comparison.explaining import SAME_FRAME
 from alpha5_model.proofs.comparison.model import rest_position
 from alpha5_model.proofs.comparison.reduced import Reduced, Z
 from alpha5_model.proofs.comparison.result import (
@@ -37,6 +37,7 @@ from alpha5_model.proofs.comparison.result import (
     finding,
     place_text,
 )
+from alpha5_model.proofs.comparison.wrong_numbers import SAME_FRAME
 
 #: A link is one of ours if its mass, relative, and its COM [m] are as close as this.
 SAME_MASS, SAME_COM = 0.01, 1e-4
@@ -130,24 +131,41 @@ def jaw_joints(
     if len(moving) < LEAST_PARTS:
         return ()
     try:
-        bodies = {body.name: body for body in arm_bodies(arm, "jaws")[5:]}
+        bodies = arm_bodies(arm, "jaws")[5:]
         ours = split_link_4(arm).joints
     except InputError:  # the arm's link_4 leaves no possible wrist
         return ()
 
-    found: dict[str, JawJoint] = {}
-    for (name, body), own in zip(bodies.items(), ours, strict=True):
+    places: dict[str, _Place] = {}
+    for body, own in zip(bodies, ours, strict=True):
+        taken = [place.joint for place in places.values()]
         for joint in moving:
             parent = described.placed[4] @ theirs.link_poses[joint.parent]
             frame = _our_frame(robot, joint, body, own, parent)
-            is_new = all(joint is not one.joint for one in found.values())
-            if frame is not None and is_new:
-                right = _right(joint, body, own, parent, frame)
-                found[name] = JawJoint(joint=joint, right=right, ours=own)
+            if frame is not None and not any(joint is one for one in taken):
+                places[body.name] = _Place(joint, body, own, parent, frame)
                 break
-    if len(found) < LEAST_PARTS:
+    if len(places) < LEAST_PARTS:
         return ()
-    return tuple(_with_mimics(robot, found, bodies, described, theirs))
+    return tuple(_with_mimics(places))
+
+
+class _Place(NamedTuple):
+    """Where one of our bodies is in the other model's jaws.
+
+    Attributes:
+        joint: The joint that carries it.
+        body: Our body.
+        ours: Its joint in our arm.
+        parent: Pose of the joint's parent in our link_4, (4, 4).
+        frame: Pose in the joint's child of the link that is our body, (4, 4).
+    """
+
+    joint: UrdfJoint
+    body: Body
+    ours: JointRange
+    parent: FloatArray
+    frame: FloatArray
 
 
 def _fixed_to(robot: UrdfRobot, link: str) -> dict[str, FloatArray]:
@@ -215,23 +233,10 @@ def _kind(ours: JointRange) -> UrdfJoint:
     )
 
 
-def _right(
-    joint: UrdfJoint,
-    body: Body,
-    ours: JointRange,
-    parent: FloatArray,
-    frame: FloatArray,
-) -> UrdfJoint:
-    """A joint as it has to be, but for what it follows.
-
-    Args:
-        joint: As it is.
-        body: Our body that it carries.
-        ours: The joint of this body.
-        parent: Pose of its parent in our link_4, (4, 4).
-        frame: Pose in its child of the link that is our body, (4, 4).
-    """
-    zero = _zero(joint, body, ours, parent, frame)
+def _right(place: _Place) -> UrdfJoint:
+    """A joint as it has to be, but for what it follows."""
+    joint, body, ours, parent, frame = place
+    zero = _zero(joint, place)
     if zero is not None and _has_limits(joint, ours, zero):
         return joint
     own = _kind(ours)
@@ -239,12 +244,6 @@ def _right(
     axis = frame[:3, :3] @ Z
     is_placed = _is_same_pose(joint, joint.transform, origin)
     is_along = np.linalg.norm(joint.axis - axis) < ANGLE_TOLERANCE
-    right = replace(
-        joint,
-        kind=own.kind,
-        transform=joint.transform if is_placed else origin,
-        axis=joint.axis if is_along else axis,
-    )
     ends = {}
     for name in ("lower", "upper"):
         written = getattr(joint, name)
@@ -253,34 +252,40 @@ def _right(
             joint, ours, name
         )
         ends[name] = written if is_same else own_end
-    return replace(right, **ends)
+    return replace(
+        joint,
+        kind=own.kind,
+        transform=joint.transform if is_placed else origin,
+        axis=joint.axis if is_along else axis,
+        lower=ends["lower"],
+        upper=ends["upper"],
+    )
 
 
-def _zero(
-    joint: UrdfJoint,
-    body: Body,
-    ours: JointRange,
-    parent: FloatArray,
-    frame: FloatArray,
-) -> tuple[float, float] | None:
+def _zero(joint: UrdfJoint, place: _Place) -> tuple[float, float] | None:
     """Sense and zero of a joint: ours is at ``sign * position + zero``.
+
+    Args:
+        joint: The joint of this place, as it is or as it has to be.
+        place: What it carries.
 
     Returns:
         None if it moves along or about another line than ours.
     """
-    own = _kind(ours)
-    axis = frame[:3, :3].T @ joint.axis
+    own = _kind(place.ours)
+    axis = place.frame[:3, :3].T @ joint.axis
     sign = 1.0 if axis[2] > 0 else -1.0
     if joint.kind != own.kind or np.linalg.norm(axis - sign * Z) > ANGLE_TOLERANCE:
         return None
-    there = parent @ joint.transform @ frame
-    if _is_same_pose(joint, there, _at(body, ours, 0.0)):
+    there = place.parent @ joint.transform @ place.frame
+    at_zero = _at(place.body, place.ours, 0.0)
+    if _is_same_pose(joint, there, at_zero):
         return sign, 0.0
-    off = np.linalg.inv(_at(body, ours, 0.0)) @ there
+    off = np.linalg.inv(at_zero) @ there
     zero = off[2, 3]
     if own.kind == "revolute":
         zero = math.atan2(off[1, 0], off[0, 0])
-    expected = _at(body, ours, zero)
+    expected = _at(place.body, place.ours, zero)
     return (sign, float(zero)) if _is_same_pose(joint, there, expected) else None
 
 
@@ -314,50 +319,33 @@ def _is_same_pose(joint: UrdfJoint, one: FloatArray, other: FloatArray) -> bool:
 # --- Fingers follow the rod -----------------------------------------------------------
 
 
-def _with_mimics(
-    robot: UrdfRobot,
-    found: Mapping[str, JawJoint],
-    bodies: Mapping[str, Body],
-    described: Described,
-    theirs: Reduced,
-) -> Iterator[JawJoint]:
+def _with_mimics(places: Mapping[str, _Place]) -> Iterator[JawJoint]:
     """The joints, with the rule by which the fingers have to follow the rod.
 
     Args:
-        robot: The other model.
-        found: Name of our body -> the joint that carries it.
-        bodies: Name of our body -> the body.
-        described: The other model in our terms.
-        theirs: It, reduced.
+        places: Name of our body -> where it is.
     """
-    zeros = {}
-    for name, jaw in found.items():
-        parent = described.placed[4] @ theirs.link_poses[jaw.joint.parent]
-        right = jaw.right
-        frame = _our_frame(robot, jaw.joint, bodies[name], jaw.ours, parent)
-        assert frame is not None
-        zeros[name] = _zero(right, bodies[name], jaw.ours, parent, frame)
-
-    rod = found.get("jaw_rod")
+    rights = {name: _right(place) for name, place in places.items()}
+    zeros = {name: _zero(rights[name], place) for name, place in places.items()}
+    rod = rights.get("jaw_rod")
     lead = zeros.get("jaw_rod")
-    for name, jaw in found.items():
+    for name, (joint, _, ours, _, _) in places.items():
+        right = rights[name]
         follow = zeros[name]
-        if not isinstance(jaw.ours, FingerJoint):
-            free = replace(jaw.right, mimic=None, multiplier=1.0, offset=0.0)
-            yield replace(jaw, right=free if jaw.joint.mimic else jaw.right)
-        elif rod is None or lead is None or follow is None:
-            yield jaw
-        else:
-            ours = jaw.ours
+        if not isinstance(ours, FingerJoint):
+            if joint.mimic:
+                right = replace(right, mimic=None, multiplier=1.0, offset=0.0)
+        elif rod is not None and lead is not None and follow is not None:
             offset = ours.multiplier * lead[1] + ours.offset - follow[1]
-            right = replace(
-                jaw.right,
-                mimic=rod.joint.name,
+            following = replace(
+                right,
+                mimic=rod.name,
                 multiplier=follow[0] * ours.multiplier * lead[0],
                 offset=follow[0] * offset,
             )
-            is_same = _follows_alike(jaw.joint, right, rod.right)
-            yield replace(jaw, right=jaw.right if is_same else right)
+            if not _follows_alike(joint, following, rod):
+                right = following
+        yield JawJoint(joint=joint, right=right, ours=ours)
 
 
 def _mimic(joint: UrdfJoint) -> tuple[str | None, float, float]:

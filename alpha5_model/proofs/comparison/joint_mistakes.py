@@ -14,10 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from alpha5_model._support.spatial import pose
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import pose, rotation_about, transform
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.proofs.comparison.described import BETTER, Described
 from alpha5_model.proofs.comparison.model import Chain, find_chains
+from alpha5_model.proofs.comparison.reduced import Reduced, Z
 
 #: No origin of this arm's joints is so far from the one before it [m].
 FARTHEST = 1.0
@@ -25,6 +28,10 @@ FARTHEST = 1.0
 PER_METRE = {"millimetres": 1e3, "centimetres": 1e2}
 #: An angle beyond this is in degrees [rad].
 LARGEST_ANGLE = math.tau + 0.01
+#: A smaller turn of the base is rounding [rad].
+LEAST_TURN = 1e-4
+#: The COM of link_0 is ours if it is this close, once turned back [m].
+SAME_COM = 1e-3
 #: Axes that differ by more than the first may have been exchanged. They have been if
 #: less than the second is left, and a quarter of what it was [m]; see `Chain.misfit`.
 MISFIT = (1e-3, 5e-3)
@@ -178,3 +185,53 @@ def _mistakes(written: UrdfJoint, right: UrdfJoint, unit: str) -> list[JointMist
     if right.axis is not written.axis:
         found.append(JointMistake("exchanged_axis", written, right))
     return found
+
+
+# --- A turned base -------------------------------------------------------------------
+
+
+def turned_base_joint(
+    robot: UrdfRobot, theirs: Reduced, described: Described, record: Alpha5Parameters
+) -> JointMistake | None:
+    """The fixed joint that explains a turned link_0 and a shifted zero of axis_e.
+
+    Args:
+        robot: The other model as it is meant.
+        theirs: It, reduced.
+        described: It in our terms.
+        record: Our arm.
+
+    Returns:
+        None if the base link is not the model's own base_link, if there is not just one
+        joint between it and axis_e, or if turning it back does not bring both the COM
+        and the tensor of link_0 to ours.
+    """
+    base = described.base_link
+    is_own = base.endswith("base_link") and base not in theirs.foreign
+    turn = float(described.sign[0] * described.zero[0])
+    if not (described.same_base and is_own and theirs.mass[0]):
+        return None
+    behind = theirs.base_path[theirs.base_path.index(base) + 1 :]
+    if len(behind) != 1 or abs(turn) < LEAST_TURN:
+        return None
+
+    back = rotation_about(Z, turn)
+    com = back @ described.coms[0]
+    turned = _error(com, back @ described.inertias[0] @ back.T, record)
+    written = _error(described.coms[0], described.inertias[0], record)
+    is_ours = np.linalg.norm(com - record.links[0].com) < SAME_COM
+    if not is_ours or BETTER * turned > written:
+        return None
+
+    (joint,) = (one for one in robot.joints.values() if one.child == behind[0])
+    parent = described.placed[0] @ theirs.link_poses[joint.parent]
+    origin = np.linalg.inv(parent) @ transform(back) @ parent @ joint.transform
+    right = replace(joint, transform=origin)
+    return JointMistake(id="turned_base", written=joint, right=right)
+
+
+def _error(com: FloatArray, inertia: FloatArray, record: Alpha5Parameters) -> float:
+    """Error of link_0 as one number, in second moments [kg m^2]."""
+    ours = record.links[0]
+    off = com - ours.com
+    return float(ours.mass * (off @ off) + np.abs(inertia - ours.inertia).max())

@@ -10,7 +10,7 @@ from alpha5_model.proofs.comparison.model import AXES
 from alpha5_model.proofs.comparison.result import Comparison
 
 #: Characters that XML cannot hold.
-_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NOT_XML = "[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
 
 def junit_report(comparison: Comparison, name: str) -> str:
@@ -63,4 +63,4 @@ def junit_report(comparison: Comparison, name: str) -> str:
 
 def _printable(text: str) -> str:
     """The text without characters that XML cannot hold."""
-    return _NOT_XML.sub("?", text)
+    return re.sub(_NOT_XML, "?", text)

@@ -182,6 +182,11 @@ def _pasted_about_link(case: Case) -> list[Body]:
     )
 
 
+def _pasted_from_solidworks(case: Case, per_si: float) -> list[Body]:
+    """I_COM pasted from SolidWorks, or the document: unit and signs are wrong."""
+    return case.with_inertia(flip_products(case.right.inertia) * per_si)
+
+
 def _less_term(case: Case) -> list[Body]:
     """I_COM less the parallel-axis term."""
     right = case.right
@@ -355,6 +360,11 @@ MISTAKES: tuple[Mistake, ...] = (
         ("millionth", "a millionth, from kg mm^2 twice", 1, 1, 1e-6),
         ("billionth", "a billionth, from g mm^2 twice", 1, 1, 1e-9),
     ),
+    *_rows(
+        _pasted_from_solidworks,
+        ("kg_mm2_solidworks", f"in kg mm^2, {SOLIDWORKS}", 1e6),
+        ("g_mm2_solidworks", f"in g mm^2, {SOLIDWORKS}", 1e9),
+    ),
     Mistake("principal", "principal moments, their rotation is lost", _principal),
     Mistake("i_link", I_LINK, _about_link),
     Mistake("i_link_solidworks", f"{I_LINK}, {SOLIDWORKS}", _pasted_about_link),
@@ -384,14 +394,6 @@ MISTAKES: tuple[Mistake, ...] = (
     Mistake("scaled_with_mass", "scaled with the wrong mass", _by_mass),
 )
 
-#: Mistakes that take all numbers of another body, or exchange any axes: in pairs they
-#: would give too many numbers.
-UNPAIRED = frozenset(
-    ["zero", "axes", "whole_body", "water", "scaled_with_mass"]
-    + ["pounds", "lb_in2"]
-    + [f"{name}_{k}" for name in ("link", "dh", "frame") for k in range(6)]
-)
-
 #: Mistakes of an unknown size, which is taken from the written number itself. They fit
 #: more numbers than the others, so they come last.
 FITTED: tuple[Mistake, ...] = (
@@ -407,7 +409,3 @@ FITTED: tuple[Mistake, ...] = (
     ),
     Mistake("wrong_point", "about another point than the COM", _about_another_point),
 )
-
-#: Mistakes that also explain a number two at a time; with more, or with three at once,
-#: some combination would give any number.
-PAIRED = tuple(mistake for mistake in MISTAKES if mistake.id not in UNPAIRED)

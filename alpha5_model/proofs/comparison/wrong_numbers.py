@@ -1,33 +1,31 @@
 """Which numbers of another model's body are wrong, and which mistake gives them.
 
 Numbers are compared in the frame of the link that says them, because there they were
-typed.
+typed. A wrong one is explained by making the mistakes of the table until one gives it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
+from alpha5_model.description.frames import fixed_frames, joint_placements
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.inertia import combine, inconsistencies
-from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.inertia import combine, inconsistencies, tensor_at_origin
+from alpha5_model.numbers.jaws import loaded_links, split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.proofs.comparison.explaining import (
-    ROUNDED,
-    SAME_FRAME,
-    Arm,
-    attempts,
-    body_of,
-    double_attempts,
-    explained,
-)
+from alpha5_model.numbers.rigid_body import RigidBody
+from alpha5_model.proofs.comparison.document_revisions import Revision, revisions
 from alpha5_model.proofs.comparison.mistakes import (
     FITTED,
+    MISTAKES,
     Body,
+    Case,
     Mistake,
     Part,
 )
@@ -42,6 +40,8 @@ from alpha5_model.proofs.comparison.tolerance import (
 MOST_PARTS = 12
 #: Wrist, rod and two fingers.
 JAW_BODIES = 4
+#: A frame whose pose differs by less in every entry was meant to be ours [m, rad].
+SAME_FRAME = 2e-3
 
 
 class WrongNumber(NamedTuple):
@@ -97,7 +97,6 @@ def wrong_numbers(
         # Too much is there: the heaviest link is the body, and the others have no mass.
         wrong = _wrong_in_link(arm, arm.body, heaviest[:1], 0, digits)
         wrong += _too_many(heaviest[1:])
-    wrong = _explained_by_two(arm, heaviest, wrong, digits)
     if len(heaviest) > 1 and not all(number.mistake for number in wrong):
         wrong = _explained_as_whole(arm, heaviest, wrong, digits)
     return wrong
@@ -249,40 +248,6 @@ def _tolerances(
     }
 
 
-# --- What no single mistake explains --------------------------------------------------
-
-
-def _explained_by_two(
-    arm: Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
-) -> list[WrongNumber]:
-    """The wrong numbers, those without an explanation tried with two mistakes."""
-    mistakes: dict[tuple[str, Quantity], Mistake] = {}
-    for place, part in enumerate(parts[:MOST_PARTS]):
-        open_ones = {}
-        for number in wrong:
-            is_open = number.mistake is None and number.right.mass > 0
-            if is_open and number.link == part.link:
-                tolerances = _tolerances(number.right, parts, place, digits)
-                open_ones[number.quantity] = tolerances[number.quantity]
-                right = number.right.at(part.pose)
-        if len(open_ones) == 1:  # several are no slips, but another author's numbers
-            pairs = double_attempts(arm, right, part, tuple(open_ones))
-            for quantity, mistake in explained(pairs, part, open_ones).items():
-                mistakes[part.link, quantity] = mistake
-    return _with_mistakes(wrong, mistakes)
-
-
-def _with_mistakes(
-    wrong: Sequence[WrongNumber], mistakes: Mapping[tuple[str, Quantity], Mistake]
-) -> list[WrongNumber]:
-    """The wrong numbers, with mistakes by link and quantity where there is none."""
-    found = []
-    for number in wrong:
-        mistake = number.mistake or mistakes.get((number.link, number.quantity))
-        found.append(number._replace(mistake=mistake))
-    return found
-
-
 def _explained_as_whole(
     arm: Arm, parts: Sequence[Part], wrong: Sequence[WrongNumber], digits: Digits
 ) -> list[WrongNumber]:
@@ -297,10 +262,178 @@ def _explained_as_whole(
     coms = [body.com for body in bodies]
     inertias = [body.inertia for body in bodies]
     whole = Part("", Body(*combine(masses, coms, inertias)), np.eye(4))
-    mistakes: dict[tuple[str, Quantity], Mistake] = {}
+    mistakes = {}
     for number in _wrong_in_link(arm, arm.body, [whole], 0, digits):
         if number.mistake:
             words = f"all its links together have {number.mistake.words}"
-            mistake = number.mistake._replace(words=words)
-            mistakes[parts[0].link, number.quantity] = mistake
-    return _with_mistakes(wrong, mistakes)
+            mistakes[number.quantity] = number.mistake._replace(words=words)
+    explained_too = []
+    for number in wrong:
+        mistake = number.mistake
+        if mistake is None and number.link == parts[0].link:
+            mistake = mistakes.get(number.quantity)
+        explained_too.append(number._replace(mistake=mistake))
+    return explained_too
+
+
+# --- Explaining a wrong number -------------------------------------------------------
+
+
+def _right(case: Case) -> list[Body]:
+    return [case.right]
+
+
+#: No mistake.
+RIGHT = Mistake("", "", _right)
+#: The right number with fewer digits than `MOST` asks for.
+ROUNDED = Mistake("rounded", "rounded to too few digits", _right)
+
+
+class Arm:
+    """What the mistakes need of our arm.
+
+    Attributes:
+        record: Our arm.
+        index: Which of its bodies is looked at.
+        body: That body, in its link frame.
+        tables: All its bodies.
+        frames: Name of a frame of the arm -> transform_body_to_frame at zero, (4, 4).
+    """
+
+    def __init__(self, record: Alpha5Parameters, index: int) -> None:
+        self.record = record
+        self.index = index
+        links = loaded_links(record)
+        self.body = body_of(links[index])
+        mass = np.array([link.mass for link in links])
+        com = np.array([link.com for link in links])
+        inertia = np.array([link.inertia for link in links])
+        self.tables = Revision(
+            numbers="",
+            buoyancy_table="",
+            mass=mass,
+            com=com,
+            inertia=inertia,
+            inertia_link=tensor_at_origin(mass, com, inertia),
+            volume=np.array([link.volume for link in links]),
+            cob=np.array([link.cob for link in links]),
+        )
+        self.frames = _frames(record, index)
+
+
+def body_of(link: RigidBody) -> Body:
+    return Body(mass=link.mass, com=link.com, inertia=link.inertia)
+
+
+def _frames(record: Alpha5Parameters, index: int) -> dict[str, FloatArray]:
+    """Name of a frame of our arm -> transform_body_to_frame at zero, (4, 4)."""
+    at = {"base_link": np.eye(4)}
+    fixed = fixed_frames(record)
+    placements = {"link_0": fixed.pop("link_0")}
+    for k, placement in enumerate(joint_placements(record), start=1):
+        placements[f"link_{k}"] = placement
+    for name, placement in {**placements, **fixed}.items():
+        at[name] = at[placement.parent] @ pose(placement.xyz, placement.rpy)
+    at["dh_0"] = at["base_link"]
+    body = at[f"link_{index}"]
+    return {name: np.linalg.inv(frame) @ body for name, frame in at.items()}
+
+
+class Attempt(NamedTuple):
+    """Right numbers, and mistakes to make with them.
+
+    Attributes:
+        before: What is already wrong with these numbers; `RIGHT` if nothing.
+        case: The numbers.
+        mistakes: The mistakes.
+    """
+
+    before: Mistake
+    case: Case
+    mistakes: Sequence[Mistake]
+
+
+def explained(
+    attempts: Iterator[Attempt], part: Part, wrong: Mapping[Quantity, Tolerance]
+) -> dict[Quantity, Mistake]:
+    """The first mistake that gives each written number, for those that one gives."""
+    found: dict[Quantity, Mistake] = {}
+    for attempt in attempts:
+        if len(found) == len(wrong):
+            break
+        made = []
+        bodies = []
+        for mistake in attempt.mistakes:
+            for body in mistake.make(attempt.case):
+                made.append(mistake)
+                bodies.append(body)
+        for quantity, tolerance in wrong.items():
+            if quantity in found:
+                continue
+            numbers = np.array([getattr(body, quantity) for body in bodies])
+            hits = tolerance.holds(numbers, getattr(part.body, quantity))
+            # A mistake that leaves this number alone does not explain it.
+            unchanged = getattr(attempt.case.right, quantity)
+            for k in np.flatnonzero(hits):
+                if made[k] is RIGHT or not np.array_equal(numbers[k], unchanged):
+                    found[quantity] = _joined(attempt.before, made[k])
+                    break
+    return found
+
+
+def attempts(arm: Arm, right: Body, part: Part) -> Iterator[Attempt]:
+    """What may have been done with our numbers, those of both revisions, the fewest
+    mistakes first.
+
+    Args:
+        arm: Our arm.
+        right: What the link should say, in our link frame.
+        part: The link.
+    """
+    frame = Mistake("other_frame", f"in a frame that is not link_{arm.index}'s", _right)
+    elsewhere = np.abs(part.pose - np.eye(4)).max() > SAME_FRAME
+    sources = [(RIGHT, arm.tables, right)]
+    names = ("catalogue", "earlier_revision")
+    for name, tables in zip(names, revisions(), strict=True):
+        k = arm.index
+        body = Body(float(tables.mass[k]), tables.com[k], tables.inertia[k])
+        sources.append((Mistake(name, tables.numbers, _right), tables, body))
+
+    by_count: list[list[tuple[Mistake, Case]]] = [[], [], []]
+    for source, tables, body in sources:
+        case = Case(
+            index=arm.index,
+            source=tables,
+            right=body.at(part.to_link),
+            in_ours=body,
+            to_link=part.to_link,
+            frames=arm.frames,
+            written=part.body,
+        )
+        count = int(source is not RIGHT)
+        by_count[count].append((source, case))
+        if elsewhere:
+            unmoved = replace(case, right=body, to_link=np.eye(4))
+            by_count[count + 1].append((_joined(source, frame), unmoved))
+
+    ours, one, two = by_count
+    for before, case in ours:
+        yield Attempt(before, case, MISTAKES)
+    for before, case in (*one, *two):
+        yield Attempt(before, case, (RIGHT,))
+    for before, case in (*one, *two):
+        yield Attempt(before, case, MISTAKES)
+    for before, case in (*ours, *one):
+        yield Attempt(before, case, FITTED)
+
+
+def _joined(*mistakes: Mistake) -> Mistake:
+    """Two mistakes as one; `RIGHT` is none."""
+    named = [mistake for mistake in mistakes if mistake.id]
+    if not named:
+        return RIGHT
+    return Mistake(
+        id=".".join(mistake.id for mistake in named),
+        words=", ".join(mistake.words for mistake in named),
+        make=named[-1].make,
+    )
