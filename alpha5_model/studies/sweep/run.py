@@ -1,35 +1,33 @@
-"""Compute a study in chunks and write its results."""
+"""Compute what is missing of a study, and write its results."""
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
-from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-from alpha5_model._support.checks import count
-from alpha5_model._support.files import PathLike
+from alpha5_model._support.files import PathLike, errors_of
 from alpha5_model._support.outputs import check_outputs
-from alpha5_model._support.writing import atomic_write
-from alpha5_model.errors import MissingDependencyError
-from alpha5_model.studies.sweep.checksums import digest
-from alpha5_model.studies.sweep.chunks import (
-    Chunks,
-    chunks_of,
-    compute,
-    made_by,
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.studies.sweep.parts import (
+    Part,
+    count_parts,
+    inputs_of,
     merge,
+    parquet_file,
+    part_names,
 )
-from alpha5_model.studies.sweep.results_folder import ResultsFolder
-from alpha5_model.studies.sweep.tables import parquet_file
-from alpha5_model.studies.sweep.workers import results
+from alpha5_model.studies.sweep.reductions import reductions_of
+from alpha5_model.studies.sweep.study import Output, Study, read_study
+from alpha5_model.studies.sweep.workers import check_packages, computed
 
-if TYPE_CHECKING:
-    from alpha5_model.numbers.parameters import Alpha5Parameters
-    from alpha5_model.studies.sweep.extent import Extent
-    from alpha5_model.studies.sweep.study import Study
+#: Most parts of a study: more files make a folder slow.
+_MOST_PARTS = 2**20
+#: Names of the files of parts of any study.
+_PART_NAME = re.compile(r"[0-9a-f]{16}-\d{6,7}(-[0-9a-f]{16})?\.parquet")
 
 
 class Sweep(NamedTuple):
@@ -41,23 +39,21 @@ class Sweep(NamedTuple):
         failures: Recording -> why it could not be used.
         outputs: Output -> its columns by name. Outputs of the form ``table`` are not
             here, but in the data set ``rows`` in the folder.
-        repaired: Files in the folder that were missing, damaged or out of date, and
-            were made again: a line for each.
-        foreign: Names of other files beside the results; nothing was done to them.
     """
 
     study: Study
     rows: int
     failures: dict[str, str]
     outputs: dict[str, dict[str, Any]]
-    repaired: tuple[str, ...] = ()
-    foreign: tuple[str, ...] = ()
 
     def inputs(self, row: int) -> dict[str, Any]:
-        """The values of the axes of a row, or its recording and sample."""
-        from alpha5_model.studies.sweep.blocks import values_of_row
+        """The values of the axes of a row, or its recording and sample.
 
-        return values_of_row(self.study, row)
+        Raises:
+            InputError: The study has no such row: it is not one of its numbers, or
+                was left out.
+        """
+        return inputs_of(self.study, row)
 
 
 def sweep(
@@ -66,150 +62,167 @@ def sweep(
     *,
     workers: int = 0,
     scheduler: str | None = None,
-    rows: int = 1_000_000,
+    restart: bool = False,
     progress: Callable[[str, float], None] | None = None,
     arm: Alpha5Parameters | None = None,
-    announce: Callable[[Extent], None] | None = None,
 ) -> Sweep:
-    """Compute a study: the same bytes for any number of workers and size of chunks.
+    """Compute a study: the same numbers for any number of workers.
 
     Args:
         study: TOML file.
         folder: For the results, made if missing. A run of this study that was stopped
-            is continued. Every file there is compared with its checksum, and what is
-            missing, damaged or made from another recording is made again.
+            is continued: parts that are there are not computed again, unless their
+            recording has changed.
         workers: Processes on this machine, through Dask; 0 for this process alone.
         scheduler: Address of a Dask scheduler. Its workers need this package and read
             the recordings.
-        rows: Approximate number of rows that one process holds.
+        restart: Remove the parts of any study in the folder, and compute all of this.
         progress: Called with a stage and the share done, 0 to 1.
         arm: Record of an arm of your own: its bodies, lengths, limits, motors, and its
             mount if no axis of the study is the mount's. None for the catalogue's.
-        announce: Called once before the work with its size and its approximate time,
-            which takes three blocks of it to find. An error that it raises ends the
-            sweep before anything is written.
 
     Raises:
         FileFormatError: A mistake in the study, with its place; states beyond the
-            limits of ``arm``; a foreign file among the parts or rows in the folder.
-        InputError: A folder with another study, or with other chunks; no scheduler at
-            the address, or one without workers; a study of more than a million parts.
+            limits of ``arm``; a damaged part.
+        InputError: A folder with parts of another study, or other files among them; no
+            scheduler at the address, or one without workers; a study of more than a
+            million parts.
         OutputError: The folder cannot be written, or the workers are lost. Finished
             parts stay.
         MissingDependencyError: Without ``alpha5-model[sweep]``.
     """
-    _check_packages()
-    from alpha5_model.studies.sweep.study import read_study
-
+    check_packages(with_dask=bool(workers or scheduler))
+    found = read_study(study, arm)
     target = Path(folder)
-    read = read_study(study, arm)
-    _check_targets(study, read, target)
-    chunks = chunks_of(read, count("rows", rows))
-    results_folder = ResultsFolder(target, chunks)
-    present = results_folder.inspect()
-    if announce:
-        from alpha5_model.studies.sweep.extent import extent_of
+    reductions = reductions_of(found)
+    check_outputs([study], folder=(target / "study.toml", (".toml",)))
+    check_outputs((), output=(target / "summary.json", (".json",)))
+    for name in reductions:
+        check_outputs((), output=(target / f"{name}.parquet", (".parquet",)))
+    if count_parts(found) > _MOST_PARTS:
+        rows = f"{found.cases * found.states:.3g} rows"
+        raise InputError("study", rows, f"at most {_MOST_PARTS} parts: a smaller one")
 
-        announce(extent_of(chunks, len(present.missing), workers))
-
-    total = chunks.count()
-    done = total - len(present.missing)
-    was_other = _writes_text(chunks, target)
-    work = partial(compute, chunks)
-    for chunk in results(work, present.missing, workers, scheduler, target):
-        results_folder.write_chunk(chunk)
+    names = part_names(found)
+    _clear(target, names, restart)
+    missing = [k for k, name in enumerate(names) if not _is_done(target, name, found)]
+    _write(target / "study.toml", found.described(found.text).encode())
+    failures = {}
+    done = len(names) - len(missing)
+    for part in computed(found, missing, workers, scheduler, target):
+        if part.problem:
+            failures[found.recordings[part.number]] = part.problem
+        else:
+            names[part.number] = part.name
+            _write_part(target, part)
         done += 1
         if progress:
-            progress("compute", done / total)
+            progress("compute", done / len(names))
 
-    found = _merged(results_folder)
-    files = _result_files(found, chunks, target)
-    was_wrong = results_folder.write_results(files)
-    repaired = [*present.damage]
-    if present.started and was_other:
-        repaired.append(was_other)
-    if not present.is_new:
-        repaired += was_wrong
-    foreign = results_folder.foreign_files([target / "study.toml", *files])
-    return found._replace(repaired=tuple(repaired), foreign=tuple(foreign))
+    rows = 0
+    for number, name in enumerate(names):
+        if not found.recordings or found.recordings[number] not in failures:
+            rows += merge(target / "parts" / name, reductions)
+    outputs = {name: reduction.table() for name, reduction in reductions.items()}
+    result = Sweep(study=found, rows=rows, failures=failures, outputs=outputs)
+    _write_results(target, result)
+    return result
 
 
-def _check_packages() -> None:
-    """Refuse to start without the packages that a sweep needs."""
-    for package in ("pyarrow", "distributed"):
-        if find_spec(package) is None:
-            remedy = "python -m pip install 'alpha5-model[sweep]'"
-            raise MissingDependencyError(package, "a sweep", remedy)
+def _clear(target: Path, names: list[str], restart: bool) -> None:
+    """Remove parts of recordings that have changed, or with ``restart`` all parts.
+
+    Raises:
+        InputError: Files that are none of this study's parts: readers of the data set
+            would take them in.
+        OutputError: A file cannot be removed.
+    """
+    present = [
+        file
+        for folder in (target / "parts", target / "rows")
+        if folder.is_dir()
+        for file in sorted(folder.iterdir())
+        if not file.name.startswith(".")
+    ]
+    of_study = names[0][:16]
+    old = []
+    for file in present:
+        if file.name in names and not restart:
+            continue
+        is_part = _PART_NAME.fullmatch(file.name)
+        if is_part and (restart or file.name.startswith(of_study)):
+            old.append(file)
+        elif is_part:
+            expected = "another one, or restart: this one holds parts of another study"
+            raise InputError("folder", str(target), expected)
+        else:
+            expected = f"only parts of this study in {file.parent}; move it away"
+            raise InputError("folder", file.name, expected)
+    for file in old:
+        with errors_of(file):
+            file.unlink()
 
 
-def _check_targets(source: PathLike, study: Study, target: Path) -> None:
-    """Refuse a folder in which a result cannot be written."""
-    from alpha5_model.studies.sweep.reductions import empty_reductions
-
-    check_outputs([source], folder=(target / "study.toml", (".toml",)))
-    for name in empty_reductions(study):
-        check_outputs((), output=(target / f"{name}.parquet", (".parquet",)))
-    check_outputs((), output=(target / "summary.json", (".json",)))
+def _is_done(target: Path, name: str, study: Study) -> bool:
+    """Whether the files of a part are there."""
+    has_rows = not study.has_table or (target / "rows" / name).is_file()
+    return has_rows and (target / "parts" / name).is_file()
 
 
-def _writes_text(chunks: Chunks, target: Path) -> str:
-    """Write the text of the study into the folder.
+def _write_part(target: Path, part: Part) -> None:
+    """Write the files of a part, the one by which it is done last."""
+    if part.rows is not None:
+        _write(target / "rows" / part.name, part.rows)
+    _write(target / "parts" / part.name, part.kept)
 
-    Returns:
-        What was wrong with the file that was there.
+
+def _write_results(target: Path, found: Sweep) -> None:
+    """Write a table for each output, then the summary."""
+    study = found.study
+    for name, table in found.outputs.items():
+        units = _units(study, study.outputs[name])
+        content = parquet_file([table], units, study=study.head)
+        _write(target / f"{name}.parquet", content)
+    summary = {
+        "made_by": study.made_by,
+        "seed": study.seed,
+        "rows": found.rows,
+        "failures": found.failures,
+        "units": {
+            "axes": study.units,
+            "outputs": {name: output.unit for name, output in study.outputs.items()},
+        },
+    }
+    if study.arm is not None:
+        summary["arm"] = study.arm.name
+    _write(target / "summary.json", json.dumps(summary, indent=1).encode())
+
+
+def _units(study: Study, output: Output) -> dict[str, str]:
+    """Column of the table of an output -> its unit."""
+    if output.form == "histogram":  # the other columns are counts
+        return {"low": output.unit, "high": output.unit}
+    if output.form == "quantile":
+        ends = [
+            f"{column}_{end}" for column in output.columns for end in ("low", "high")
+        ]
+        return dict.fromkeys(ends, output.unit)
+    return {**study.units, **dict.fromkeys(output.columns, output.unit)}
+
+
+def _write(file: Path, content: bytes) -> None:
+    """Write a file whole or not at all.
+
+    A process that is killed leaves at most the hidden file, which the next one replaces.
 
     Raises:
         OutputError: It cannot be written.
     """
-    file = target / "study.toml"
-    problem = f"{file}: is missing"
-    if file.is_file():
-        is_same = file.read_bytes() == chunks.text.encode()
-        problem = "" if is_same else f"{file}: is not the text of this study"
-    atomic_write(file, chunks.text)
-    return problem
-
-
-def _merged(folder: ResultsFolder) -> Sweep:
-    """The results of all parts together."""
-    from alpha5_model.studies.sweep.reductions import empty_reductions
-
-    study = folder.chunks.study
-    whole = empty_reductions(study)
-    rows = 0
-    failures = {}
-    for k in range(folder.chunks.count()):
-        rows_of_part, problem = merge(folder.part(k), whole)
-        rows += rows_of_part
-        if problem:
-            failures[study.cases["recording"][k]] = problem
-
-    outputs = {name: reduction.result() for name, reduction in whole.items()}
-    return Sweep(study=study, rows=rows, failures=failures, outputs=outputs)
-
-
-def _result_files(found: Sweep, chunks: Chunks, target: Path) -> dict[Path, bytes]:
-    """The content of a table for each output, and of the summary."""
-    from alpha5_model.studies.sweep.units import units_of_axes, units_of_result
-
-    study = found.study
-    files = {}
-    for name, table in found.outputs.items():
-        units = units_of_result(study, study.outputs[name])
-        content = parquet_file([table], units, study=chunks.head)
-        files[target / f"{name}.parquet"] = content
-    summary = {
-        "made_by": made_by(),
-        "seed": found.study.seed,
-        "rows": found.rows,
-        "failures": found.failures,
-        "units": {
-            "axes": units_of_axes(study),
-            "outputs": {name: output.unit for name, output in study.outputs.items()},
-        },
-        "sha256": {file.name: digest(content) for file, content in files.items()},
-    }
-    if found.study.arm is not None:
-        summary["arm"] = found.study.arm.name
-    files[target / "summary.json"] = json.dumps(summary, indent=1).encode()
-    return files
+    temporary = file.with_name(f".{file.name}")
+    with errors_of(file):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            temporary.write_bytes(content)
+            temporary.replace(file)
+        finally:
+            temporary.unlink(missing_ok=True)

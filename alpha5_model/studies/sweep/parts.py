@@ -1,0 +1,317 @@
+"""The parts of a study: a worker computes one at a time, and each has its files.
+
+A part is a block of states of a large case, several small cases, or a recording.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.studies.sweep.cases import case_of, case_values, quantities_of
+from alpha5_model.studies.sweep.reductions import Columns, Reduction, reductions_of
+from alpha5_model.studies.sweep.states import States, recorded_states, states_of
+from alpha5_model.studies.sweep.study import Output, Study, made_by
+
+#: States of a part at most: with all quantities they take some 100 MB.
+STATES = 2**18
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Some rows of a case.
+
+    Attributes:
+        number: Of each row, (n,).
+        index: Axis -> index of its value, one for all rows or (n,).
+        columns: Other columns that describe the states, (n,) each.
+        quantities: By name, (n, columns) each.
+    """
+
+    number: NDArray[np.int64]
+    index: dict[str, Any]
+    columns: dict[str, NDArray[Any]]
+    quantities: dict[str, FloatArray]
+
+
+class Part(NamedTuple):
+    """What a worker gives back.
+
+    Attributes:
+        number: Of the part.
+        name: Of its files.
+        kept: The entries of its reductions as Parquet.
+        rows: Its table as Parquet; None if the study keeps no table.
+        problem: Why there is none of these: its recording cannot be used.
+    """
+
+    number: int
+    name: str = ""
+    kept: bytes = b""
+    rows: bytes | None = None
+    problem: str = ""
+
+
+def count_parts(study: Study) -> int:
+    """Number of parts of a study."""
+    if study.recordings:
+        return len(study.recordings)
+    blocks = -(-study.states // STATES)
+    if blocks > 1:
+        return study.cases * blocks
+    return -(-study.cases // (STATES // study.states))
+
+
+def _pieces(study: Study, part: int) -> Iterator[tuple[int, int, int]]:
+    """Cases of a part, with the first state and that after the last one."""
+    states = study.states
+    blocks = -(-states // STATES)
+    if blocks > 1 and not study.recordings:
+        case, block = divmod(part, blocks)
+        yield case, block * STATES, min((block + 1) * STATES, states)
+        return
+    if study.recordings:
+        several = study.cases // len(study.recordings)
+    else:
+        several = STATES // states
+    last = min((part + 1) * several, study.cases)
+    for case in range(part * several, last):
+        yield case, 0, states
+
+
+def rows_of(study: Study, case_number: int, first: int, last: int) -> Rows:
+    """States first to last - 1 of a case, and what they give; or all of a recording.
+
+    Raises:
+        Alpha5Error: A recording, or an arm, that cannot be used.
+    """
+    states = _states(study, case_number, first, last)
+    case = case_of(study, case_number)
+    wanted = {output.quantity for output in study.outputs.values()}
+    return Rows(
+        number=case_number * study.states + states.number,
+        index={**case.index, **states.index},
+        columns=states.columns,
+        quantities=quantities_of(case, states, wanted),
+    )
+
+
+def _states(study: Study, case_number: int, first: int, last: int) -> States:
+    """States first to last - 1 of a case, or all of its recording."""
+    _, values = case_values(study, case_number)
+    arm = study.arm_of(values)
+    if study.recordings:
+        return recorded_states(study, study.folder / values["recording"], arm)
+    return states_of(study, arm, first, last)
+
+
+def compute(study: Study, number: int) -> Part:
+    """Compute a part; one of a recording that cannot be used says why.
+
+    Raises:
+        InputError: This process has another version than the one that read the study.
+        Alpha5Error: Impossible values of an arm.
+    """
+    if study.made_by != made_by():
+        raise InputError("worker", made_by(), f"{study.made_by}, as the sweep has")
+    if not study.recordings:
+        return _computed(study, number, digest="")
+    path = study.folder / study.recordings[number]
+    recorded_states.cache_clear()  # the file may have changed
+    digest = digest_of(path)
+    try:
+        part = _computed(study, number, digest)
+    except Exception as error:
+        return Part(number=number, problem=str(error) or repr(error))
+    if digest_of(path) != digest:
+        return Part(number=number, problem="has changed while it was read")
+    return part
+
+
+def _computed(study: Study, number: int, digest: str) -> Part:
+    """A part with its rows."""
+    reductions = reductions_of(study)
+    tables = []
+    count = 0
+    for case, first, last in _pieces(study, number):
+        rows = rows_of(study, case, first, last)
+        count += rows.number.size
+        if not rows.number.size:
+            continue
+        for name, reduction in reductions.items():
+            values = rows.quantities[study.outputs[name].quantity]
+            reduction.add(values, rows.index, rows.number)
+        if study.has_table:
+            tables.append(table_of(study, rows))
+
+    entries = []
+    for k, reduction in enumerate(reductions.values()):
+        entry = reduction.entries()
+        entries.append({"output": np.full(len(entry["group"]), k), **entry})
+    table = None
+    if study.has_table:
+        table = parquet_file(
+            tables,
+            units=_units_of_rows(study),
+            # Numbers that hardly repeat would take most of the time.
+            repeated=[*study.grid],
+            compression="none",
+            study=study.head,
+        )
+    return Part(
+        number=number,
+        name=part_name(study, number, digest),
+        kept=parquet_file(entries, units={}, rows=str(count)),
+        rows=table,
+    )
+
+
+def inputs_of(study: Study, row: Any) -> dict[str, Any]:
+    """Column -> value of a row, see `table_of`.
+
+    Raises:
+        InputError: There is no such row.
+    """
+    expected = "the number of a row of this study"
+    is_number = isinstance(row, int | np.integer) and not isinstance(row, bool)
+    if not is_number or not 0 <= row < study.cases * study.states:
+        raise InputError("row", row, expected)
+    case, state = divmod(int(row), study.states)
+    rows = rows_of(study, case, state, state + 1)
+    at = np.flatnonzero(rows.number == row)
+    if not at.size:
+        raise InputError("row", row, f"{expected}; this one is left out of it")
+    return {name: x[at[0]].item() for name, x in table_of(study, rows).items()}
+
+
+def table_of(study: Study, rows: Rows) -> Columns:
+    """Rows as a table: numbers, axes, and the quantities kept as tables."""
+    table: Columns = {"row": rows.number}
+    for name, index in rows.index.items():
+        table[name] = np.array(study.grid[name])[index]
+    table |= rows.columns
+    for output in study.outputs.values():
+        if output.form == "table":
+            values = rows.quantities[output.quantity]
+            table |= dict(zip(_columns_of(output), values.T, strict=True))
+    shape = rows.number.shape
+    return {name: np.broadcast_to(column, shape) for name, column in table.items()}
+
+
+def _columns_of(output: Output) -> list[str]:
+    """Names of the columns of a quantity in the table of rows."""
+    return [f"{output.quantity}.{column}" for column in output.columns]
+
+
+def _units_of_rows(study: Study) -> dict[str, str]:
+    """Column of the rows of a study -> its unit."""
+    units = {**study.units, "time": "s"}
+    for output in study.outputs.values():
+        units |= dict.fromkeys(_columns_of(output), output.unit)
+    return units
+
+
+def merge(file: Path, reductions: Mapping[str, Reduction]) -> int:
+    """Add the entries of a part to reductions.
+
+    Returns:
+        Its number of rows.
+
+    Raises:
+        FileFormatError: It cannot be read.
+    """
+    from pyarrow import ArrowException, parquet
+
+    try:
+        table = parquet.read_table(file)
+        columns = {name: table[name].to_numpy() for name in table.column_names}
+        count = int(table.schema.metadata[b"rows"])
+        for k, reduction in enumerate(reductions.values()):
+            own = columns["output"] == k
+            reduction.merge({name: values[own] for name, values in columns.items()})
+    except (OSError, ArrowException, LookupError, ValueError, TypeError) as error:
+        problem = f"is damaged ({error}); remove it, and it is computed again"
+        raise FileFormatError(file, problem) from None
+    return count
+
+
+def part_names(study: Study) -> list[str]:
+    """Name of the files of each part."""
+    if study.recordings:
+        digests = [digest_of(study.folder / name) for name in study.recordings]
+    else:
+        digests = [""] * count_parts(study)
+    return [part_name(study, k, digest) for k, digest in enumerate(digests)]
+
+
+def part_name(study: Study, number: int, digest: str) -> str:
+    """Name of the files of a part: hashes of all that its rows depend on, its number.
+
+    Args:
+        study: The study.
+        number: Of the part.
+        digest: Of its recording; "" without one.
+    """
+    key = hashlib.sha256(study.head.encode()).hexdigest()[:16]
+    return "-".join(filter(None, [key, f"{number:06}", digest])) + ".parquet"
+
+
+def digest_of(recording: Path) -> str:
+    """A hash of a recording, which may be a folder; of nothing if it is not there."""
+    files = [recording]
+    if recording.is_dir():
+        files = sorted(file for file in recording.rglob("*") if file.is_file())
+    found = hashlib.sha256()
+    with suppress(OSError, ValueError):
+        for file in files:
+            found.update(str(file.relative_to(recording)).encode(errors="replace"))
+            with file.open("rb") as stream:
+                found.update(hashlib.file_digest(stream, "sha256").digest())
+    return found.hexdigest()[:16]
+
+
+def parquet_file(
+    tables: Sequence[Columns],
+    units: Mapping[str, str],
+    repeated: Sequence[str] = (),
+    compression: str = "snappy",
+    **metadata: str,
+) -> bytes:
+    """Tables with the same columns, one below the other, as Parquet.
+
+    Args:
+        tables: Column -> values.
+        units: Column -> its unit, for the metadata of its field.
+        repeated: Columns with few different values, for a dictionary.
+        compression: Of the columns.
+        **metadata: Of the whole table.
+    """
+    import pyarrow
+    from pyarrow import parquet
+
+    whole = pyarrow.table({})
+    if tables:
+        whole = pyarrow.concat_tables([pyarrow.table(table) for table in tables])
+    fields = [
+        field.with_metadata({"unit": units[field.name]})
+        if field.name in units
+        else field
+        for field in whole.schema
+    ]
+    sink = pyarrow.BufferOutputStream()
+    parquet.write_table(
+        whole.cast(pyarrow.schema(fields, metadata=metadata)),
+        sink,
+        compression=compression,
+        use_dictionary=[*repeated],
+    )
+    return bytes(sink.getvalue())
