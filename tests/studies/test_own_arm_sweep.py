@@ -164,5 +164,5 @@ def test_a_folder_of_another_arm_is_refused(tmp_path: Path) -> None:
     heavier = dataclasses.replace(record.links[2], mass=0.5)
     links = (*record.links[:2], heavier, *record.links[3:])
     other = dataclasses.replace(record, links=links)
-    with pytest.raises(a5.errors.InputError, match="a part of another study"):
+    with pytest.raises(a5.errors.InputError, match="parts of another study"):
         a5.sweep(file, tmp_path / "out", arm=other)

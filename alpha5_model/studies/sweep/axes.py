@@ -20,6 +20,7 @@ from alpha5_model._support.checks import (
     shaped,
 )
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.arm_file import arm_file
 from alpha5_model.numbers.corrections import CORRECTIONS
 from alpha5_model.numbers.hydrodynamics import LEVELS
@@ -34,21 +35,22 @@ STATE_AXES = {
     **{f"{joint}_vel": "rad/s" for joint in JOINTS},
     **{f"{joint}_acc": "rad/s^2" for joint in JOINTS},
 }
-#: Axis of a case that has numbers -> its SI unit. The mount's attitude is roll, pitch
-#: and yaw of base_link in the world. The payload is at the tcp.
-CASE_NUMBERS = {
-    "mount_roll": "rad",
-    "mount_pitch": "rad",
-    "mount_yaw": "rad",
-    "payload_mass": "kg",
-    "payload_x": "m",
-    "payload_y": "m",
-    "payload_z": "m",
-    "payload_volume": "m^3",
-    "fluid_density": "kg/m^3",
-    "current_speed": "m/s",
-    "current_azimuth": "rad",
-    "current_elevation": "rad",
+#: Axis of a case that has numbers -> its SI unit, and the plausible range of the value
+#: farthest from 0. The mount's attitude is roll, pitch and yaw of base_link in the
+#: world. The payload is at the tcp.
+CASE_NUMBERS: dict[str, tuple[str, plausibility.Plausible | None]] = {
+    "mount_roll": ("rad", None),
+    "mount_pitch": ("rad", None),
+    "mount_yaw": ("rad", None),
+    "payload_mass": ("kg", plausibility.MASS),
+    "payload_x": ("m", plausibility.POSITION),
+    "payload_y": ("m", plausibility.POSITION),
+    "payload_z": ("m", plausibility.POSITION),
+    "payload_volume": ("m^3", plausibility.VOLUME),
+    "fluid_density": ("kg/m^3", plausibility.FLUID_DENSITY),
+    "current_speed": ("m/s", plausibility.CURRENT),
+    "current_azimuth": ("rad", None),
+    "current_elevation": ("rad", None),
 }
 #: SI unit -> the units that an axis may be given in, each with its size.
 UNITS = {
@@ -112,14 +114,21 @@ def rising(place: str, ends: Any) -> tuple[float, float]:
     return low, high
 
 
-def _numbers(place: str, given: Any, context: Context, unit: str) -> Any:
+def _numbers(
+    place: str,
+    given: Any,
+    context: Context,
+    unit: str,
+    plausible: plausibility.Plausible | None = None,
+) -> list[float] | Drawn:
     """Numbers in SI units: values, a grid, or of a state a range to draw from."""
     table = given if isinstance(given, dict) else {"values": given}
     sizes = UNITS[unit]
     scale = sizes[choice(f"unit of {place}", table.get("unit", unit), tuple(sizes))]
     keys = {*table} - {"unit"}
-    least = 0.0 if unit in _NOT_NEGATIVE else None
-    is_state = place.removeprefix("axes.") in STATE_AXES
+    if keys == {"random"} and place.removeprefix("axes.") in STATE_AXES:
+        low, high = rising(place, table["random"])
+        return Drawn(low=real(place, scale * low), high=real(place, scale * high))
 
     if keys == {"values"}:
         numbers = float_array(place, table["values"], ())
@@ -127,15 +136,16 @@ def _numbers(place: str, given: Any, context: Context, unit: str) -> Any:
         size = count(f"{place}.count", table["count"])
         low, high = rising(place, [table["from"], table["to"]])
         numbers = np.linspace(low, high, min(size, MOST + 1))
-    elif keys == {"random"} and is_state:
-        low, high = rising(place, table["random"])
-        return Drawn(real(place, scale * low), real(place, scale * high))
     else:
         expected = "values; from, to and count; or of a state, random"
         raise InputError(place, given, expected)
     if not 0 < numbers.size <= MOST:
         raise InputError(place, given, f"1 to {MOST} values")
-    return [real(place, scale * number, least) for number in numbers.ravel().tolist()]
+    least = 0.0 if unit in _NOT_NEGATIVE else None
+    values = [real(place, scale * number, least) for number in numbers.ravel().tolist()]
+    if plausible is not None:
+        plausibility.check(place, max(values, key=abs), plausible)
+    return values
 
 
 def _each_once(place: str, given: Any, checked: Callable[[Any], Any]) -> list[Any]:
@@ -208,7 +218,10 @@ def _sets(place: str, given: Any, context: Context) -> Sequence[int]:
 #: Axis -> its parser, a function of its place, what is given, and the `Context`.
 PARSERS: dict[str, Callable[[str, Any, Context], Any]] = {
     **{name: partial(_numbers, unit=unit) for name, unit in STATE_AXES.items()},
-    **{name: partial(_numbers, unit=unit) for name, unit in CASE_NUMBERS.items()},
+    **{
+        name: partial(_numbers, unit=unit, plausible=plausible)
+        for name, (unit, plausible) in CASE_NUMBERS.items()
+    },
     "level": _levels,
     "vehicle": _vehicles,
     "trim": _flags,
@@ -238,6 +251,21 @@ class Axes(NamedTuple):
     drawn: dict[str, Drawn]
     in_collision: list[bool]
     arms: dict[str, Alpha5Parameters]
+
+    @property
+    def grid(self) -> dict[str, Sequence[Any]]:
+        """Axis by which rows can be told apart -> its values."""
+        grid: dict[str, Sequence[Any]] = {**self.cases, **self.states}
+        if self.in_collision:
+            grid["in_collision"] = self.in_collision
+        return grid
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Axis that has a unit -> its SI unit."""
+        units = {name: unit for name, (unit, _) in CASE_NUMBERS.items()} | STATE_AXES
+        names = [*self.cases, *self.states, *self.drawn]
+        return {name: units[name] for name in names if name in units}
 
 
 def read_axes(given: Mapping[str, Any], context: Context) -> Axes:

@@ -37,15 +37,13 @@ class Case(NamedTuple):
     """What all states of a case share.
 
     Attributes:
-        index: Axis of the cases -> index of its value.
-        record: Of the arm; None for the catalogue's.
+        axes: Axis of the cases -> index of its value.
         arm: An `Arm`, a `HydrodynamicArm` in moving water, or a `TrimmedArm`.
         motors: Of the four joints.
         on_vehicle: The arm in the trim of its vehicle; None without one.
     """
 
-    index: dict[str, int]
-    record: Alpha5Parameters | None
+    axes: dict[str, int]
     arm: Any
     motors: list[Actuator]
     on_vehicle: TrimmedArm | None
@@ -88,7 +86,7 @@ def case_of(study: Study, number: int) -> Case:
             rotation = _mount(study, values, record)
             arm = _in_water(arm_in(gravity_in_base(rotation)), values, rotation)
         motors = [actuator(joint.name, arm=record) for joint in record.joints[:4]]
-    return Case(index=index, record=own, arm=arm, motors=motors, on_vehicle=on_vehicle)
+    return Case(axes=index, arm=arm, motors=motors, on_vehicle=on_vehicle)
 
 
 def _record(

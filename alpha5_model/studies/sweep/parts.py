@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import FileFormatError, InputError
@@ -24,23 +22,8 @@ from alpha5_model.studies.sweep.study import Output, Study, made_by
 
 #: States of a part at most: with all quantities they take some 100 MB.
 STATES = 2**18
-
-
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """Some rows of a case.
-
-    Attributes:
-        number: Of each row, (n,).
-        index: Axis -> index of its value, one for all rows or (n,).
-        columns: Other columns that describe the states, (n,) each.
-        quantities: By name, (n, columns) each.
-    """
-
-    number: NDArray[np.int64]
-    index: dict[str, Any]
-    columns: dict[str, NDArray[Any]]
-    quantities: dict[str, FloatArray]
+#: Small cases of a part at most: to make an arm takes as long as 100 000 states.
+CASES = 64
 
 
 class Part(NamedTuple):
@@ -65,53 +48,64 @@ def count_parts(study: Study) -> int:
     """Number of parts of a study."""
     if study.recordings:
         return len(study.recordings)
-    blocks = -(-study.states // STATES)
-    if blocks > 1:
-        return study.cases * blocks
-    return -(-study.cases // (STATES // study.states))
+    if study.states > STATES:
+        return study.cases * _blocks(study)
+    return -(-study.cases // _cases_of_part(study))
 
 
 def _pieces(study: Study, part: int) -> Iterator[tuple[int, int, int]]:
     """Cases of a part, with the first state and that after the last one."""
-    states = study.states
-    blocks = -(-states // STATES)
-    if blocks > 1 and not study.recordings:
-        case, block = divmod(part, blocks)
-        yield case, block * STATES, min((block + 1) * STATES, states)
+    if study.states > STATES and not study.recordings:
+        case, block = divmod(part, _blocks(study))
+        yield case, block * STATES, min((block + 1) * STATES, study.states)
         return
+    several = _cases_of_part(study)
+    for case in range(part * several, min((part + 1) * several, study.cases)):
+        yield case, 0, study.states
+
+
+def _blocks(study: Study) -> int:
+    """Number of parts of a large case."""
+    return -(-study.states // STATES)
+
+
+def _cases_of_part(study: Study) -> int:
+    """Number of small cases, or of cases of a recording, in a part."""
     if study.recordings:
-        several = study.cases // len(study.recordings)
-    else:
-        several = STATES // states
-    last = min((part + 1) * several, study.cases)
-    for case in range(part * several, last):
-        yield case, 0, states
+        return study.cases // len(study.recordings)
+    return min(CASES, STATES // study.states)
 
 
-def rows_of(study: Study, case_number: int, first: int, last: int) -> Rows:
-    """States first to last - 1 of a case, and what they give; or all of a recording.
+def rows_of(
+    study: Study, case_number: int, first: int, last: int
+) -> tuple[States, dict[str, FloatArray]]:
+    """Rows of a case, and their quantities by name, (n, columns) each.
+
+    Args:
+        study: The study.
+        case_number: Of the case.
+        first: Number of its first state; no matter for a recording, which is read
+            whole.
+        last: Number after that of the last one.
 
     Raises:
         Alpha5Error: A recording, or an arm, that cannot be used.
     """
-    states = _states(study, case_number, first, last)
+    _, values = case_values(study, case_number)
+    own = study.arm_of(values)
+    if study.recordings:
+        states = recorded_states(study, study.folder / values["recording"], own)
+    else:
+        states = states_of(study, own, first, last)
     case = case_of(study, case_number)
     wanted = {output.quantity for output in study.outputs.values()}
-    return Rows(
+    quantities = quantities_of(case, states, wanted)
+    rows = replace(
+        states,
         number=case_number * study.states + states.number,
-        index={**case.index, **states.index},
-        columns=states.columns,
-        quantities=quantities_of(case, states, wanted),
+        index={**case.axes, **states.index},
     )
-
-
-def _states(study: Study, case_number: int, first: int, last: int) -> States:
-    """States first to last - 1 of a case, or all of its recording."""
-    _, values = case_values(study, case_number)
-    arm = study.arm_of(values)
-    if study.recordings:
-        return recorded_states(study, study.folder / values["recording"], arm)
-    return states_of(study, arm, first, last)
+    return rows, quantities
 
 
 def compute(study: Study, number: int) -> Part:
@@ -143,15 +137,15 @@ def _computed(study: Study, number: int, digest: str) -> Part:
     tables = []
     count = 0
     for case, first, last in _pieces(study, number):
-        rows = rows_of(study, case, first, last)
-        count += rows.number.size
+        rows, quantities = rows_of(study, case, first, last)
         if not rows.number.size:
             continue
+        count += rows.number.size
         for name, reduction in reductions.items():
-            values = rows.quantities[study.outputs[name].quantity]
+            values = quantities[study.outputs[name].quantity]
             reduction.add(values, rows.index, rows.number)
         if study.has_table:
-            tables.append(table_of(study, rows))
+            tables.append(table_of(study, rows, quantities))
 
     entries = []
     for k, reduction in enumerate(reductions.values()):
@@ -163,7 +157,7 @@ def _computed(study: Study, number: int, digest: str) -> Part:
             tables,
             units=_units_of_rows(study),
             # Numbers that hardly repeat would take most of the time.
-            repeated=[*study.grid],
+            repeated=[*study.axes.grid],
             compression="none",
             study=study.head,
         )
@@ -186,22 +180,26 @@ def inputs_of(study: Study, row: Any) -> dict[str, Any]:
     if not is_number or not 0 <= row < study.cases * study.states:
         raise InputError("row", row, expected)
     case, state = divmod(int(row), study.states)
-    rows = rows_of(study, case, state, state + 1)
+    rows, quantities = rows_of(study, case, state, state + 1)
     at = np.flatnonzero(rows.number == row)
     if not at.size:
         raise InputError("row", row, f"{expected}; this one is left out of it")
-    return {name: x[at[0]].item() for name, x in table_of(study, rows).items()}
+    return {
+        name: x[at[0]].item() for name, x in table_of(study, rows, quantities).items()
+    }
 
 
-def table_of(study: Study, rows: Rows) -> Columns:
+def table_of(
+    study: Study, rows: States, quantities: Mapping[str, FloatArray]
+) -> Columns:
     """Rows as a table: numbers, axes, and the quantities kept as tables."""
     table: Columns = {"row": rows.number}
     for name, index in rows.index.items():
-        table[name] = np.array(study.grid[name])[index]
+        table[name] = np.array(study.axes.grid[name])[index]
     table |= rows.columns
     for output in study.outputs.values():
         if output.form == "table":
-            values = rows.quantities[output.quantity]
+            values = quantities[output.quantity]
             table |= dict(zip(_columns_of(output), values.T, strict=True))
     shape = rows.number.shape
     return {name: np.broadcast_to(column, shape) for name, column in table.items()}
@@ -214,7 +212,7 @@ def _columns_of(output: Output) -> list[str]:
 
 def _units_of_rows(study: Study) -> dict[str, str]:
     """Column of the rows of a study -> its unit."""
-    units = {**study.units, "time": "s"}
+    units = {**study.axes.units, "time": "s"}
     for output in study.outputs.values():
         units |= dict.fromkeys(_columns_of(output), output.unit)
     return units
@@ -246,11 +244,10 @@ def merge(file: Path, reductions: Mapping[str, Reduction]) -> int:
 
 def part_names(study: Study) -> list[str]:
     """Name of the files of each part."""
-    if study.recordings:
-        digests = [digest_of(study.folder / name) for name in study.recordings]
-    else:
-        digests = [""] * count_parts(study)
-    return [part_name(study, k, digest) for k, digest in enumerate(digests)]
+    if not study.recordings:
+        return [part_name(study, k, "") for k in range(count_parts(study))]
+    paths = [study.folder / name for name in study.recordings]
+    return [part_name(study, k, digest_of(path)) for k, path in enumerate(paths)]
 
 
 def part_name(study: Study, number: int, digest: str) -> str:
@@ -261,22 +258,16 @@ def part_name(study: Study, number: int, digest: str) -> str:
         number: Of the part.
         digest: Of its recording; "" without one.
     """
-    key = hashlib.sha256(study.head.encode()).hexdigest()[:16]
-    return "-".join(filter(None, [key, f"{number:06}", digest])) + ".parquet"
+    return f"{study.key}-{number:06}{digest}.parquet"
 
 
 def digest_of(recording: Path) -> str:
-    """A hash of a recording, which may be a folder; of nothing if it is not there."""
-    files = [recording]
-    if recording.is_dir():
-        files = sorted(file for file in recording.rglob("*") if file.is_file())
-    found = hashlib.sha256()
-    with suppress(OSError, ValueError):
-        for file in files:
-            found.update(str(file.relative_to(recording)).encode(errors="replace"))
-            with file.open("rb") as stream:
-                found.update(hashlib.file_digest(stream, "sha256").digest())
-    return found.hexdigest()[:16]
+    """A hash of a recording, for `part_name`; "" if it cannot be read."""
+    try:
+        with recording.open("rb") as stream:
+            return f"-{hashlib.file_digest(stream, 'sha256').hexdigest()[:16]}"
+    except OSError:  # said when it is computed
+        return ""
 
 
 def parquet_file(

@@ -127,7 +127,7 @@ class Histogram:
             self._counts[k] += self._counted(column[~np.isnan(column)])
 
     def _counted(self, values: FloatArray) -> IntArray:
-        """How many of some values, (n,), are in each bin; its upper end is not in it."""
+        """How many of some values, (n,), are in each bin, its upper end excluded."""
         low, high = self._output.range
         inside, _ = np.histogram(values, self._output.bins, (low, high))
         inside[-1] -= np.count_nonzero(values == high)
@@ -197,5 +197,5 @@ def reductions_of(study: Study) -> dict[str, Reduction]:
         elif output.form == "histogram":
             found[name] = Histogram(output, np.linspace(*output.range, output.bins + 1))
         elif output.form != "table":
-            found[name] = Extremes(output, study.grid)
+            found[name] = Extremes(output, study.axes.grid)
     return found

@@ -5,15 +5,17 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from alpha5_model._support.files import PathLike, errors_of
 from alpha5_model._support.outputs import check_outputs
-from alpha5_model.errors import InputError
+from alpha5_model._support.writing import atomic_write, atomic_write_all
+from alpha5_model.errors import InputError, MissingDependencyError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.sweep.parts import (
-    Part,
     count_parts,
     inputs_of,
     merge,
@@ -22,7 +24,7 @@ from alpha5_model.studies.sweep.parts import (
 )
 from alpha5_model.studies.sweep.reductions import reductions_of
 from alpha5_model.studies.sweep.study import Output, Study, read_study
-from alpha5_model.studies.sweep.workers import check_packages, computed
+from alpha5_model.studies.sweep.workers import computed
 
 #: Most parts of a study: more files make a folder slow.
 _MOST_PARTS = 2**20
@@ -91,7 +93,10 @@ def sweep(
             parts stay.
         MissingDependencyError: Without ``alpha5-model[sweep]``.
     """
-    check_packages(with_dask=bool(workers or scheduler))
+    for package in ("pyarrow", "distributed") if workers or scheduler else ("pyarrow",):
+        if find_spec(package) is None:
+            remedy = "python -m pip install 'alpha5-model[sweep]'"
+            raise MissingDependencyError(package, "a sweep", remedy)
     found = read_study(study, arm)
     target = Path(folder)
     reductions = reductions_of(found)
@@ -100,36 +105,40 @@ def sweep(
     for name in reductions:
         check_outputs((), output=(target / f"{name}.parquet", (".parquet",)))
     if count_parts(found) > _MOST_PARTS:
-        rows = f"{found.cases * found.states:.3g} rows"
-        raise InputError("study", rows, f"at most {_MOST_PARTS} parts: a smaller one")
+        size = f"{found.cases * found.states:.3g} rows"
+        raise InputError("study", size, f"at most {_MOST_PARTS} parts: a smaller one")
 
     names = part_names(found)
-    _clear(target, names, restart)
+    _remove_old(target, found, names, restart)
     missing = [k for k, name in enumerate(names) if not _is_done(target, name, found)]
-    _write(target / "study.toml", found.described(found.text).encode())
-    failures = {}
+    atomic_write(target / "study.toml", found.text)
+    failed = {}
     done = len(names) - len(missing)
     for part in computed(found, missing, workers, scheduler, target):
         if part.problem:
-            failures[found.recordings[part.number]] = part.problem
+            failed[part.number] = part.problem
         else:
             names[part.number] = part.name
-            _write_part(target, part)
+            files = {target / "parts" / part.name: part.kept}
+            if part.rows is not None:
+                files[target / "rows" / part.name] = part.rows
+            atomic_write_all(files)
         done += 1
         if progress:
             progress("compute", done / len(names))
 
     rows = 0
     for number, name in enumerate(names):
-        if not found.recordings or found.recordings[number] not in failures:
+        if number not in failed:
             rows += merge(target / "parts" / name, reductions)
+    failures = {found.recordings[k]: problem for k, problem in sorted(failed.items())}
     outputs = {name: reduction.table() for name, reduction in reductions.items()}
     result = Sweep(study=found, rows=rows, failures=failures, outputs=outputs)
     _write_results(target, result)
     return result
 
 
-def _clear(target: Path, names: list[str], restart: bool) -> None:
+def _remove_old(target: Path, study: Study, names: list[str], restart: bool) -> None:
     """Remove parts of recordings that have changed, or with ``restart`` all parts.
 
     Raises:
@@ -137,27 +146,17 @@ def _clear(target: Path, names: list[str], restart: bool) -> None:
             would take them in.
         OutputError: A file cannot be removed.
     """
-    present = [
-        file
-        for folder in (target / "parts", target / "rows")
-        if folder.is_dir()
-        for file in sorted(folder.iterdir())
-        if not file.name.startswith(".")
-    ]
-    of_study = names[0][:16]
-    old = []
-    for file in present:
-        if file.name in names and not restart:
-            continue
-        is_part = _PART_NAME.fullmatch(file.name)
-        if is_part and (restart or file.name.startswith(of_study)):
+    old = [*target.glob(".alpha5-*")]  # of processes that were killed
+    for file in chain(target.glob("parts/*"), target.glob("rows/*")):
+        is_part = _PART_NAME.fullmatch(file.name) is not None
+        is_changed = file.name.startswith(study.key) and file.name not in names
+        if file.name.startswith(".alpha5-") or (is_part and (restart or is_changed)):
             old.append(file)
-        elif is_part:
-            expected = "another one, or restart: this one holds parts of another study"
-            raise InputError("folder", str(target), expected)
-        else:
-            expected = f"only parts of this study in {file.parent}; move it away"
-            raise InputError("folder", file.name, expected)
+        elif file.name not in names and not file.name.startswith("."):
+            expected = f"only parts of this study; move {file.name} away"
+            if is_part:
+                expected = "another one, or to restart: it has parts of another study"
+            raise InputError("folder", str(file.parent), expected)
     for file in old:
         with errors_of(file):
             file.unlink()
@@ -169,33 +168,28 @@ def _is_done(target: Path, name: str, study: Study) -> bool:
     return has_rows and (target / "parts" / name).is_file()
 
 
-def _write_part(target: Path, part: Part) -> None:
-    """Write the files of a part, the one by which it is done last."""
-    if part.rows is not None:
-        _write(target / "rows" / part.name, part.rows)
-    _write(target / "parts" / part.name, part.kept)
-
-
 def _write_results(target: Path, found: Sweep) -> None:
     """Write a table for each output, then the summary."""
     study = found.study
+    files: dict[Path, str | bytes] = {}
     for name, table in found.outputs.items():
         units = _units(study, study.outputs[name])
         content = parquet_file([table], units, study=study.head)
-        _write(target / f"{name}.parquet", content)
+        files[target / f"{name}.parquet"] = content
     summary = {
         "made_by": study.made_by,
         "seed": study.seed,
         "rows": found.rows,
         "failures": found.failures,
         "units": {
-            "axes": study.units,
+            "axes": study.axes.units,
             "outputs": {name: output.unit for name, output in study.outputs.items()},
         },
     }
     if study.arm is not None:
         summary["arm"] = study.arm.name
-    _write(target / "summary.json", json.dumps(summary, indent=1).encode())
+    files[target / "summary.json"] = json.dumps(summary, indent=1)
+    atomic_write_all(files)
 
 
 def _units(study: Study, output: Output) -> dict[str, str]:
@@ -207,22 +201,4 @@ def _units(study: Study, output: Output) -> dict[str, str]:
             f"{column}_{end}" for column in output.columns for end in ("low", "high")
         ]
         return dict.fromkeys(ends, output.unit)
-    return {**study.units, **dict.fromkeys(output.columns, output.unit)}
-
-
-def _write(file: Path, content: bytes) -> None:
-    """Write a file whole or not at all.
-
-    A process that is killed leaves at most the hidden file, which the next one replaces.
-
-    Raises:
-        OutputError: It cannot be written.
-    """
-    temporary = file.with_name(f".{file.name}")
-    with errors_of(file):
-        file.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            temporary.write_bytes(content)
-            temporary.replace(file)
-        finally:
-            temporary.unlink(missing_ok=True)
+    return {**study.axes.units, **dict.fromkeys(output.columns, output.unit)}

@@ -27,7 +27,7 @@ class States:
 
     Attributes:
         number: Of each among the states of its case, (n,).
-        index: Axis -> index of its value, (n,).
+        index: Axis -> index of its value, (n,), or one for all.
         columns: Other columns that describe them: random numbers or times, (n,) each.
         position: [rad].
         velocity: [rad/s].
@@ -36,7 +36,7 @@ class States:
     """
 
     number: NDArray[np.int64]
-    index: dict[str, NDArray[np.intp]]
+    index: dict[str, Any]
     columns: dict[str, NDArray[Any]]
     position: FloatArray
     velocity: FloatArray
@@ -56,7 +56,7 @@ class States:
         """
         return States(
             number=self.number[kept],
-            index={name: index[kept] for name, index in self.index.items()},
+            index={name: at[kept] for name, at in self.index.items()},
             columns={name: column[kept] for name, column in self.columns.items()},
             position=self.position[kept],
             velocity=self.velocity[kept],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import re
@@ -25,15 +26,12 @@ from alpha5_model._support.text import plain
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.kernels.choice import backend
-from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm, is_catalogue
 from alpha5_model.studies.sweep.axes import (
-    CASE_NUMBERS,
     CATALOGUE,
     JOINTS,
     MOST,
-    STATE_AXES,
     Axes,
     Context,
     check_states,
@@ -62,16 +60,6 @@ FORMS = {
     "quantile": ("levels",),
     "histogram": ("range", "bins"),
     "table": (),
-}
-#: Axis of a case -> plausible range of the value farthest from 0.
-_PLAUSIBLE = {
-    "payload_mass": plausibility.MASS,
-    "payload_x": plausibility.POSITION,
-    "payload_y": plausibility.POSITION,
-    "payload_z": plausibility.POSITION,
-    "payload_volume": plausibility.VOLUME,
-    "fluid_density": plausibility.FLUID_DENSITY,
-    "current_speed": plausibility.CURRENT,
 }
 #: Tables and keys of a study.
 _KEYS = (
@@ -117,7 +105,6 @@ class Study:
     Rows are numbered case by case, state by state, the last axis fastest.
 
     Attributes:
-        source: The file's name.
         folder: Where relative paths of recordings start.
         text: As read.
         settings: Its tables and keys, without comments.
@@ -131,7 +118,6 @@ class Study:
         made_by: See `made_by`.
     """
 
-    source: str
     folder: Path
     text: str
     settings: dict[str, Any]
@@ -161,18 +147,6 @@ class Study:
             return _ROWS_OF_RECORDING
         return self.samples * math.prod(map(len, self.axes.states.values()))
 
-    @property
-    def grid(self) -> dict[str, Sequence[Any]]:
-        """Axis that has values, by which rows can be told apart -> its values."""
-        return _grid(self.axes)
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Axis that has a unit -> its SI unit."""
-        units = {**STATE_AXES, **CASE_NUMBERS}
-        names = [*self.axes.cases, *self.axes.states, *self.axes.drawn]
-        return {name: units[name] for name in names if name in units}
-
     def arm_of(self, case: Mapping[str, Any]) -> Alpha5Parameters | None:
         """The record of the arm of a case; None for the catalogue's.
 
@@ -188,24 +162,20 @@ class Study:
 
     @cached_property
     def head(self) -> str:
-        """All that the results depend on, without the comments of the study."""
-        settings = json.dumps(self.settings, ensure_ascii=False, default=str)
-        return self.described(f"{settings}\n")
+        """All that the results depend on but the recordings' content, as JSON."""
+        parts = {
+            "made_by": self.made_by,
+            "study": self.settings,
+            "recordings": self.recordings,
+            "arms": plain(self.axes.arms),
+            "arm": plain(self.arm),
+        }
+        return json.dumps(parts, ensure_ascii=False, default=str)
 
-    def described(self, settings: str) -> str:
-        """The version, settings, and the recordings and arms that they lead to.
-
-        Args:
-            settings: Of the study, as text.
-        """
-        lines = [f"# {self.made_by}\n", settings]
-        for k, name in enumerate(self.recordings):
-            lines.append(f"# recording {k}: {name}\n")
-        for name, record in self.axes.arms.items():
-            lines.append(f"# arm {name}: {json.dumps(plain(record))}\n")
-        if self.arm is not None:
-            lines.append(f"# arm: {json.dumps(plain(self.arm))}\n")
-        return "".join(lines)
+    @cached_property
+    def key(self) -> str:
+        """A hash of `head`."""
+        return hashlib.sha256(self.head.encode()).hexdigest()[:16]
 
 
 def made_by() -> str:
@@ -233,32 +203,16 @@ def read_study(study: PathLike, arm: Alpha5Parameters | None = None) -> Study:
     text = read_named(study, "a study (TOML)").decode("utf-8-sig", "replace")
     text = text.replace("\r\n", "\n")
     settings = toml_tables(text, str(study))
-    if arm is not None and _is_default(arm):
-        arm = None
+    if arm is not None:
+        record = chosen_arm(arm)
+        if is_catalogue(record) and record.corrections == DEFAULT_CORRECTIONS:
+            arm = None
     try:
-        found = _checked(settings, text, Path(study), arm)
+        return _checked(settings, text, Path(study), arm)
     except FileFormatError:  # of an arm file
         raise
     except ValueError as error:  # this package's own
         raise FileFormatError(str(study), str(error)) from None
-
-    for name, limits in _PLAUSIBLE.items():
-        if name in found.axes.cases:
-            farthest = max(found.axes.cases[name], key=abs)
-            plausibility.check(f"axes.{name}", farthest, limits)
-    return found
-
-
-def _is_default(arm: Alpha5Parameters) -> bool:
-    """Whether a record is the catalogue's, as it is without an arm."""
-    record = chosen_arm(arm)
-    return is_catalogue(record) and record.corrections == DEFAULT_CORRECTIONS
-
-
-def _grid(axes: Axes) -> dict[str, Sequence[Any]]:
-    """Axis that has values -> its values."""
-    grid: dict[str, Sequence[Any]] = {**axes.cases, **axes.states}
-    return {**grid, "in_collision": axes.in_collision} if axes.in_collision else grid
 
 
 def _checked(
@@ -295,11 +249,10 @@ def _checked(
         raise InputError("samples", samples, "none if no axis is random")
 
     outputs = {
-        name: _output(name, table, _grid(axes))
+        name: _output(name, table, axes.grid)
         for name, table in given["outputs"].items()
     }
     return Study(
-        source=str(source),
         folder=folder,
         text=text,
         settings=given,

@@ -5,11 +5,10 @@ from __future__ import annotations
 import pickle
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from alpha5_model.errors import InputError, MissingDependencyError, OutputError
+from alpha5_model.errors import InputError, OutputError
 from alpha5_model.studies.sweep.parts import Part, compute
 from alpha5_model.studies.sweep.study import Study
 
@@ -18,18 +17,6 @@ _PATIENCE = 5.0
 #: Leaves Ctrl-C, which goes to every process of a terminal, to the asking one. It ends
 #: the workers. Otherwise each would print what it was doing.
 _SET_UP = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
-
-
-def check_packages(with_dask: bool) -> None:
-    """Refuse to start without the packages that a sweep needs.
-
-    Raises:
-        MissingDependencyError: One of them is missing.
-    """
-    for package in ("pyarrow", "distributed") if with_dask else ("pyarrow",):
-        if find_spec(package) is None:
-            remedy = "python -m pip install 'alpha5-model[sweep]'"
-            raise MissingDependencyError(package, "a sweep", remedy)
 
 
 def computed(
