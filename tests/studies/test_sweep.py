@@ -270,25 +270,6 @@ def arm_of_row(row: dict[str, Any]) -> Any:
     return still.with_hydrodynamics(rotation.T @ flow)
 
 
-def test_parameter_samples_are_those_of_uncertainty(tmp_path: Path) -> None:
-    from alpha5_model.dynamics.load import arm_of
-    from alpha5_model.studies.uncertainty.sampling import sample
-
-    study = (
-        f"seed = 5\n[axes]\n{STATES}\nparameters = 4\n"
-        + GRID[GRID.index("[outputs.rows") :]
-    )
-    a5.sweep(written(tmp_path, study), tmp_path / "out")
-    q = columns(tmp_path / "out", *(f"axis_{x}_pos" for x in "edcb"))
-    got = columns(tmp_path / "out", *(f"torque.axis_{x}" for x in "edcb"))
-    drawn = sample(4, 5)
-    for row in (0, 20, 50, 71):
-        arm = arm_of(drawn.parameters(row // 18))
-        tau = arm.inverse_dynamics(q[row], [0, -0.4, 0, 0], [0, 0, 0, np.pi / 2])
-        np.testing.assert_allclose(got[row], tau, rtol=1e-10, atol=1e-13)
-    assert np.ptp(got.reshape(4, 18, 4), axis=0).max() > 1e-4
-
-
 def test_what_is_drawn(drawn: tuple[Path, Path]) -> None:
     names = ["axis_d_pos", "axis_c_pos", "axis_b_pos", "axis_d_vel"]
     low = [0, 0, -3, -0.5]

@@ -337,6 +337,11 @@ def test_samples_of_a_recording_are_told_apart_too(tmp_path: Path) -> None:
     touching = arm.in_collision(smooth.position[:, :4])
     assert [row["in_collision"] for row in rows] == touching.tolist()
     assert 0 < touching.sum() < 150
+    left_out = text.replace("in_collision = [false, true]", "")
+    free = rows_of(
+        tmp_path, f"leave_out_self_collision = true\n{left_out}", restart=True
+    )
+    assert [row["sample"] for row in free] == np.flatnonzero(~touching).tolist()
 
 
 @pytest.mark.parametrize(

@@ -46,34 +46,25 @@ class Part(NamedTuple):
 
 def count_parts(study: Study) -> int:
     """Number of parts of a study."""
+    blocks, several = _division(study)
+    return -(-study.cases * blocks // several)
+
+
+def _division(study: Study) -> tuple[int, int]:
+    """Blocks of each case, and how many of them are a part; one of both is 1."""
     if study.recordings:
-        return len(study.recordings)
-    if study.states > STATES:
-        return study.cases * _blocks(study)
-    return -(-study.cases // _cases_of_part(study))
+        return 1, study.cases // len(study.recordings)
+    blocks = -(-study.states // STATES)
+    return blocks, max(1, min(CASES, STATES // study.states))
 
 
 def _pieces(study: Study, part: int) -> Iterator[tuple[int, int, int]]:
     """Cases of a part, with the first state and that after the last one."""
-    if study.states > STATES and not study.recordings:
-        case, block = divmod(part, _blocks(study))
+    blocks, several = _division(study)
+    last = min((part + 1) * several, study.cases * blocks)
+    for number in range(part * several, last):
+        case, block = divmod(number, blocks)
         yield case, block * STATES, min((block + 1) * STATES, study.states)
-        return
-    several = _cases_of_part(study)
-    for case in range(part * several, min((part + 1) * several, study.cases)):
-        yield case, 0, study.states
-
-
-def _blocks(study: Study) -> int:
-    """Number of parts of a large case."""
-    return -(-study.states // STATES)
-
-
-def _cases_of_part(study: Study) -> int:
-    """Number of small cases, or of cases of a recording, in a part."""
-    if study.recordings:
-        return study.cases // len(study.recordings)
-    return min(CASES, STATES // study.states)
 
 
 def rows_of(

@@ -110,7 +110,14 @@ def sweep(
 
     names = part_names(found)
     _remove_old(target, found, names, restart)
-    missing = [k for k, name in enumerate(names) if not _is_done(target, name, found)]
+    folders = [target / "parts"]
+    if found.has_table:
+        folders.append(target / "rows")
+    missing = [
+        number
+        for number, name in enumerate(names)
+        if not all((folder / name).is_file() for folder in folders)
+    ]
     atomic_write(target / "study.toml", found.text)
     failed = {}
     done = len(names) - len(missing)
@@ -160,12 +167,6 @@ def _remove_old(target: Path, study: Study, names: list[str], restart: bool) -> 
     for file in old:
         with errors_of(file):
             file.unlink()
-
-
-def _is_done(target: Path, name: str, study: Study) -> bool:
-    """Whether the files of a part are there."""
-    has_rows = not study.has_table or (target / "rows" / name).is_file()
-    return has_rows and (target / "parts" / name).is_file()
 
 
 def _write_results(target: Path, found: Sweep) -> None:

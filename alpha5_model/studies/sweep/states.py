@@ -113,8 +113,6 @@ def _states(
         acceleration=motion["acc"],
         direction=np.sign(motion["vel"]),
     )
-    if study.leaves_out_collisions:
-        return states.chosen(~_touches(states, arm))
     return _told_apart(study, states, arm)
 
 
@@ -133,20 +131,17 @@ def _drawn(study: Study, first: int, last: int) -> dict[str, FloatArray]:
     }
 
 
-def _touches(states: States, arm: Alpha5Parameters | None) -> NDArray[np.bool_]:
-    """Whether the arm, its jaws closed, touches itself, (n,)."""
-    return self_collision(chosen_arm(arm)).touches(states.position)
-
-
 def _told_apart(study: Study, states: States, arm: Alpha5Parameters | None) -> States:
-    """The states with their place on the axis ``in_collision``, if there is one.
+    """The states that a study keeps: the arm, its jaws closed, may touch itself.
 
-    Those that have no place on it are left out.
+    They have their place on the axis ``in_collision``, if there is one.
     """
     values = study.axes.in_collision
-    if not values:
+    if not (values or study.leaves_out_collisions):
         return states
-    touches = _touches(states, arm)
+    touches = self_collision(chosen_arm(arm)).touches(states.position)
+    if study.leaves_out_collisions:
+        return states.chosen(~touches)
     place = (touches == values[-1]) * (len(values) - 1)
     index = {**states.index, "in_collision": place}
     return replace(states, index=index).chosen(np.isin(touches, values))
