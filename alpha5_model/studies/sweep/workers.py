@@ -52,7 +52,9 @@ def computed(
     packed = pickle.dumps(study)
     with _client(workers, scheduler) as client:
         try:
-            futures = client.map(_compute, parts, study=packed, pure=False)
+            # Each worker gets it once, as large as its axes may be.
+            sent = client.scatter(packed, broadcast=True)
+            futures = client.map(_compute, parts, study=sent, pure=False)
             for future in as_completed(futures):
                 yield future.result()
         except (KilledWorker, CancelledError, OSError) as error:
