@@ -6,8 +6,6 @@ import math
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +13,9 @@ from alpha5_model._support.text import table
 from alpha5_model.cli import options as common
 from alpha5_model.cli import printing
 from alpha5_model.cli.parsing import Parser
-from alpha5_model.errors import InputError
-from alpha5_model.studies.sweep.extent import Extent
-from alpha5_model.studies.sweep.run import sweep as run_study
 
 #: How many values of an output of a study are printed; its file has all of them.
 _PRINTED = 5
-#: Work that takes longer is announced [s].
-_LONG = 2.0
 #: Log levels of Dask: an error on a cluster is one line of ours. The last of them
 #: reports callbacks that come after an interruption.
 _QUIET = str(
@@ -67,15 +60,17 @@ def options(parser: Parser) -> None:
         "--scheduler", help="scheduler of a Dask cluster: tcp://host:8786"
     )
     parser.add_argument(
-        "--yes",
+        "--restart",
         action="store_true",
-        help="start even more than a billion rows or 10 GB",
+        help="compute all of it, whatever the folder has",
     )
     common.arm_file(parser)
     common.as_json(parser)
 
 
 def run(given: Namespace) -> int:
+    from alpha5_model.studies.sweep.run import sweep as run_study
+
     own = common.record_of(given)
     # Dask reads this when it is imported, by the workers, too.
     os.environ.setdefault("DASK_LOGGING", _QUIET)
@@ -86,9 +81,9 @@ def run(given: Namespace) -> int:
                 given.output,
                 workers=given.workers,
                 scheduler=given.scheduler,
+                restart=given.restart,
                 progress=progress,
                 arm=own,
-                announce=partial(_announce, given.yes),
             )
     except KeyboardInterrupt:
         goes_on = "interrupted; the same command goes on with what is left"
@@ -100,47 +95,11 @@ def run(given: Namespace) -> int:
         "failures": found.failures,
         "units": {name: found.study.outputs[name].unit for name in found.outputs},
         "outputs": found.outputs,
-        "repaired": found.repaired,
-        "foreign": found.foreign,
     }
     if found.study.arm is not None:
         record["arm"] = found.study.arm.name
     printing.show(given.json, record, _text(record), given.output)
     return 1 if found.failures else 0
-
-
-def _announce(yes: bool, extent: Extent) -> None:
-    """Print what a long study will take.
-
-    Raises:
-        InputError: It is large, and ``--yes`` is not given.
-    """
-    words = _extent_text(extent)
-    if extent.is_large and not yes:
-        expected = f"a smaller one, or --yes: {words}"
-        raise InputError("study", f"{extent.rows:,} rows", expected)
-    if (extent.seconds or 0.0) > _LONG:
-        print(words, file=sys.stderr)
-
-
-def _extent_text(extent: Extent) -> str:
-    """The size of a study and its approximate time, in words."""
-    parts = "one part" if extent.parts == 1 else f"{extent.parts:,} parts"
-    rows = parts if extent.rows is None else f"{extent.rows:,} rows in {parts}"
-    words = [rows]
-    if extent.table_bytes:
-        words.append(f"about {extent.table_bytes * 1e-9:.2g} GB of tables")
-    if extent.seconds:
-        words.append(f"about {_duration(extent.seconds)}")
-    return ", ".join(words)
-
-
-def _duration(seconds: float) -> str:
-    """A duration in the unit that suits it."""
-    for unit, size in (("days", 86400), ("h", 3600), ("min", 60)):
-        if seconds >= 2 * size:
-            return f"{seconds / size:,.0f} {unit}"
-    return f"{seconds:.0f} s"
 
 
 def _text(record: dict[str, Any]) -> printing.Lines:
@@ -159,16 +118,6 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         yield from table(rows, "<>", 2)
     for recording, problem in record["failures"].items():
         yield f"\nnot used: {recording}: {problem}"
-    for problem in record["repaired"]:
-        yield f"\nmade again: {problem}"
-    yield from _foreign(record["foreign"])
-
-
-def _foreign(names: Sequence[str]) -> printing.Lines:
-    """A line about files in the folder that are none of the study's."""
-    if names:
-        more = f" and {len(names) - _PRINTED} more" if len(names) > _PRINTED else ""
-        yield f"\nnot of this study: {', '.join(names[:_PRINTED])}{more}"
 
 
 def _cell(x: Any) -> str:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray, frozen
 from alpha5_model.dynamics.actuators import Actuator, Interval
 from alpha5_model.errors import MissingParameterError
-from alpha5_model.trajectory.smoothing import SmoothMotion
 
 #: Columns of `motor_columns`; NaN if a constant of the motor is missing.
 BY_MOTOR = (
@@ -22,6 +21,23 @@ BY_MOTOR = (
     "voltage",
     "electrical_power",
 )
+
+
+class JointRates(Protocol):
+    """What the motors need of a motion, (N, n) each.
+
+    Attributes:
+        signed_velocity: Velocities with the sign of the direction [rad/s, m/s].
+        acceleration: [rad/s^2, m/s^2].
+        direction: -1, 0 at rest, or 1.
+    """
+
+    @property
+    def signed_velocity(self) -> FloatArray: ...
+    @property
+    def acceleration(self) -> FloatArray: ...
+    @property
+    def direction(self) -> FloatArray: ...
 
 
 class Drive(NamedTuple):
@@ -53,7 +69,7 @@ class _JointState(NamedTuple):
 
 
 def motor_columns(
-    motors: Sequence[Actuator], motion: SmoothMotion, torque: FloatArray
+    motors: Sequence[Actuator], motion: JointRates, torque: FloatArray
 ) -> dict[str, FloatArray]:
     """`BY_MOTOR` of each joint, (N, n) each.
 
@@ -72,7 +88,7 @@ def motor_columns(
 
 def drive_limits(
     motors: Sequence[Actuator],
-    motion: SmoothMotion,
+    motion: JointRates,
     torque: FloatArray,
     drive: Drive | None,
 ) -> Interval | None:
@@ -107,7 +123,7 @@ def drive_limits(
     return Interval(frozen(lower), frozen(upper))
 
 
-def _state(motion: SmoothMotion, torque: FloatArray, k: int) -> _JointState:
+def _state(motion: JointRates, torque: FloatArray, k: int) -> _JointState:
     """The motion of joint k."""
     return _JointState(
         torque=torque[:, k],

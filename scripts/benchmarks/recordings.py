@@ -11,7 +11,7 @@ import pinocchio as pin
 from benchmarks.timing import Row, compare
 
 import alpha5_model as a5
-from alpha5_model.studies.sweep.chunks import chunks_of, compute
+from alpha5_model.studies.sweep.parts import compute
 from alpha5_model.studies.sweep.study import read_study
 
 SAMPLES = 100_000
@@ -84,5 +84,5 @@ def _sweep(folder: Path) -> list[Row]:
     for form, keys in FORMS.items():
         study = folder / f"{form}.toml"
         study.write_text(f'{STUDY}as = "{form}"\n{keys}\n', encoding="utf-8")
-        functions[form] = partial(compute, chunks_of(read_study(study), SWEPT), 0)
+        functions[form] = partial(compute, read_study(study), 0)
     return compare("a row of a sweep", functions, SWEPT, rounds=5)

@@ -28,7 +28,7 @@ ENTRY_POINTS = {
     "proofs.audit.printed_inverse_kinematics": "the published formulas",
     "proofs.audit.printed_workspace": "the published region",
     "proofs.audit.run": "audit",
-    "studies.sweep.arms": "a study that names corrections",
+    "studies.sweep.cases": "a study that names corrections",
     "studies.uncertainty.arm_numbers": "arm_numbers; which values are the printed ones",
     "viewer.build": "which URDF is drawn",
     "viewer.own_arm": "what the page says of the differences",

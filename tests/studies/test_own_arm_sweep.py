@@ -155,14 +155,3 @@ def test_what_the_arm_cannot_do_is_refused_in_one_line(
     assert "alpha5_lab_2" in said
     assert said.count("\n") == 1
     assert not (tmp_path / "out").exists()
-
-
-def test_a_folder_of_another_arm_is_refused(tmp_path: Path) -> None:
-    record = a5.arm_file(EXAMPLE)
-    file = study(tmp_path, record)
-    a5.sweep(file, tmp_path / "out", arm=record)
-    heavier = dataclasses.replace(record.links[2], mass=0.5)
-    links = (*record.links[:2], heavier, *record.links[3:])
-    other = dataclasses.replace(record, links=links)
-    with pytest.raises(a5.errors.InputError, match="a part of another study"):
-        a5.sweep(file, tmp_path / "out", arm=other)

@@ -1,13 +1,9 @@
-"""Studies have the rows computed by hand, whatever the chunks, workers or accidents."""
+"""Studies have the rows computed by hand, whatever the parts, workers or accidents."""
 
 from __future__ import annotations
 
 import itertools
-import json
-import os
-import resource
-import signal
-from collections.abc import Iterator
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +16,7 @@ from parquet_files import read_table
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.cli import main
-from alpha5_model.trajectory import analyse, read_motion
+from alpha5_model.studies.sweep import parts
 
 STATES = """
 axis_e_pos = {from = 0, to = 350, count = 3, unit = "deg"}
@@ -50,7 +46,6 @@ by = ["payload_mass", "axis_d_pos"]
 quantity = "torque"
 as = "table"
 """
-#: Five blocks in each of two cases.
 DRAWN = """
 seed = 7
 samples = 40000
@@ -87,12 +82,9 @@ def written(folder: Path, text: str) -> Path:
 
 
 def content(folder: Path) -> dict[str, Any]:
-    """What no chunk or process may change: results as bytes, rows as a table."""
+    """What no part or process may change: results as bytes, rows as a table."""
     files = {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
-    rows = None
-    if (folder / "rows").is_dir():
-        rows = read_table(folder / "rows").to_pydict()
-    return {**files, "rows": rows}
+    return {**files, "rows": read_table(folder / "rows").to_pydict()}
 
 
 def columns(folder: Path, *names: str) -> np.ndarray:
@@ -102,21 +94,11 @@ def columns(folder: Path, *names: str) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """A study, and what one process makes of it in one chunk."""
+    """A study, and what one process makes of it in one part."""
     folder = tmp_path_factory.mktemp("drawn")
     study = written(folder, DRAWN)
     a5.sweep(study, folder / "one")
     return study, folder / "one"
-
-
-@pytest.fixture(scope="module")
-def cluster() -> Iterator[Any]:
-    import distributed
-
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None
-    ) as cluster:
-        yield cluster
 
 
 #: The values of GRID's axes.
@@ -215,6 +197,15 @@ def test_a_map_of_a_grid_has_the_peaks_of_each_cell(
         assert cells["norm"][k] == pytest.approx(norm, rel=1e-12)
 
 
+@pytest.mark.parametrize("row", [-1, 108, 10**6, 2.0, True, None, math.nan])
+def test_a_row_outside_the_study_has_no_inputs(
+    row: Any, grid: tuple[Path, Any]
+) -> None:
+    _, found = grid
+    with pytest.raises(a5.errors.InputError, match="row: expected the number of a row"):
+        found.inputs(row)
+
+
 def named(row: dict[str, Any], quantity: str, parts: str) -> list[float]:
     """The numbers of a quantity in a row, such as ``reach.x`` to ``reach.z``."""
     return [row[f"{quantity}{part}"] for part in parts]
@@ -279,25 +270,6 @@ def arm_of_row(row: dict[str, Any]) -> Any:
     return still.with_hydrodynamics(rotation.T @ flow)
 
 
-def test_parameter_samples_are_those_of_uncertainty(tmp_path: Path) -> None:
-    from alpha5_model.dynamics.load import arm_of
-    from alpha5_model.studies.uncertainty.sampling import sample
-
-    study = (
-        f"seed = 5\n[axes]\n{STATES}\nparameters = 4\n"
-        + GRID[GRID.index("[outputs.rows") :]
-    )
-    a5.sweep(written(tmp_path, study), tmp_path / "out")
-    q = columns(tmp_path / "out", *(f"axis_{x}_pos" for x in "edcb"))
-    got = columns(tmp_path / "out", *(f"torque.axis_{x}" for x in "edcb"))
-    drawn = sample(4, 5)
-    for row in (0, 20, 50, 71):
-        arm = arm_of(drawn.parameters(row // 18))
-        tau = arm.inverse_dynamics(q[row], [0, -0.4, 0, 0], [0, 0, 0, np.pi / 2])
-        np.testing.assert_allclose(got[row], tau, rtol=1e-10, atol=1e-13)
-    assert np.ptp(got.reshape(4, 18, 4), axis=0).max() > 1e-4
-
-
 def test_what_is_drawn(drawn: tuple[Path, Path]) -> None:
     names = ["axis_d_pos", "axis_c_pos", "axis_b_pos", "axis_d_vel"]
     low = [0, 0, -3, -0.5]
@@ -340,145 +312,13 @@ def test_quantiles_and_histograms_against_the_table(drawn: tuple[Path, Path]) ->
         np.testing.assert_array_equal(found.outputs["peak"][f"{joint}_row"], first)
 
 
-@pytest.mark.parametrize("rows", [1, 20_000])
-def test_any_size_of_chunks(
-    drawn: tuple[Path, Path], tmp_path: Path, rows: int
+def test_any_size_of_parts(
+    drawn: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    a5.sweep(drawn[0], tmp_path, rows=rows)
-    assert len([*(tmp_path / "parts").iterdir()]) > 2
+    monkeypatch.setattr(parts, "STATES", 9000)
+    a5.sweep(drawn[0], tmp_path)
+    assert len([*(tmp_path / "parts").iterdir()]) == 10
     assert content(tmp_path) == content(drawn[1])
-
-
-@pytest.mark.slow
-def test_a_worker_killed_in_the_middle(
-    drawn: tuple[Path, Path], tmp_path: Path, cluster: Any
-) -> None:
-    """Two workers of a scheduler, given by its address, do as one process does."""
-    pids = [worker.pid for worker in cluster.workers.values()]
-
-    def accident(stage: str, done: float) -> None:
-        if pids:
-            os.kill(pids.pop(), signal.SIGKILL)
-            pids.clear()
-
-    a5.sweep(
-        drawn[0],
-        tmp_path,
-        rows=1,
-        scheduler=cluster.scheduler_address,
-        progress=accident,
-    )
-    assert not pids
-    assert content(tmp_path) == content(drawn[1])
-
-
-def test_a_run_that_was_stopped_goes_on(
-    drawn: tuple[Path, Path], tmp_path: Path
-) -> None:
-    def stop(stage: str, done: float) -> None:
-        if done > 0.3:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        a5.sweep(drawn[0], tmp_path, rows=1, progress=stop)
-    parts = sorted((tmp_path / "parts").glob("*.parquet"))
-    assert len(parts) == 4
-    assert not (tmp_path / "summary.json").exists()
-    kept = {part: part.stat().st_mtime_ns for part in parts[1:]}
-    parts[0].write_bytes(parts[0].read_bytes()[:-100])  # by another accident
-    done: list[float] = []
-    a5.sweep(drawn[0], tmp_path, rows=1, progress=lambda _, part: done.append(part))
-    assert len(done) == 7
-    assert {part: part.stat().st_mtime_ns for part in kept} == kept
-    assert content(tmp_path) == content(drawn[1])
-
-
-def test_a_disk_that_is_full(drawn: tuple[Path, Path], tmp_path: Path) -> None:
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, limits[1]))
-    try:
-        with pytest.raises(
-            a5.errors.OutputError, match=r"cannot write .*rows/part-000000"
-        ):
-            a5.sweep(drawn[0], tmp_path, rows=1)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    assert {p.name for p in tmp_path.rglob("*") if p.is_file()} == {"study.toml"}
-    a5.sweep(drawn[0], tmp_path, rows=1)
-    assert content(tmp_path) == content(drawn[1])
-
-
-def season(tmp_path: Path) -> tuple[Path, Path]:
-    """A folder of three recordings, and a study of it."""
-    folder = tmp_path / "season"
-    folder.mkdir()
-    time = np.linspace(0, 6, 150)
-    head = ",".join(["time_secs", *(f"axis_{x}_pos" for x in "edcb")])
-    for k in range(3):
-        q = np.array([3.1, 1.2, 1.8, 0.0]) + (0.1 + 0.1 * k) * np.sin(time)[:, None]
-        np.savetxt(
-            folder / f"dive_{k}.csv",
-            np.column_stack([time, q]),
-            delimiter=",",
-            header=head,
-            comments="",
-        )
-    (folder / "notes.txt").write_text("no recording")
-    text = """
-    [axes]
-    recordings = "season"
-    fluid_density = [0, 1025]
-    [outputs.torque]
-    quantity = "torque"
-    as = "peak"
-    by = ["recording", "fluid_density"]
-    [outputs.current]
-    quantity = "current"
-    as = "table"
-    """
-    return folder, written(tmp_path, text)
-
-
-def test_a_broken_recording_is_left_out_and_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder, study = season(tmp_path)
-    out = tmp_path / "out"
-    broken = folder / "dive_1.csv"
-    good = broken.read_text()
-    broken.write_text(good.replace("1.8", "one.8"))
-    assert main(["sweep", str(study), "--output", str(out)]) == 1
-    printed = capsys.readouterr().out
-    assert "600 rows" in printed
-    assert "not used: season/dive_1.csv" in printed
-    assert "line 2" in printed
-    summary = json.loads((out / "summary.json").read_text())
-    assert "season/dive_1.csv" in summary["failures"]
-
-    broken.write_text(good)
-    found = a5.sweep(study, out)
-    assert (found.rows, found.failures) == (900, {})
-
-
-def test_rows_of_recordings_are_those_of_their_analysis(tmp_path: Path) -> None:
-    folder, study = season(tmp_path)
-    out = tmp_path / "out"
-    found = a5.sweep(study, out)
-    assert (found.rows, found.failures) == (900, {})
-    table = read_table(out / "rows").to_pylist()
-    assert len(table) == 900
-    for k, density in itertools.product(range(3), (0.0, 1025.0)):
-        path = folder / f"dive_{k}.csv"
-        whole = analyse(read_motion(path), a5.load(density))
-        at = 2 * k + (density > 0)
-        peak = np.abs(whole.torque[:, 1]).max()
-        assert found.outputs["torque"]["axis_d"][at] == pytest.approx(peak, rel=1e-12)
-        key = f"season/{path.name}", density
-        own = [r for r in table if (r["recording"], r["fluid_density"]) == key]
-        current = [r["current.axis_c"] for r in own]
-        np.testing.assert_allclose(current, whole.current[:, 2], rtol=1e-9, atol=1e-12)
-        np.testing.assert_array_equal([r["time"] for r in own], whole.motion.time)
-        assert found.inputs(own[9]["row"])["sample"] == 9
 
 
 @pytest.mark.parametrize(
@@ -523,6 +363,10 @@ def test_rows_of_recordings_are_those_of_their_analysis(tmp_path: Path) -> None:
             ("[axes]", "[axes]\ncorrections = ['link4_cob']"),
             "axes.corrections 'link4_cob'",
         ),
+        (
+            ("[axes]", "[axes]\ncorrections = ['none+link3_cob']"),
+            "axes.corrections: expected 'none' alone",
+        ),
     ],
 )
 def test_a_bad_study_ends_in_one_line_with_the_place(
@@ -539,30 +383,6 @@ def test_a_bad_study_ends_in_one_line_with_the_place(
     assert f"{study}" in printed
     assert place in printed
     assert not (tmp_path / "out").exists()
-
-
-def test_folders_and_schedulers_that_cannot_be(
-    drawn: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    study = str(drawn[0])
-    other = written(tmp_path, GRID)
-    file = tmp_path / "file"
-    file.touch()
-    for arguments, problem in (
-        (
-            [str(tmp_path / "no.toml"), "-o", str(tmp_path / "out")],
-            "no.toml: no such file",
-        ),
-        ([study, "-o", str(file)], "cannot write"),
-        ([study, "-o", str(file / "inside")], "cannot write"),
-        ([study, "-o", "/proc/no"], "cannot write"),
-        ([str(other), "-o", str(drawn[1])], "a part of another study"),
-        ([study, "-o", str(tmp_path / "x"), "--scheduler", "nonsense://"], "scheduler"),
-    ):
-        assert main(["sweep", *arguments]) == 2
-        printed = capsys.readouterr().err
-        assert printed.count("\n") == 1
-        assert problem in printed
 
 
 NESTED = {
@@ -611,100 +431,3 @@ def test_a_study_needs_axes_and_outputs(text: str, place: str, tmp_path: Path) -
     expected = f"{place}: expected a table with at least one key"
     with pytest.raises(a5.errors.FileFormatError, match=expected):
         a5.sweep(written(tmp_path, text), tmp_path / "out")
-
-
-def test_outputs_that_cannot_be_written_are_said_before_the_work(
-    drawn: tuple[Path, Path], tmp_path: Path
-) -> None:
-    for name in ("summary.json", "spread.parquet"):
-        out = tmp_path / name
-        (out / name).mkdir(parents=True)
-        with pytest.raises(a5.errors.OutputError, match=f"{name}: it is a folder"):
-            a5.sweep(drawn[0], out)
-        assert not (out / "parts").exists()
-
-
-def test_current_and_power_alone(tmp_path: Path) -> None:
-    """Current and power are right if their torque is not written."""
-    q = (3.1, 0.5, 1.2, 0.4)
-    axes = "".join(
-        f"axis_{name}_pos = {angle}\naxis_{name}_vel = 0.2\n"
-        for name, angle in zip("edcb", q, strict=True)
-    )
-    outputs = "".join(
-        f'[outputs.{name}]\nquantity = "{name}"\nas = "table"\n'
-        for name in ("current", "power")
-    )
-    a5.sweep(written(tmp_path, f"[axes]\n{axes}{outputs}"), tmp_path / "out")
-    names = [f"{name}.axis_{x}" for name in ("current", "power") for x in "edcb"]
-    ((*current, power_e, _, _, _),) = columns(tmp_path / "out", *names)
-    tau = a5.load().inverse_dynamics(q, np.full(4, 0.2), np.zeros(4))
-    for name, amperes, torque in zip("edcb", current, tau, strict=True):
-        motor = a5.actuators.actuator(f"axis_{name}")
-        assert amperes == pytest.approx(motor.current(torque, 0.2), rel=1e-9)
-        if name == "e":
-            power = motor.power(torque, 0.2)
-            assert power_e == pytest.approx(power.electrical, rel=1e-9)
-
-
-# At 0 of axis_c the wrist touches link 2 within the micrometre that coal knows.
-FOLDED = """
-seed = 3
-samples = 3
-{}
-[axes]
-axis_e_pos = {{values = [-60, 60], unit = "deg"}}
-axis_d_pos = {{from = 0, to = 200, count = 6, unit = "deg"}}
-axis_c_pos = {{from = 1, to = 200, count = 6, unit = "deg"}}
-axis_b_pos = {{random = [-170, 170], unit = "deg"}}
-fluid_density = [1000, 1025]
-[outputs.all]
-quantity = "torque"
-as = "table"
-[outputs.peak]
-quantity = "torque"
-as = "peak"
-"""
-
-
-def test_states_in_self_collision_are_left_out(tmp_path: Path) -> None:
-    from pinocchio_collision import CollisionModel
-
-    collisions = CollisionModel(a5.load().model)
-    names = ("row", *(f"axis_{x}_pos" for x in "edcb"), "torque.axis_d")
-    (tmp_path / "kept").mkdir()
-    a5.sweep(written(tmp_path / "kept", FOLDED.format("")), tmp_path / "all")
-    everything = columns(tmp_path / "all", *names)
-    free = [not collisions.in_collision(row[1:5]) for row in everything]
-    text = FOLDED.format("leave_out_self_collision = true")
-    found = a5.sweep(written(tmp_path, text), tmp_path / "free")
-    left = columns(tmp_path / "free", *names)
-    assert np.array_equal(left, everything[free])
-    assert found.rows == sum(free) < len(everything)
-    assert len(free) - sum(free) > 20
-    peak = found.outputs["peak"]
-    assert peak["axis_d"][0] == np.abs(left[:, 5]).max()
-    where = found.inputs(peak["axis_d_row"][0])
-    chosen = left[np.abs(left[:, 5]).argmax()]
-    assert [where[name] for name in names[1:5]] == chosen[1:5].tolist()
-    assert not collisions.in_collision(chosen[1:5])
-
-
-def test_only_true_or_false_leaves_out_collisions(tmp_path: Path) -> None:
-    text = FOLDED.format('leave_out_self_collision = "yes"')
-    with pytest.raises(a5.Alpha5Error, match="leave_out_self_collision: expected True"):
-        a5.sweep(written(tmp_path, text), tmp_path / "out")
-
-
-def test_a_study_of_collisions_only_has_no_rows(tmp_path: Path) -> None:
-    axes = "".join(f"axis_{x}_pos = 0.0\n" for x in "edcb")
-    text = f"""leave_out_self_collision = true
-[axes]
-{axes}
-[outputs.peak]
-quantity = "torque"
-as = "peak"
-"""
-    found = a5.sweep(written(tmp_path, text), tmp_path / "out")
-    assert found.rows == 0
-    assert np.isnan(found.outputs["peak"]["axis_d"]).all()

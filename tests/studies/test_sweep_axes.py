@@ -1,4 +1,4 @@
-"""Axes of a study that are no numbers: level, vehicle and trim, arms, collision."""
+"""Each axis of a study is what a single call takes."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from parquet_files import read_table
 from pinocchio_collision import CollisionModel
 
 import alpha5_model as a5
+from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.cli import main
-from alpha5_model.studies.sweep.blocks import blocks_of
+from alpha5_model.studies.sweep import parts
 from alpha5_model.studies.sweep.study import read_study
 
 JOINTS = [f"axis_{x}" for x in "edcb"]
@@ -63,43 +64,66 @@ def torque(row: dict[str, Any]) -> list[float]:
     return [row[f"torque.{joint}"] for joint in JOINTS]
 
 
-def test_each_level_is_that_of_the_arm_in_moving_water(tmp_path: Path) -> None:
-    text = f"""[axes]
-    level = ["low", "nominal", "high"]
-    current_speed = [0.0, 0.8]
-    current_azimuth = 0.6
-    {STATES}
-    {table("torque")}"""
-    rows = rows_of(tmp_path, text)
-    assert len(rows) == 48
-    flow = [np.cos(0.6), np.sin(0.6), 0.0]
-    for row in rows:
-        current = row["current_speed"] * np.array(flow)
-        arm = a5.load().with_hydrodynamics(current, row["level"])
+def turned(*angles: float) -> Any:
+    """The arm on a turned mount."""
+    down = rotation_from_rpy(list(angles)).T @ [0.0, 0.0, -9.81]
+    return a5.load(gravity=down)
+
+
+def holding(mass: float, com: tuple[float, ...], volume: float = 0.0) -> Any:
+    return a5.load().with_payload(mass, com, volume=volume)
+
+
+def flowing(*current: float, level: str = "nominal") -> Any:
+    return a5.load().with_hydrodynamics(current, level)
+
+
+COS, SIN = np.cos(0.4), np.sin(0.4)
+#: Axes -> the arm by single calls. Without current and level, water acts by its
+#: buoyancy alone.
+CASES: dict[str, Any] = {
+    "": a5.load,
+    "mount_roll = 0.7": lambda: turned(0.7, 0.0, 0.0),
+    "mount_pitch = 0.7": lambda: turned(0.0, 0.7, 0.0),
+    "mount_yaw = 0.7\nmount_roll = 0.2": lambda: turned(0.2, 0.0, 0.7),
+    "payload_mass = 0.3": lambda: holding(0.3, (0.0, 0.0, 0.0)),
+    "payload_mass = 0.3\npayload_x = 0.02": lambda: holding(0.3, (0.02, 0.0, 0.0)),
+    "payload_mass = 0.3\npayload_y = 0.02": lambda: holding(0.3, (0.0, 0.02, 0.0)),
+    "payload_mass = 0.3\npayload_z = 0.02": lambda: holding(0.3, (0.0, 0.0, 0.02)),
+    "payload_volume = 1e-4": lambda: holding(0.0, (0.0, 0.0, 0.0), 1e-4),
+    "fluid_density = 1000": lambda: a5.load(1000.0),
+    "current_speed = 0.0": lambda: flowing(0.0, 0.0, 0.0),
+    'level = "nominal"': lambda: flowing(0.0, 0.0, 0.0),
+    "current_speed = 0.6\ncurrent_azimuth = 0.4": lambda: flowing(
+        0.6 * COS, 0.6 * SIN, 0.0
+    ),
+    "current_speed = 0.6\ncurrent_elevation = 0.4": lambda: flowing(
+        0.6 * COS, 0.0, 0.6 * SIN
+    ),
+    'current_speed = 0.6\nlevel = "low"': lambda: flowing(0.6, 0, 0, level="low"),
+    'current_speed = 0.6\nlevel = "high"': lambda: flowing(0.6, 0, 0, level="high"),
+    'corrections = "none"': lambda: a5.load(corrections=()),
+}
+
+
+@pytest.mark.parametrize("axes", CASES)
+def test_each_axis_of_a_case_is_what_a_single_call_takes(
+    axes: str, tmp_path: Path
+) -> None:
+    quantities = ("torque", "margin", "mount_force", "mount_moment")
+    outputs = "".join(table(quantity) for quantity in quantities)
+    arm = CASES[axes]()
+    efforts = np.array([joint.effort for joint in a5.parameters().joints[:4]])
+    for row in rows_of(tmp_path, f"[axes]\n{axes}\n{STATES}{outputs}"):
         tau = arm.inverse_dynamics(position(row), V, A)
         assert torque(row) == pytest.approx(tau, rel=1e-9, abs=1e-12)
-
-
-def test_a_speed_of_zero_includes_added_mass_and_so_does_a_level(
-    tmp_path: Path,
-) -> None:
-    """Only without both of these axes, water acts by its buoyancy alone."""
-    still, slow, wet = (
-        rows_of(tmp_path / name, f"[axes]\n{axis}\n{STATES}{table('torque')}")
-        for name, axis in (
-            ("still", ""),
-            ("slow", "current_speed = 0.0"),
-            ("wet", 'level = "nominal"'),
-        )
-    )
-    for dry, row, also in zip(still, slow, wet, strict=True):
-        q = position(dry)
-        tau = a5.load().inverse_dynamics(q, V, A)
-        assert torque(dry) == pytest.approx(tau, rel=1e-12, abs=1e-14)
-        assert torque(row) == torque(also)
-        water = a5.load().with_hydrodynamics()
-        assert torque(row) == pytest.approx(water.inverse_dynamics(q, V, A), rel=1e-9)
-        assert abs(torque(row)[1] - torque(dry)[1]) > 1e-3
+        margin = [row[f"margin.{joint}"] for joint in JOINTS]
+        assert margin == pytest.approx(efforts - np.abs(tau), rel=1e-9)
+        load = arm.base_wrench(position(row), V, A)
+        for name, vector in (("force", load.linear), ("moment", load.angular)):
+            found = [row[f"mount_{name}.{x}"] for x in ("x", "y", "z", "norm")]
+            expected = [*vector, np.linalg.norm(vector)]
+            assert found == pytest.approx(expected, rel=1e-9, abs=1e-11)
 
 
 @pytest.fixture(scope="module")
@@ -208,26 +232,28 @@ def test_rows_of_an_axis_of_arms_are_those_of_each_arm(arms: Path) -> None:
 def test_a_changed_arm_file_is_another_study(
     arms: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    rows_of(arms, ARMS)
+    rows = rows_of(arms, ARMS)
     words = ["sweep", str(arms / "study.toml"), "-o", str(arms / "out")]
     assert main(words) == 0
     file = arms / "light.toml"
     file.write_text(file.read_text("utf-8").replace("0.36", "0.37"), encoding="utf-8")
     capsys.readouterr()
     assert main(words) == 2
-    assert "a part of another study" in capsys.readouterr().err
+    assert "parts of another study" in capsys.readouterr().err
+    assert main([*words, "--restart"]) == 0
+    fresh = read_table(arms / "out/rows").to_pylist()
+    assert len(fresh) == len(rows)
 
 
 def test_workers_need_no_arm_files(arms: Path) -> None:
     (arms / "study.toml").write_text(ARMS, encoding="utf-8")
     study = read_study(arms / "study.toml")
     packed = pickle.dumps(study)
-    here = [block.quantities["torque"] for block in blocks_of(study, 0, 6)]
+    here = parts.compute(study, 0)
     for name in ("light.toml", "mounted.toml"):
         (arms / name).unlink()
-    sent = pickle.loads(packed)
-    there = [block.quantities["torque"] for block in blocks_of(sent, 0, 6)]
-    assert np.array_equal(here, there)
+    there = parts.compute(pickle.loads(packed), 0)
+    assert there == here
 
 
 # At 0 of axis_c the wrist touches link 2 within the micrometre that coal knows.
@@ -260,14 +286,38 @@ def test_rows_in_and_out_of_collision_are_told_apart(tmp_path: Path) -> None:
         assert peak == max(abs(torque(row)[1]) for row in of_value)
 
 
-@pytest.mark.parametrize("value", ["true", "[false]"])
+@pytest.mark.parametrize("value", ["true", "[false]", ""])
 def test_only_the_states_on_the_axis_are_kept(value: str, tmp_path: Path) -> None:
-    rows = rows_of(tmp_path / "some", FOLDED.replace("VALUES", value))
+    """``leave_out_self_collision`` keeps those of ``false``, without a column."""
+    text = FOLDED.replace("in_collision = VALUES", f"in_collision = {value}")
+    if not value:
+        left_out = FOLDED.replace('by = ["in_collision"]', "")
+        text = f"leave_out_self_collision = true\n{left_out}"
+        text = text.replace("in_collision = VALUES", "")
+    rows = rows_of(tmp_path / "some", text)
     whole = rows_of(tmp_path / "all", FOLDED.replace("VALUES", "[true, false]"))
     wanted = value == "true"
     kept = [row["row"] for row in whole if row["in_collision"] is wanted]
     assert [row["row"] for row in rows] == kept
-    assert all(row["in_collision"] is wanted for row in rows)
+
+    found = a5.sweep(tmp_path / "some/study.toml", tmp_path / "some/out")
+    assert found.rows == len(rows)
+    at = found.outputs["peak"]["axis_d_row"][0]
+    assert abs(found.inputs(at)["torque.axis_d"]) == found.outputs["peak"]["axis_d"][0]
+    absent = min({row["row"] for row in whole} - {*kept})
+    with pytest.raises(a5.errors.InputError, match="this one is left out"):
+        found.inputs(absent)
+
+
+def test_a_study_of_collisions_only_has_no_rows(tmp_path: Path) -> None:
+    axes = "".join(f"{joint}_pos = 0.0\n" for joint in JOINTS)
+    peak = '[outputs.peak]\nquantity = "torque"\nas = "peak"\n'
+    text = f"[axes]\nin_collision = false\n{axes}{peak}"
+    study = tmp_path / "study.toml"
+    study.write_text(text, encoding="utf-8")
+    found = a5.sweep(study, tmp_path / "out")
+    assert found.rows == 0
+    assert np.isnan(found.outputs["peak"]["axis_d"]).all()
 
 
 def test_samples_of_a_recording_are_told_apart_too(tmp_path: Path) -> None:
@@ -287,6 +337,11 @@ def test_samples_of_a_recording_are_told_apart_too(tmp_path: Path) -> None:
     touching = arm.in_collision(smooth.position[:, :4])
     assert [row["in_collision"] for row in rows] == touching.tolist()
     assert 0 < touching.sum() < 150
+    left_out = text.replace("in_collision = [false, true]", "")
+    free = rows_of(
+        tmp_path, f"leave_out_self_collision = true\n{left_out}", restart=True
+    )
+    assert [row["sample"] for row in free] == np.flatnonzero(~touching).tolist()
 
 
 @pytest.mark.parametrize(

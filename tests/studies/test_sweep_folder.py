@@ -1,10 +1,20 @@
-"""A folder of results: whatever happened to a file of it is noticed and repaired."""
+"""A folder of results: what is missing is computed, whatever happened before."""
 
 from __future__ import annotations
 
+import itertools
 import json
+import os
+import random
+import resource
 import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +22,9 @@ from parquet_files import read_schema, read_table
 
 import alpha5_model as a5
 from alpha5_model.cli import main
+from alpha5_model.studies.sweep import parts
 
-#: Three chunks of one block each.
+#: Three parts of at most `STATES`.
 STUDY = """# a comment
 seed = 2
 samples = 20000
@@ -33,16 +44,18 @@ levels = [0.5]
 quantity = "torque"
 as = "table"
 """
-#: Every file of the results of STUDY.
-FILES = (
-    "study.toml",
-    "summary.json",
-    "peak.parquet",
-    "spread.parquet",
-    *(f"parts/part-00000{k}.parquet" for k in range(3)),
-    *(f"parts/part-00000{k}.sha256" for k in range(3)),
-    *(f"rows/part-00000{k}.parquet" for k in range(3)),
+#: Many parts for processes that have the package's own `STATES`: one has 64 cases.
+CASES = STUDY.replace("samples = 20000", "samples = 10").replace(
+    "[outputs.peak]", "payload_mass = {from = 0, to = 1, count = 1000}\n[outputs.peak]"
 )
+STATES = 8192
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_parts() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parts, "STATES", STATES)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -51,14 +64,12 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("whole")
     study = folder / "study.toml"
     study.write_text(STUDY, encoding="utf-8")
-    found = a5.sweep(study, folder / "out", rows=1)
-    assert found.repaired == ()
-    assert found.foreign == ()
+    a5.sweep(study, folder / "out")
     return study, folder / "out"
 
 
 def content(folder: Path) -> dict[str, bytes]:
-    """Path -> bytes of every file in a folder."""
+    """Path -> bytes of every file in a folder, hidden ones included."""
     return {
         file.relative_to(folder).as_posix(): file.read_bytes()
         for file in folder.rglob("*")
@@ -66,109 +77,272 @@ def content(folder: Path) -> dict[str, bytes]:
     }
 
 
-def flip(file: Path, at: int, bit: int) -> None:
-    """Change one bit of a file."""
-    changed = bytearray(file.read_bytes())
-    changed[at] ^= 1 << bit
-    file.write_bytes(changed)
-
-
-def repaired(whole: tuple[Path, Path], out: Path) -> tuple[str, ...]:
-    """What a rerun in a folder repairs; its files are then those of the whole one."""
-    study, kept = whole
-    found = a5.sweep(study, out, rows=1)
-    assert content(out) == content(kept)
-    again = a5.sweep(study, out, rows=1)
-    assert again.repaired == ()
-    return found.repaired
+def refusal(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """The one line with which a command is refused."""
+    assert main(words) == 2
+    printed = capsys.readouterr().err
+    assert printed.count("\n") == 1
+    return printed
 
 
 def test_the_files_of_the_results(whole: tuple[Path, Path]) -> None:
-    assert set(content(whole[1])) == set(FILES)
+    files = sorted(content(whole[1]))
+    tables = [name for name in files if "/" not in name]
+    assert tables == ["peak.parquet", "spread.parquet", "study.toml", "summary.json"]
+    of_parts = [name.removeprefix("parts/") for name in files if "parts/" in name]
+    assert len(of_parts) == 3
+    assert [f"rows/{name}" for name in of_parts] == [x for x in files if "rows/" in x]
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["summary.json", "parts/part-000001.parquet", "rows/part-000001.parquet"],
-)
-def test_a_deleted_file_is_named_and_made_again(
-    name: str, whole: tuple[Path, Path], tmp_path: Path
+@pytest.mark.parametrize("folder", ["parts", "rows"])
+def test_only_a_missing_part_is_computed(
+    folder: str, whole: tuple[Path, Path], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
     shutil.copytree(whole[1], out)
-    (out / name).unlink()
-    (line,) = repaired(whole, out)
-    assert line == f"{out / name}: is missing"
+    sorted((out / folder).iterdir())[1].unlink()
+    done: list[float] = []
+    a5.sweep(whole[0], out, progress=lambda _, share: done.append(share))
+    assert done == [1.0]
+    assert content(out) == content(whole[1])
+    a5.sweep(whole[0], out, progress=lambda _, share: done.append(share))
+    assert done == [1.0]
+    a5.sweep(whole[0], out, restart=True, progress=lambda _, x: done.append(x))
+    assert len(done) == 4
+    assert content(out) == content(whole[1])
 
 
-def test_the_command_names_what_it_made_again(
-    whole: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_a_run_that_was_stopped_goes_on(
+    whole: tuple[Path, Path], tmp_path: Path
 ) -> None:
+    def stop(stage: str, done: float) -> None:
+        raise KeyboardInterrupt
+
     out = tmp_path / "out"
-    a5.sweep(whole[0], out)
-    flip(out / "rows" / "part-000000.parquet", 2000, 3)
-    (out / "notes.txt").write_text("mine")
-    words = ["sweep", str(whole[0]), "-o", str(out)]
+    with pytest.raises(KeyboardInterrupt):
+        a5.sweep(whole[0], out, progress=stop)
+    assert len([*(out / "parts").iterdir()]) == 1
+    assert not (out / "summary.json").exists()
+    done: list[float] = []
+    a5.sweep(whole[0], out, progress=lambda _, share: done.append(share))
+    assert len(done) == 2
+    assert content(out) == content(whole[1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", ["0", "2"])
+def test_killed_ten_times_at_random(workers: str, tmp_path: Path) -> None:
+    """A rerun leaves the same files as a run that nobody killed."""
+    study = tmp_path / "study.toml"
+    study.write_text(CASES, encoding="utf-8")
+    a5.sweep(study, tmp_path / "whole")
+    out = tmp_path / "out"
+    words = ["sweep", str(study), "-o", str(out), "--workers", workers]
+    program = "import sys; from alpha5_model.cli import main; sys.exit(main())"
+    chance = random.Random(int(workers))
+    for _ in range(10):
+        before = len([*out.rglob("*.parquet")])
+        with subprocess.Popen(
+            [sys.executable, "-c", program, *words],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        ) as process:
+            while process.poll() is None and len([*out.rglob("*.parquet")]) == before:
+                time.sleep(0.002)
+            time.sleep(chance.uniform(0.0, 0.2))
+            assert process.poll() is None  # there is work for all of them
+            os.killpg(process.pid, signal.SIGKILL)
     assert main(words) == 0
-    printed = " ".join(capsys.readouterr().out.split())
-    assert "made again:" in printed
-    assert "does not have its checksum" in printed
-    assert "not of this study: notes.txt" in printed
-    assert (out / "notes.txt").read_text() == "mine"
-    assert main([*words, "--json"]) == 0
-    record = json.loads(capsys.readouterr().out)
-    assert record["repaired"] == []
-    assert record["foreign"] == ["notes.txt"]
+    assert content(out) == content(tmp_path / "whole")
 
 
-def test_a_foreign_file_among_parts_or_rows_is_refused_by_name(
+def test_a_disk_that_is_full(whole: tuple[Path, Path], tmp_path: Path) -> None:
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, limits[1]))
+    try:
+        with pytest.raises(a5.errors.OutputError, match=r"cannot write .*rows/"):
+            a5.sweep(whole[0], tmp_path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert set(content(tmp_path)) == {"study.toml"}
+    a5.sweep(whole[0], tmp_path)
+    assert content(tmp_path) == content(whole[1])
+
+
+def test_a_damaged_part_is_named(whole: tuple[Path, Path], tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole[1], out)
+    part = min((out / "parts").iterdir())
+    part.write_bytes(part.read_bytes()[:-100])
+    with pytest.raises(a5.errors.FileFormatError, match=f"{part.name}: is damaged"):
+        a5.sweep(whole[0], out)
+
+
+def test_a_foreign_file_among_the_rows_is_refused_by_name(
     whole: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A data set of rows would have taken it in."""
-    folder = "rows"
     out = tmp_path / "out"
+    shutil.copytree(whole[1], out)
+    (out / "notes.txt").write_text("mine")
+    (out / "rows" / ".hidden").touch()
     a5.sweep(whole[0], out)
-    for name in ("part-000001.parquet", "z.parquet"):
-        shutil.copy(out / "rows" / "part-000000.parquet", out / folder / name)
-    (out / folder / ".hidden").touch()
+    shutil.copy(min((out / "rows").iterdir()), out / "rows" / "z.parquet")
     before = content(out)
-    assert main(["sweep", str(whole[0]), "-o", str(out)]) == 2
-    printed = capsys.readouterr().err
-    assert printed.count("\n") == 1
-    assert f"{folder}/part-000001.parquet: is no part of this study" in printed
-    assert "nor are z.parquet" in printed
-    assert content(out) == before
+    words = ["sweep", str(whole[0]), "-o", str(out)]
+    assert "move z.parquet away" in refusal(words, capsys)
+    assert "move z.parquet away" in refusal([*words, "--restart"], capsys)
+    assert "rows/z.parquet" in content(out)
+    assert content(out).keys() == before.keys()
 
 
-def test_a_changed_comment_does_not_prevent_going_on(
+def test_comments_and_spaces_are_not_another_study(
     whole: tuple[Path, Path], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
     shutil.copytree(whole[1], out)
     study = tmp_path / "study.toml"
-    text = STUDY.replace("# a comment", "# another one\n\n").replace(
+    text = STUDY.replace("# a comment", "# another one\n").replace(
         "[0, 200]", "[0,200]"
     )
     study.write_text(text, encoding="utf-8")
-    found = a5.sweep(study, out, rows=1)
-    (line,) = found.repaired
-    assert line.endswith("study.toml: is not the text of this study")
-    changed = content(out)
-    before = content(whole[1])
-    assert {name for name in FILES if changed[name] != before[name]} == {"study.toml"}
-    assert changed["study.toml"].endswith(text.encode())
+    a5.sweep(study, out)
+    assert content(out) == {**content(whole[1]), "study.toml": text.encode()}
 
 
 @pytest.mark.parametrize(
     "change", [("seed = 2", "seed = 3"), ("0.5]", "0.6]"), ("0.1", "0.2")]
 )
-def test_another_study_is_refused(
-    change: tuple[str, str], whole: tuple[Path, Path], tmp_path: Path
+def test_another_study_is_refused_unless_it_restarts(
+    change: tuple[str, str],
+    whole: tuple[Path, Path],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole[1], out)
     study = tmp_path / "study.toml"
     study.write_text(STUDY.replace(*change), encoding="utf-8")
-    with pytest.raises(a5.errors.InputError, match="a part of another study"):
-        a5.sweep(study, whole[1], rows=1)
+    words = ["sweep", str(study), "-o", str(out)]
+    assert "or to restart: it has parts of another study" in refusal(words, capsys)
+    assert content(out) == content(whole[1])
+    assert main([*words, "--restart"]) == 0
+    a5.sweep(study, tmp_path / "fresh")
+    assert content(out) == content(tmp_path / "fresh")
+
+
+def test_folders_that_cannot_be(
+    whole: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = str(whole[0])
+    file = tmp_path / "file"
+    file.touch()
+    (tmp_path / "taken" / "spread.parquet").mkdir(parents=True)
+    for arguments, problem in (
+        ([str(tmp_path / "no.toml"), "-o", str(tmp_path / "x")], "no.toml: no such"),
+        ([study, "-o", str(file)], "cannot write"),
+        ([study, "-o", str(file / "inside")], "cannot write"),
+        ([study, "-o", "/proc/no"], "cannot write"),
+        ([study, "-o", str(tmp_path / "taken")], "spread.parquet: it is a folder"),
+        ([study, "-o", str(tmp_path / "x"), "--scheduler", "nonsense://"], "scheduler"),
+    ):
+        assert problem in refusal(["sweep", *arguments], capsys)
+    assert not (tmp_path / "taken" / "parts").exists()
+
+
+def test_more_parts_than_a_folder_can_hold_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(STUDY.replace("20000", "10000000000"))
+    words = ["sweep", str(study), "-o", str(tmp_path / "out")]
+    assert "at most 1048576 parts" in refusal(words, capsys)
+    assert not (tmp_path / "out").exists()
+
+
+def test_one_process_needs_no_dask(
+    whole: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.setitem(sys.modules, "dask", None)
+    a5.sweep(whole[0], tmp_path)
+    assert content(tmp_path) == content(whole[1])
+    with pytest.raises(a5.errors.MissingDependencyError, match="distributed"):
+        a5.sweep(whole[0], tmp_path, workers=1)
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    import distributed
+
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None
+    ) as cluster:
+        yield cluster
+
+
+@pytest.mark.slow
+def test_a_worker_killed_in_the_middle(tmp_path: Path, cluster: Any) -> None:
+    """Two workers of a scheduler, given by its address, do as one process does."""
+    study = tmp_path / "study.toml"
+    study.write_text(CASES.replace("1000", "320"), encoding="utf-8")
+    a5.sweep(study, tmp_path / "whole")
+    pids = [worker.pid for worker in cluster.workers.values()]
+
+    def accident(stage: str, done: float) -> None:
+        if pids:
+            os.kill(pids.pop(), signal.SIGKILL)
+            pids.clear()
+
+    address = cluster.scheduler_address
+    a5.sweep(study, tmp_path / "out", scheduler=address, progress=accident)
+    assert not pids
+    assert content(tmp_path / "out") == content(tmp_path / "whole")
+
+
+@pytest.mark.slow
+def test_a_cluster_without_workers_is_refused(
+    whole: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import distributed
+
+    with distributed.LocalCluster(n_workers=0, dashboard_address=":0") as cluster:
+        address = cluster.scheduler_address
+        words = ["sweep", str(whole[0]), "-o", str(tmp_path), "--scheduler", address]
+        printed = refusal(words, capsys)
+    assert "none came within 5 s" in printed
+    assert f"dask worker {address}" in printed
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_ctrl_c_with_workers_prints_one_line(tmp_path: Path) -> None:
+    """It goes to all processes of the terminal, the workers included."""
+    study = tmp_path / "study.toml"
+    study.write_text(CASES.replace("1000", "100000"), encoding="utf-8")
+    out = tmp_path / "out"
+    # Jobs that a script starts in the background ignore Ctrl-C; their children, too.
+    program = (
+        "import signal, sys; from alpha5_model.cli import main; "
+        "signal.signal(signal.SIGINT, signal.default_int_handler); sys.exit(main())"
+    )
+    words = [sys.executable, "-c", program, "sweep", str(study), "-o", str(out)]
+    with (
+        (tmp_path / "said").open("w") as said,
+        subprocess.Popen(
+            [*words, "--workers", "2"], stderr=said, start_new_session=True
+        ) as process,
+    ):
+        deadline = time.monotonic() + 300
+        while len([*out.glob("parts/*.parquet")]) < 2 and time.monotonic() < deadline:
+            time.sleep(0.1)
+        os.killpg(process.pid, signal.SIGINT)
+        assert process.wait(120) == 130
+    lines = (tmp_path / "said").read_text().splitlines()
+    said = "alpha5: interrupted; the same command goes on with what is left"
+    assert lines == [said]
+    assert [*out.glob("parts/*.parquet")]
 
 
 def recording(file: Path, amplitude: float) -> None:
@@ -180,55 +354,114 @@ def recording(file: Path, amplitude: float) -> None:
     np.savetxt(file, rows, delimiter=",", header=head, comments="")
 
 
-OF_RECORDINGS = """
-[axes]
-recordings = ["a.csv", "b.csv"]
-fluid_density = [1000, 1025]
-[outputs.torque]
-quantity = "torque"
-as = "peak"
-by = ["recording"]
-[outputs.all]
-quantity = "torque"
-as = "table"
-"""
-
-
-def season(folder: Path) -> Path:
-    """A study of two recordings."""
+@pytest.fixture
+def season(tmp_path: Path) -> Path:
+    """A study of a folder with two recordings."""
+    folder = tmp_path / "season"
+    folder.mkdir()
     recording(folder / "a.csv", 0.1)
     recording(folder / "b.csv", 0.2)
-    study = folder / "study.toml"
-    study.write_text(OF_RECORDINGS, encoding="utf-8")
+    (folder / "notes.txt").write_text("no recording")
+    study = tmp_path / "study.toml"
+    text = """
+    [axes]
+    recordings = "season"
+    fluid_density = [0, 1025]
+    [outputs.torque]
+    quantity = "torque"
+    as = "peak"
+    by = ["recording", "fluid_density"]
+    [outputs.current]
+    quantity = "current"
+    as = "table"
+    """
+    study.write_text(text, encoding="utf-8")
     return study
 
 
-def test_a_changed_recording_is_computed_again(tmp_path: Path) -> None:
-    study = season(tmp_path)
-    first = a5.sweep(study, tmp_path / "out")
-    recording(tmp_path / "b.csv", 0.3)
-    found = a5.sweep(study, tmp_path / "out")
-    assert found.repaired == (
-        f"{tmp_path / 'b.csv'}: has changed since it was computed",
+def test_rows_of_recordings_are_those_of_their_analysis(
+    season: Path, tmp_path: Path
+) -> None:
+    found = a5.sweep(season, tmp_path / "out")
+    assert (found.rows, found.failures) == (600, {})
+    table = read_table(tmp_path / "out" / "rows").to_pylist()
+    assert len(table) == 600
+    peaks = iter(found.outputs["torque"]["axis_d"])
+    for name in ("season/a.csv", "season/b.csv"):
+        motion = a5.trajectory.read_motion(tmp_path / name)
+        for density in (0.0, 1025.0):
+            analysis = a5.trajectory.analyse(motion, a5.load(density))
+            peak = np.abs(analysis.torque[:, 1]).max()
+            assert next(peaks) == pytest.approx(peak, rel=1e-12)
+            key = name, density
+            own = [r for r in table if (r["recording"], r["fluid_density"]) == key]
+            current = [row["current.axis_c"] for row in own]
+            expected = analysis.current[:, 2]
+            np.testing.assert_allclose(current, expected, rtol=1e-9, atol=1e-12)
+            assert [row["time"] for row in own] == motion.time.tolist()
+            assert found.inputs(own[9]["row"]) == own[9]
+    with pytest.raises(a5.errors.InputError, match="row"):
+        found.inputs(150)  # the first recording has 150 samples
+
+
+def test_a_changed_recording_is_computed_again(season: Path, tmp_path: Path) -> None:
+    first = a5.sweep(season, tmp_path / "out")
+    recording(tmp_path / "season" / "b.csv", 0.3)
+    done: list[float] = []
+    found = a5.sweep(
+        season, tmp_path / "out", progress=lambda _, share: done.append(share)
     )
-    fresh = a5.sweep(study, tmp_path / "fresh")
+    assert done == [1.0]
+    a5.sweep(season, tmp_path / "fresh")
     assert content(tmp_path / "out") == content(tmp_path / "fresh")
-    assert fresh.repaired == ()
-    before = first.outputs["torque"]["axis_d"]
-    after = found.outputs["torque"]["axis_d"]
-    assert before[0] == after[0]
-    assert before[1] != after[1]
+    changed = first.outputs["torque"]["axis_d"] != found.outputs["torque"]["axis_d"]
+    assert changed.tolist() == [False, False, True, True]
 
 
-def test_a_recording_that_went_bad_leaves_no_old_rows(tmp_path: Path) -> None:
-    study = season(tmp_path)
-    a5.sweep(study, tmp_path / "out")
-    (tmp_path / "b.csv").write_text("nothing")
-    found = a5.sweep(study, tmp_path / "out")
-    assert set(found.failures) == {"b.csv"}
-    assert found.rows == 300
-    rows = read_table(tmp_path / "out" / "rows")
-    assert set(rows["recording"].to_pylist()) == {"a.csv"}
+def test_a_recording_that_changes_meanwhile_is_not_used(
+    season: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    computing = parts.quantities_of
+    amplitudes = itertools.count(0.3, 0.01)
+
+    def changing(*arguments: Any) -> Any:
+        recording(tmp_path / "season" / "b.csv", next(amplitudes))
+        return computing(*arguments)
+
+    monkeypatch.setattr(parts, "quantities_of", changing)
+    found = a5.sweep(season, tmp_path / "out")
+    assert found.failures == {"season/b.csv": "has changed while it was read"}
+
+
+def test_a_recording_that_went_bad_is_named_and_leaves_no_old_rows(
+    season: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    a5.sweep(season, out)
+    broken = tmp_path / "season" / "a.csv"
+    good = broken.read_text()
+    broken.write_text(good.replace("1.8", "one.8"))
+    assert main(["sweep", str(season), "--output", str(out)]) == 1
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "300 rows" in printed
+    assert "not used: season/a.csv" in printed
+    assert "line " in printed
+    summary = json.loads((out / "summary.json").read_text())
+    assert "season/a.csv" in summary["failures"]
+    names = read_table(out / "rows")["recording"].to_pylist()
+    assert set(names) == {"season/b.csv"}
+
+    broken.write_text(good)
+    found = a5.sweep(season, out)
+    assert (found.rows, found.failures) == (600, {})
+
+
+def test_a_new_recording_in_a_folder_is_found_in_the_same_process(
+    season: Path, tmp_path: Path
+) -> None:
+    assert a5.sweep(season, tmp_path / "one").rows == 600
+    recording(tmp_path / "season" / "c.csv", 0.2)
+    assert a5.sweep(season, tmp_path / "two").rows == 900
 
 
 def units(file: Path) -> dict[str, str]:
@@ -238,8 +471,8 @@ def units(file: Path) -> dict[str, str]:
     return {name: found.get(b"unit", b"").decode() for name, found in metadata.items()}
 
 
-def test_every_column_has_its_unit(tmp_path: Path) -> None:
-    study = tmp_path / "study.toml"
+def test_every_column_has_its_unit(season: Path, tmp_path: Path) -> None:
+    study = tmp_path / "units.toml"
     text = """
     samples = 5
     [axes]
@@ -268,49 +501,31 @@ def test_every_column_has_its_unit(tmp_path: Path) -> None:
     as = "table"
     """
     study.write_text(text, encoding="utf-8")
-    a5.sweep(study, tmp_path / "out")
-    rows = units(tmp_path / "out" / "rows" / "part-000000.parquet")
+    out = tmp_path / "units"
+    a5.sweep(study, out)
     angles = {f"axis_{x}_pos": "rad" for x in "edcb"}
     reach = {f"reach.{x}": "m" for x in ("x", "y", "z", "norm")}
     of_case = {"row": "", "payload_mass": "kg", "corrections": ""}
+    rows = units(min((out / "rows").iterdir()))
     assert rows == {**of_case, **angles, "axis_b_vel": "rad/s", **reach}
+    found = read_table(out / "rows")
+    assert found["axis_e_pos"].to_pylist() == pytest.approx([np.pi / 2] * 10)
 
-    heavy = units(tmp_path / "out" / "heavy.parquet")
+    heavy = units(out / "heavy.parquet")
     assert heavy["payload_mass"] == "kg"
     assert heavy["axis_d"] == "W"
     assert heavy["axis_d_row"] == ""
-    middle = units(tmp_path / "out" / "middle.parquet")
+    middle = units(out / "middle.parquet")
     assert middle["axis_d_low"] == middle["axis_b_high"] == "A"
     assert middle["level"] == ""
-    bars = units(tmp_path / "out" / "bars.parquet")
-    assert bars == {
-        **dict.fromkeys(["low", "high"], "N"),
-        **dict.fromkeys("xyz", ""),
-        "norm": "",
-    }
-    found = read_table(tmp_path / "out" / "rows")
-    assert found["axis_e_pos"].to_pylist() == pytest.approx([np.pi / 2] * 10)
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
+    bars = units(out / "bars.parquet")
+    assert bars == {"low": "N", "high": "N", "x": "", "y": "", "z": "", "norm": ""}
+    summary = json.loads((out / "summary.json").read_text("utf-8"))
     outputs = {"heavy": "W", "middle": "A", "bars": "N", "all": "m"}
     assert summary["units"]["outputs"] == outputs
     assert summary["units"]["axes"]["payload_mass"] == "kg"
 
-
-def test_the_time_of_a_recording_is_in_seconds(tmp_path: Path) -> None:
-    a5.sweep(season(tmp_path), tmp_path / "out")
-    rows = units(tmp_path / "out" / "rows" / "part-000000.parquet")
+    a5.sweep(season, tmp_path / "recorded")
+    rows = units(min((tmp_path / "recorded" / "rows").iterdir()))
     assert rows["time"] == "s"
     assert rows["recording"] == rows["sample"] == ""
-
-
-def test_a_new_recording_in_a_folder_is_found_in_the_same_process(
-    tmp_path: Path,
-) -> None:
-    (tmp_path / "season").mkdir()
-    recording(tmp_path / "season" / "a.csv", 0.1)
-    study = tmp_path / "study.toml"
-    text = OF_RECORDINGS.replace('["a.csv", "b.csv"]', '"season"')
-    study.write_text(text, encoding="utf-8")
-    assert a5.sweep(study, tmp_path / "one").rows == 300
-    recording(tmp_path / "season" / "b.csv", 0.2)
-    assert a5.sweep(study, tmp_path / "two").rows == 600

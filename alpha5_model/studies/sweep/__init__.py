@@ -1,7 +1,7 @@
 """Many states, cases or recordings, here or on a Dask cluster.
 
-What is finished is kept, chunk by chunk. Workers compute, and the process that asked
-writes: a worker that dies, or a chunk done twice, leaves nothing behind.
+A study is computed in parts, and each finished part is a file. Workers compute, and the
+process that asked writes: a worker that dies leaves nothing behind.
 """
 
 from alpha5_model.studies.sweep.run import Sweep, sweep

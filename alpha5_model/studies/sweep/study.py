@@ -2,41 +2,64 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
-import pickle
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from alpha5_model._support.checks import count, flag, generator, named
+from alpha5_model._support.checks import (
+    choice,
+    count,
+    flag,
+    generator,
+    listed,
+    named,
+    real,
+)
 from alpha5_model._support.files import PathLike, read_named
+from alpha5_model._support.text import plain
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import FileFormatError, InputError
-from alpha5_model.numbers import plausibility
+from alpha5_model.kernels.choice import backend
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm, is_catalogue
 from alpha5_model.studies.sweep.axes import (
-    StudyFiles,
-    check_alone,
-    check_arm,
+    CATALOGUE,
+    JOINTS,
+    MOST,
+    Axes,
+    Context,
+    check_states,
     read_axes,
+    rising,
 )
-from alpha5_model.studies.sweep.named_axes import CATALOGUE
-from alpha5_model.studies.sweep.outputs import Output, read_output
-from alpha5_model.studies.sweep.vehicles import read_vehicles
-from alpha5_model.water.carrier import Carrier
+from alpha5_model.water.carrier import read_carrier
 
-#: Axis of a case -> plausible range of the value farthest from 0.
-_PLAUSIBLE = {
-    "payload_mass": plausibility.MASS,
-    "payload_x": plausibility.POSITION,
-    "payload_y": plausibility.POSITION,
-    "payload_z": plausibility.POSITION,
-    "payload_volume": plausibility.VOLUME,
-    "fluid_density": plausibility.FLUID_DENSITY,
-    "current_speed": plausibility.CURRENT,
+_XYZ = ("x", "y", "z", "norm")
+#: Quantity -> its unit and its columns.
+QUANTITIES = {
+    "torque": ("N m", JOINTS),
+    "current": ("A", JOINTS),
+    "power": ("W", JOINTS),
+    "margin": ("N m", JOINTS),
+    "mount_force": ("N", _XYZ),
+    "mount_moment": ("N m", _XYZ),
+    "reach": ("m", _XYZ),
+    "trim": ("rad", ("roll", "pitch")),
+}
+#: Form of an output -> its own keys.
+FORMS = {
+    "peak": ("by",),
+    "maximum": ("by",),
+    "minimum": ("by",),
+    "quantile": ("levels",),
+    "histogram": ("range", "bins"),
+    "table": (),
 }
 #: Tables and keys of a study.
 _KEYS = (
@@ -47,22 +70,32 @@ _KEYS = (
     "vehicles",
     "outputs",
 )
-#: States computed at a time: the numbers of so many stay in the cache.
-BLOCK = 8192
+#: Row numbers reserved for each recording, whose number of samples is not known before.
+_ROWS_OF_RECORDING = 2**32
 
 
-class Sizes(NamedTuple):
-    """The size of a study.
+class Output(NamedTuple):
+    """A figure of a quantity that is kept.
 
     Attributes:
-        cases: Number of cases.
-        states: States per case; 1 for a recording, whose size is not known.
-        blocks: Blocks per case.
+        quantity: Its name.
+        unit: Its unit.
+        columns: Names of its columns.
+        form: One of `FORMS`.
+        by: Axes of a map of extremes.
+        levels: Of quantiles.
+        range: Ends of a histogram.
+        bins: Of a histogram.
     """
 
-    cases: int
-    states: int
-    blocks: int
+    quantity: str
+    unit: str
+    columns: Sequence[str]
+    form: str
+    by: Sequence[str] = ()
+    levels: Sequence[float] = ()
+    range: tuple[float, float] = (0.0, 1.0)
+    bins: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,68 +105,84 @@ class Study:
     Rows are numbered case by case, state by state, the last axis fastest.
 
     Attributes:
+        folder: Where relative paths of recordings start.
         text: As read.
         settings: Its tables and keys, without comments.
-        source: The file's name.
-        folder: Where relative paths of recordings and arm files start.
         seed: Of all random numbers.
         samples: States drawn for each point of the grid, the same in every case.
-        cases, states: Axis -> values, in SI units. The axis ``recording`` of the cases
-            is the first.
-        drawn: Axis -> the range from which each state draws its own value.
-        outputs: By name.
-        leaves_out_collisions: Leave out the states of the grid, and random ones, at
-            which the arm touches itself.
-        in_collision: Which states are kept, and told apart: those of which it is true,
-            or false, that the arm touches itself. Empty for all, not told apart.
+        axes: What it varies.
         vehicles: Those that the study describes, by name.
-        files: Its recordings, and the records of the axis ``arm``.
+        outputs: By name.
+        leaves_out_collisions: Leave out the states at which the arm touches itself.
         arm: Record of an arm of your own; None for the catalogue's.
+        made_by: See `made_by`.
     """
 
+    folder: Path
     text: str
     settings: dict[str, Any]
-    source: str
-    folder: Path
     seed: int
     samples: int
-    cases: dict[str, Sequence[Any]]
-    states: dict[str, Sequence[float]]
-    drawn: dict[str, Sequence[float]]
+    axes: Axes
+    vehicles: dict[str, Any]
     outputs: dict[str, Output]
     leaves_out_collisions: bool
-    in_collision: Sequence[bool]
-    vehicles: dict[str, Carrier]
-    files: StudyFiles
-    arm: Alpha5Parameters | None = None
+    arm: Alpha5Parameters | None
+    made_by: str
 
     @property
-    def axes(self) -> dict[str, Sequence[Any]]:
-        """Axis that has values, by which rows can be told apart -> its values."""
-        axes: dict[str, Sequence[Any]] = {**self.cases, **self.states}
-        return {**axes, **_collision_axis(self.in_collision)}
+    def recordings(self) -> Sequence[str]:
+        """Paths of its recordings; none for a study of states."""
+        return self.axes.cases.get("recording", ())
 
-    def arm_of(self, case_index: Mapping[str, int]) -> Alpha5Parameters | None:
+    @property
+    def cases(self) -> int:
+        """Number of cases."""
+        return math.prod(map(len, self.axes.cases.values()))
+
+    @property
+    def states(self) -> int:
+        """Row numbers of each case: states, or more than any recording has."""
+        if self.recordings:
+            return _ROWS_OF_RECORDING
+        return self.samples * math.prod(map(len, self.axes.states.values()))
+
+    def arm_of(self, case: Mapping[str, Any]) -> Alpha5Parameters | None:
         """The record of the arm of a case; None for the catalogue's.
 
         Args:
-            case_index: Axis of the cases -> index of its value.
+            case: Axis of the cases -> value.
         """
-        if "arm" not in self.cases:
-            return self.arm
-        return self.files.arms[self.cases["arm"][case_index["arm"]]]
+        return self.axes.arms[case["arm"]] if "arm" in case else self.arm
 
-    def sizes(self) -> Sizes:
-        """Number of cases, and of states and blocks in each."""
-        states = self.samples * _points(self.states)
-        return Sizes(
-            cases=_points(self.cases), states=states, blocks=-(-states // BLOCK)
-        )
+    @property
+    def has_table(self) -> bool:
+        """Whether it keeps rows."""
+        return any(output.form == "table" for output in self.outputs.values())
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Pickled as its text: a worker then reads it once for all its chunks.
-        read = (pickle.dumps(self.files), _packed(self.arm))
-        return _kept_study, (self.text, self.source, self.folder, *read)
+    @cached_property
+    def head(self) -> str:
+        """All that the results depend on but the recordings' content, as JSON."""
+        parts = {
+            "made_by": self.made_by,
+            "study": self.settings,
+            "recordings": self.recordings,
+            "arms": plain(self.axes.arms),
+            "arm": plain(self.arm),
+        }
+        return json.dumps(parts, ensure_ascii=False, default=str)
+
+    @cached_property
+    def key(self) -> str:
+        """A hash of `head`."""
+        return hashlib.sha256(self.head.encode()).hexdigest()[:16]
+
+
+def made_by() -> str:
+    """Version and kernels, which the last digits of the results depend on."""
+    from alpha5_model import __version__
+
+    return f"alpha5-model {__version__}, {backend().partition(' ')[0]} kernels"
 
 
 def read_study(study: PathLike, arm: Alpha5Parameters | None = None) -> Study:
@@ -144,93 +193,30 @@ def read_study(study: PathLike, arm: Alpha5Parameters | None = None) -> Study:
         arm: Record of an arm of your own; None for the catalogue's.
 
     Raises:
-        MissingFileError: No such file.
+        MissingFileError: No such file, or no such arm file.
         FileFormatError: Not TOML, or an invalid axis, range, unit, name or output, with
-            place. With an arm, also states beyond its limits.
+            place; states beyond the limits of an arm of your own.
 
     Warns:
         ImplausibleWarning: Values of an axis that seem to be in another unit.
     """
     text = read_named(study, "a study (TOML)").decode("utf-8-sig", "replace")
-    folder = Path(study).resolve().parent
-    own = None if arm is None or _is_default(arm) else _packed(arm)
-    found = _study(text.replace("\r\n", "\n"), str(study), folder, None, own)
-    for name, limits in _PLAUSIBLE.items():
-        if name in found.cases:
-            farthest = max(found.cases[name], key=abs)
-            plausibility.check(f"axes.{name}", farthest, limits)
-    return found
-
-
-def _points(grid: dict[str, Sequence[Any]]) -> int:
-    """Number of points of a grid."""
-    return math.prod(len(values) for values in grid.values())
-
-
-def _collision_axis(values: Sequence[bool]) -> dict[str, Sequence[bool]]:
-    """The axis ``in_collision``, if a study has it."""
-    return {"in_collision": values} if values else {}
-
-
-def _is_default(arm: Alpha5Parameters) -> bool:
-    """Whether a record is the catalogue's, as it is without an arm."""
-    record = chosen_arm(arm)
-    return is_catalogue(record) and record.corrections == DEFAULT_CORRECTIONS
-
-
-def _packed(arm: Alpha5Parameters | None) -> bytes | None:
-    """A record as bytes, by which a worker knows it again."""
-    return None if arm is None else pickle.dumps(arm)
-
-
-@lru_cache(maxsize=2)
-def _kept_study(
-    text: str, source: str, folder: Path, files: bytes, arm: bytes | None
-) -> Study:
-    """The study that was sent to a worker, kept for its next chunk."""
-    return _study(text, source, folder, files, arm)
-
-
-def _study(
-    text: str, source: str, folder: Path, files: bytes | None, arm: bytes | None
-) -> Study:
-    """The study in a text.
-
-    Args:
-        text: TOML.
-        source: Name of its file, for messages.
-        folder: Where relative paths of files start.
-        files: Its `StudyFiles` as bytes, if they were read before.
-        arm: Its `_packed` arm.
-
-    Raises:
-        FileFormatError: Not TOML, or not a study.
-    """
-    tables = toml_tables(text, source)
-    own = None if arm is None else pickle.loads(arm)
-    present = None if files is None else pickle.loads(files)
+    text = text.replace("\r\n", "\n")
+    settings = toml_tables(text, str(study))
+    if arm is not None:
+        record = chosen_arm(arm)
+        if is_catalogue(record) and record.corrections == DEFAULT_CORRECTIONS:
+            arm = None
     try:
-        study = _checked(tables, text, source, folder, present)
-        by_name = study.files.arms
-        arms = [by_name[name] for name in by_name if name != CATALOGUE]
-        if own is not None:
-            check_alone(own, study.cases)
-            arms.append(own)
-        for record in arms:
-            check_arm(record, {**study.states, **study.drawn})
-        return replace(study, arm=own)
+        return _checked(settings, text, Path(study), arm)
     except FileFormatError:  # of an arm file
         raise
     except ValueError as error:  # this package's own
-        raise FileFormatError(source, str(error)) from None
+        raise FileFormatError(str(study), str(error)) from None
 
 
 def _checked(
-    given: dict[str, Any],
-    text: str,
-    source: str,
-    folder: Path,
-    files: StudyFiles | None,
+    given: dict[str, Any], text: str, source: Path, arm: Alpha5Parameters | None
 ) -> Study:
     """The study in the tables of a file.
 
@@ -241,38 +227,103 @@ def _checked(
     for key in ("axes", "outputs"):
         if not isinstance(given.get(key), dict) or not given[key]:
             raise InputError(key, given.get(key), "a table with at least one key")
+    tables = given.get("vehicles", {})
+    if not isinstance(tables, dict):
+        raise InputError("vehicles", tables, "tables [vehicles.NAME]")
+    vehicles = {
+        name: read_carrier(f"vehicles.{name}", table) for name, table in tables.items()
+    }
+    folder = source.resolve().parent
+    axes = read_axes(given["axes"], Context(folder=folder, vehicles=vehicles))
+    _check_arms(axes, arm)
 
-    vehicles = read_vehicles(given.get("vehicles", {}))
-    axes = read_axes(given["axes"], folder, tuple(vehicles), files)
-    leaves_out = flag(
-        "leave_out_self_collision", given.get("leave_out_self_collision", False)
-    )
+    place = "leave_out_self_collision"
+    leaves_out = flag(place, given.get(place, False))
     if leaves_out and axes.in_collision:
-        expected = "no leave_out_self_collision beside it"
-        raise InputError("axes.in_collision", list(axes.in_collision), expected)
+        expected = f"no {place} beside it"
+        raise InputError("axes.in_collision", axes.in_collision, expected)
     seed = given.get("seed", 0)
     generator(seed)
     samples = count("samples", given.get("samples", None if axes.drawn else 1))
     if samples > 1 and not axes.drawn:
-        raise InputError("samples", samples, "none where no axis is random")
+        raise InputError("samples", samples, "none if no axis is random")
 
-    grid = {**axes.cases, **axes.states, **_collision_axis(axes.in_collision)}
+    outputs = {
+        name: _output(name, table, axes.grid)
+        for name, table in given["outputs"].items()
+    }
     return Study(
+        folder=folder,
         text=text,
         settings=given,
-        source=source,
-        folder=folder,
         seed=seed,
         samples=samples,
-        cases=axes.cases,
-        states=axes.states,
-        drawn=axes.drawn,
-        outputs={
-            name: read_output(name, table, grid)
-            for name, table in given["outputs"].items()
-        },
-        leaves_out_collisions=leaves_out,
-        in_collision=axes.in_collision,
+        axes=axes,
         vehicles=vehicles,
-        files=axes.files,
+        outputs=outputs,
+        leaves_out_collisions=leaves_out,
+        arm=arm,
+        made_by=made_by(),
     )
+
+
+def _check_arms(axes: Axes, arm: Alpha5Parameters | None) -> None:
+    """Refuse what an arm of one's own contradicts, and states beyond its limits."""
+    own = [record for name, record in axes.arms.items() if name != CATALOGUE]
+    if arm is not None:
+        own.append(arm)
+        reasons = {
+            "arm": "is the arm of the whole study",
+            "corrections": "has its own corrections",
+        }
+        for name, reason in reasons.items():
+            if name in axes.cases:
+                expected = f"none beside {arm.name}, which {reason}"
+                raise InputError(f"axes.{name}", axes.cases[name], expected)
+    for record in own:
+        check_states(record, axes)
+
+
+def _output(name: str, given: Any, grid: Mapping[str, Sequence[Any]]) -> Output:
+    """An output of a study.
+
+    Args:
+        name: Its name.
+        given: Its table in a study file.
+        grid: Axes that have values.
+
+    Raises:
+        InputError: An invalid value, with its place.
+        UnknownNameError: No such quantity, form, key or axis.
+    """
+    if not re.fullmatch(r"[\w-]+", name):
+        raise InputError("outputs", name, "names of letters, digits, _ and -")
+    place = f"outputs.{name}"
+    table = given if isinstance(given, dict) else {}
+    quantity = choice(f"{place}.quantity", table.get("quantity"), tuple(QUANTITIES))
+    form = choice(f"{place}.as", table.get("as"), tuple(FORMS))
+    named(f"key of {place}", table, ("quantity", "as", *FORMS[form]))
+    if quantity == "trim" and "vehicle" not in grid:
+        raise InputError(f"{place}.quantity", quantity, "an axis vehicle beside it")
+
+    unit, columns = QUANTITIES[quantity]
+    output = Output(quantity=quantity, unit=unit, columns=columns, form=form)
+    if form == "quantile":
+        place = f"{place}.levels"
+        given_levels = listed(place, table.get("levels", ()), "a list")
+        levels = [real(place, level) for level in given_levels]
+        if not levels or not 0 < min(levels) <= max(levels) <= 1:
+            raise InputError(place, levels, "numbers above 0, up to 1")
+        return output._replace(levels=levels)
+
+    if form == "histogram":
+        bins = count(f"{place}.bins", table.get("bins"))
+        ends = rising(f"{place}.range", table.get("range"))
+        output = output._replace(bins=bins, range=ends)
+    by = listed(f"{place}.by", table.get("by", ()), "a list")
+    for axis in by:
+        choice(f"axis of {place}.by", axis, tuple(grid))
+    groups = math.prod(len(grid[axis]) for axis in by)
+    if max(output.bins, groups) > MOST:
+        raise InputError(place, given, f"at most {MOST} groups or bins")
+    return output._replace(by=by)

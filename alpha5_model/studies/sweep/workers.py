@@ -1,33 +1,36 @@
-"""Compute the chunks of a study in this process, in others here, or on a cluster."""
+"""Compute the parts of a study in this process, in others here, or on a cluster."""
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+import pickle
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from alpha5_model.errors import InputError, OutputError
+from alpha5_model.studies.sweep.parts import Part, compute
+from alpha5_model.studies.sweep.study import Study
 
-Result = TypeVar("Result")
 #: A cluster that has no worker for so long is refused [s].
 _PATIENCE = 5.0
+#: Leaves Ctrl-C, which goes to every process of a terminal, to the asking one. It ends
+#: the workers. Otherwise each would print what it was doing.
+_SET_UP = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
 
 
-def results(
-    work: Callable[[int], Result],
-    chunks: Sequence[int],
+def computed(
+    study: Study,
+    parts: Sequence[int],
     workers: int,
     scheduler: str | None,
     folder: Path,
-) -> Iterator[Result]:
-    """The results of the work for each chunk; on workers in any order.
+) -> Iterator[Part]:
+    """Parts of a study; on workers in any order.
 
     Args:
-        work: Function of a chunk's number that can be sent to another process.
-        chunks: Their numbers.
+        study: The study.
+        parts: Their numbers.
         workers: Processes on this machine; 0 for this process alone.
         scheduler: Address of a Dask scheduler, which is used instead.
         folder: Of the results, for messages.
@@ -35,82 +38,73 @@ def results(
     Raises:
         InputError: No scheduler at the address, or one without workers.
         OutputError: The workers are lost.
+        Alpha5Error: Impossible values of an arm.
     """
     if not workers and scheduler is None:
-        yield from map(work, chunks)
+        for number in parts:
+            yield compute(study, number)
         return
 
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker, as_completed
 
+    packed = pickle.dumps(study)
     with _client(workers, scheduler) as client:
-        if scheduler:
-            _wait_for_a_worker(client, scheduler)
         try:
-            for future in as_completed(client.map(work, chunks, pure=False)):
+            # Each worker gets it once, as large as its axes may be.
+            sent = client.scatter(packed, broadcast=True)
+            futures = client.map(_compute, parts, study=sent, pure=False)
+            for future in as_completed(futures):
                 yield future.result()
         except (KilledWorker, CancelledError, OSError) as error:
             problem = f"the workers are lost ({error}); run it again to go on"
             raise OutputError(folder, problem) from None
 
 
+def _compute(number: int, study: bytes) -> Part:
+    """Compute a part in a worker."""
+    return compute(_unpacked(study), number)
+
+
+@lru_cache(maxsize=1)
+def _unpacked(study: bytes) -> Study:
+    """The study that was sent, kept for the next part, with its arms."""
+    found: Study = pickle.loads(study)
+    return found
+
+
 def _client(workers: int, scheduler: str | None) -> Any:
-    """A client of a Dask scheduler, or of processes on this machine."""
+    """A client of a Dask scheduler that has workers, or of processes here."""
+    import dask
     from distributed import Client
 
-    try:
-        if scheduler:
-            return Client(scheduler, timeout=10)
-        with _interrupts_ignored(), _memory_kept():
+    if scheduler is None:
+        # By default Dask has its workers give their memory back to the system after
+        # each array. Getting it again took as long as half of the work.
+        name = "distributed.nanny.pre-spawn-environ"
+        variables = dict(dask.config.get(name))
+        variables.pop("MALLOC_TRIM_THRESHOLD_", None)
+        with dask.config.set({name: variables}):
             return Client(
                 n_workers=workers,
                 threads_per_worker=1,
                 dashboard_address=None,
-                preload="alpha5_model.studies.sweep.worker_setup",
+                preload=_SET_UP,
             )
+
+    try:
+        client = Client(scheduler, timeout=10)
     except (OSError, ValueError):
         expected = "the address of a Dask scheduler"
         raise InputError("scheduler", scheduler, expected) from None
-
-
-def _memory_kept() -> Any:
-    """A setting of Dask: workers that start meanwhile reuse the memory of a chunk.
-
-    By default Dask has them give it back to the system after each array. Getting it
-    again took as long as half of the work.
-    """
-    import dask
-
-    name = "distributed.nanny.pre-spawn-environ"
-    variables = dict(dask.config.get(name))
-    variables.pop("MALLOC_TRIM_THRESHOLD_", None)
-    return dask.config.set({name: variables})
-
-
-def _wait_for_a_worker(client: Any, scheduler: str) -> None:
-    """Refuse a cluster that has no worker."""
     try:
         client.wait_for_workers(1, timeout=_PATIENCE)
     except TimeoutError:
+        client.close()
         expected = (
             f"a cluster with workers, but none came within {_PATIENCE:g} s; "
             f"start one with: dask worker {scheduler}"
         )
         raise InputError("scheduler", scheduler, expected) from None
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Ignore Ctrl-C for about a second, and in the processes that start meanwhile.
-
-    Those would print what they were doing before `worker_setup` has run.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    return client
