@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import pickle
+import signal
+import threading
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -85,7 +88,7 @@ def _client(workers: int, scheduler: str | None) -> Any:
         name = "distributed.nanny.pre-spawn-environ"
         variables = dict(dask.config.get(name))
         variables.pop("MALLOC_TRIM_THRESHOLD_", None)
-        with dask.config.set({name: variables}):
+        with _interrupts_ignored(), dask.config.set({name: variables}):
             return Client(
                 n_workers=workers,
                 threads_per_worker=1,
@@ -108,3 +111,19 @@ def _client(workers: int, scheduler: str | None) -> Any:
         )
         raise InputError("scheduler", scheduler, expected) from None
     return client
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Ignore Ctrl-C for about a second, and in the processes that start meanwhile.
+
+    Those would print what they were doing before `_SET_UP` has run.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
