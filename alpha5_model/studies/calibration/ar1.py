@@ -18,7 +18,7 @@ leaves. A fit that is not linear repeats both, as Cochrane and Orcutt do
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +27,24 @@ from alpha5_model._support.checks import FloatArray
 
 #: Rounds of fit and correlation that settle both.
 ROUNDS = 4
-#: Noise of a greater correlation cannot be told from a random walk.
-_LARGEST = 0.999
+#: How many correlations are compared.
+_COMPARED = 24
+#: Correlations that are less probable than this are left out.
+_IMPROBABLE = 0.01
 #: Combinations of columns with smaller singular values are rounding errors.
 _RANK = 1e-10
+
+
+class Correlations(NamedTuple):
+    """Correlations of neighbours that the data do not rule out.
+
+    Attributes:
+        rho: (R,), each 0 <= rho < 1.
+        probability: Of each, (R,); the sum is 1.
+    """
+
+    rho: FloatArray
+    probability: FloatArray
 
 
 def whitened(
@@ -62,41 +76,51 @@ def correlation(
     columns: FloatArray | None = None,
     steps: NDArray[Any] | None = None,
 ) -> float:
-    """The likeliest correlation of neighbours in what a fit leaves.
+    """The mean of `correlations`."""
+    likely = correlations(rest, columns, steps)
+    return float(likely.rho @ likely.probability)
+
+
+def correlations(
+    rest: FloatArray,
+    columns: FloatArray | None = None,
+    steps: NDArray[Any] | None = None,
+) -> Correlations:
+    """How probable each correlation is, by what a fit leaves.
 
     A fit takes part of the noise away, slow noise above all. So the likelihood is that
     of the part of ``rest`` which no combination of the columns explains
-    [Patterson1971]_; it is the same before and after a linear fit.
+    [Patterson1971]_; it is the same before and after a linear fit. Before the data,
+    arctanh(rho) is as probable everywhere from 0, which also stands for noise that
+    alternates, to that of noise which lasts as long as the recording.
 
     Args:
         rest: (N,), of one channel.
         columns: What was fitted, with any factors, (N, k); None if nothing was.
         steps: As of `whitened`.
-
-    Returns:
-        0 <= rho <= 0.999; 0 for noise that alternates.
     """
-    from scipy.optimize import minimize_scalar
-
     basis = np.zeros((len(rest), 0)) if columns is None else _basis(columns)
-    if len(rest) < basis.shape[1] + 3:
-        return 0.0
+    freedom = len(rest) - basis.shape[1]
+    if freedom < 3:
+        return Correlations(rho=np.zeros(1), probability=np.ones(1))
+    span = len(rest) if steps is None else int(steps[-1] - steps[0]) + 1
+    rho = np.tanh(np.linspace(0.0, np.arctanh(1.0 - 1.0 / span), _COMPARED))
     rows = np.column_stack([basis, rest])
 
-    def minus_log_likelihood(unbounded: float) -> float:
-        rho = float(np.tanh(unbounded))
-        triangle = np.linalg.qr(whitened(rows, rho, steps), mode="r")
+    log_likelihood = np.empty(_COMPARED)
+    for k, one in enumerate(rho.tolist()):
+        triangle = np.linalg.qr(whitened(rows, one, steps), mode="r")
         size = np.maximum(np.abs(np.diag(triangle)), np.finfo(float).tiny)
-        _, scale = _weights(len(rest), rho, steps)
-        freedom = len(rest) - basis.shape[1]
+        _, scale = _weights(len(rest), one, steps)
         of_columns = np.log(size[:-1]).sum()
-        return float(freedom * np.log(size[-1]) + of_columns - np.log(scale).sum())
+        log_likelihood[k] = np.log(scale).sum() - of_columns
+        log_likelihood[k] -= freedom * np.log(size[-1])
 
-    bounds = (0.0, float(np.arctanh(_LARGEST)))
-    found = minimize_scalar(minus_log_likelihood, bounds=bounds, method="bounded")
-    if minus_log_likelihood(0.0) <= found.fun:
-        return 0.0
-    return float(np.tanh(found.x))
+    weights = np.exp(log_likelihood - log_likelihood.max())
+    probable = weights > _IMPROBABLE * weights.sum()
+    return Correlations(
+        rho=rho[probable], probability=weights[probable] / weights[probable].sum()
+    )
 
 
 def _weights(
