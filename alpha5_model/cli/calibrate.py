@@ -49,11 +49,14 @@ _Vehicle = Annotated[
 _Poses = Annotated[int, Option(help="plan: how many poses.", min=1)]
 _Fluid = Annotated[
     str | None,
-    Option(help=f"{options.FLUID} Default: air for plan, sea for motors."),
+    Option(help=f"plan, motors: {options.FLUID} Default: air."),
 ]
 _Gravity = Annotated[
     str | None,
-    Option(help="plan, motors: gravity in base_link (m/s^2). Default: 0 0 -9.81."),
+    Option(
+        help="plan, motors: gravity in base_link (m/s^2). Default: 0 0 -9.81, for "
+        "motors turned by the mount of --arm."
+    ),
 ]
 _Positions = Annotated[
     str | None,
@@ -122,7 +125,7 @@ def calibrate(
     and one in water, and names what is wrong with them. motors estimates
     friction and torque per ampere from recorded currents.
 
-    Exit status of fit: 1 if the readings contradict the model.
+    Exit status of fit and motors: 1 if the readings contradict the model.
 
     Example: alpha5 calibrate plan scales.toml
     Example: alpha5 calibrate fit scales.toml --output my_arm.toml
@@ -139,7 +142,7 @@ def calibrate(
 
     if action == "motors":
         check_outputs([*files, arm_file], output=(output, _FORMATS))
-        known = "sea" if fluid is None else fluid
+        known = "air" if fluid is None else fluid
         return _motors(files, known, down, payload, output, own, as_json)
 
     file = _only(files, "one file to write")
@@ -223,19 +226,24 @@ def _motors(
     from alpha5_model.studies.calibration import motors
     from alpha5_model.trajectory import read_motion
 
-    pull = GRAVITY if gravity is None else gravity
+    pull = GRAVITY
+    if gravity is not None:
+        # It is in base_link, but load takes it in the world, which the mount is in.
+        mount = None if own is None else own.mount
+        pull = gravity if mount is None else mount.rotation @ gravity
     arm = load(values.fluid_density(fluid), gravity=pull, arm=own)
     found = motors(read_motion(file, arm=own), arm, payload=payload)
     if output is not None:
         found.write(output)
     weighed = None if found.payload is None else found.payload._asdict()
     record = {
+        "problems": [one._asdict() for one in found.problems],
         "joints": {joint.name: joint._asdict() for joint in found.joints},
         "payload": weighed,
         "gravity_deviation": found.gravity_deviation,
     }
     printing.show(as_json, record, str(found).splitlines(), output)
-    return 0
+    return 1 if found.contradicted else 0
 
 
 def _sensor(
