@@ -56,7 +56,6 @@ if TYPE_CHECKING:
     from alpha5_model.studies import uncertainty
     from alpha5_model.studies.sweep import sweep
     from alpha5_model.studies.uncertainty import identify
-    from alpha5_model.studies.vehicle_tilt import TiltFit, TiltRecording, fit_tilt
     from alpha5_model.theory import dh, planar
     from alpha5_model.viewer import view
     from alpha5_model.water.vehicle import Vehicle
@@ -75,8 +74,6 @@ __all__ = [
     "DragStrip",
     "Obstacle",
     "SelfCollisionError",
-    "TiltFit",
-    "TiltRecording",
     "UnreachableError",
     "Vehicle",
     "__version__",
@@ -90,7 +87,6 @@ __all__ = [
     "devices_from_q",
     "dh",
     "distance_to_reach",
-    "fit_tilt",
     "gravity_in_base",
     "identify",
     "inverse_kinematics",
@@ -158,9 +154,6 @@ _NAMES = {
     # Studies and proofs.
     "sweep": "studies.sweep",
     "identify": "studies.uncertainty",
-    "TiltFit": "studies.vehicle_tilt",
-    "TiltRecording": "studies.vehicle_tilt",
-    "fit_tilt": "studies.vehicle_tilt",
     "audit": "proofs.audit",
     "compare": "proofs.comparison",
     # For the eye.

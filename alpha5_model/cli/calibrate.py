@@ -31,7 +31,7 @@ the readings. fit makes an arm file of one or several such files, for example
 one in air and one in water, and names what is wrong with them. motors
 estimates friction and torque per ampere from recorded currents.
 
-Exit status of fit: 1 if the readings contradict the model.
+Exit status of fit and motors: 1 if the readings contradict the model.
 
 Example: alpha5 calibrate plan scales.toml
 Example: alpha5 calibrate fit scales.toml --output my_arm.toml
@@ -127,8 +127,12 @@ def _of_motors(parser: Parser) -> None:
     parser.add_argument(
         "file", type=Path, metavar="FILE", help="a recording with currents"
     )
-    common.fluid(parser)
-    common.gravity(parser, None, "in base_link (m/s^2). Default: 0 0 -9.81")
+    common.fluid(parser, "air")
+    common.gravity(
+        parser,
+        None,
+        "in base_link (m/s^2). Default: 0 0 -9.81, turned by the mount of --arm",
+    )
     parser.add_argument(
         "--payload", action="store_true", help="weigh what the tool point carries"
     )
@@ -224,19 +228,26 @@ def _motors(given: Namespace, own: Alpha5Parameters | None) -> int:
     from alpha5_model.studies.calibration import motors
     from alpha5_model.trajectory import read_motion
 
-    pull = GRAVITY if given.gravity is None else given.gravity
+    pull: Any = GRAVITY
+    if given.gravity is not None:
+        # It is in base_link, but load takes it in the world, which the mount is in.
+        mount = None if own is None else own.mount
+        pull = given.gravity
+        if mount is not None:
+            pull = mount.rotation @ np.array(given.gravity)
     arm = load(given.fluid, gravity=pull, arm=own)
     found = motors(read_motion(given.file, arm=own), arm, payload=given.payload)
     if given.output is not None:
         found.write(given.output)
     weighed = None if found.payload is None else found.payload._asdict()
     record = {
+        "problems": [one._asdict() for one in found.problems],
         "joints": {joint.name: joint._asdict() for joint in found.joints},
         "payload": weighed,
         "gravity_deviation": found.gravity_deviation,
     }
     printing.show(given.json, record, str(found).splitlines(), given.output)
-    return 0
+    return 1 if found.contradicted else 0
 
 
 def _sensor(given: Namespace) -> Sensor:

@@ -39,12 +39,14 @@ from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
 from alpha5_model.studies.uncertainty import linear_maps, printed
 from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
-from alpha5_model.studies.vehicle_tilt import interpolated
 
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
 from recordings import validate_recordings as recordings
+from recordings import vehicle_tilt
+from recordings.validate_recordings import interpolated
+from recordings.vehicle_tilt import plane_rotation
 
 #: What a static moment of the moving links depends on.
 MOMENTS = [f"link_{i}.n{axis}" for i in (1, 2, 3, 4) for axis in "xy"]
@@ -213,13 +215,6 @@ def between_turned(tables: list[np.ndarray], tilts: list[np.ndarray]) -> Turned:
     return Turned(place=place, yaw=yaw)
 
 
-def plane_rotation(angle: float) -> np.ndarray:
-    """Rotation of a vector in the plane, (2, 2)."""
-    cosine = np.cos(angle)
-    sine = np.sin(angle)
-    return np.array([[cosine, -sine], [sine, cosine]])
-
-
 def between(tables: list[np.ndarray], tilts: list[np.ndarray]) -> float:
     """Where the COB of link 3 fits best: 0 is the printed one, 1 the corrected one.
 
@@ -312,13 +307,7 @@ def _cob_on_turned_arm(read: list[recordings.Recording]) -> dict[str, Any]:
     Gravity is turned by the angle that fits best with the printed numbers, and the
     angle and the centre are then fitted together.
     """
-    tilted = [
-        a5.TiltRecording(
-            one.motion, one.time, -one.gravity / recordings.GRAVITY, one.grid
-        )
-        for one in read
-    ]
-    yaw = a5.fit_tilt(tilted, average=recordings.AVERAGE, delays=recordings.LAGS).yaw
+    yaw = vehicle_tilt.fit(read).yaw
     both = [linear(recording, yaw) for recording in read]
     lag, _ = recordings.fit([(table @ numbers(), tilt) for table, tilt in both])
     tables = [table[lag] for table, _ in both]

@@ -69,7 +69,6 @@ from alpha5_model.errors import (
 )
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.inertia import flip_products
-from alpha5_model.studies.vehicle_tilt import averaged, interpolated
 from alpha5_model.trajectory import Motion, motion, smooth
 from alpha5_model.viewer.figures import FORMATS
 from alpha5_model.water.terms import water_terms
@@ -399,6 +398,35 @@ def moving_water(recording: Recording) -> FloatArray:
     a = motion.acceleration[:, :4]
     terms = water_terms(arm, q, v, a, np.zeros(3))
     return np.asarray(terms.wrench[:, LEVELS.index("nominal"), 3:5])
+
+
+def averaged(
+    at: FloatArray, time: FloatArray, values: FloatArray, length: float
+) -> FloatArray:
+    """Moving average of values, (M, K); between two times it counts the mean of both.
+
+    Before the first value and after the last one they stay as they are. A sum that ends
+    there would be taken for a tilt if the mean is not 0.
+
+    Args:
+        at: Middles of the averages, (M,).
+        time: Of the values, (N,).
+        values: (N, K).
+        length: Of the average.
+    """
+    beyond = length + np.ptp(np.concatenate([at, time]))
+    time = np.concatenate([[time[0] - beyond], time, [time[-1] + beyond]])
+    values = np.vstack([values[:1], values, values[-1:]])
+    areas = (values[1:] + values[:-1]) / 2 * np.diff(time)[:, None]
+    integral = np.vstack([np.zeros(values.shape[1]), np.cumsum(areas, axis=0)])
+    low = interpolated(at - length / 2, time, integral)
+    high = interpolated(at + length / 2, time, integral)
+    return (high - low) / length
+
+
+def interpolated(at: FloatArray, time: FloatArray, values: FloatArray) -> FloatArray:
+    """Values (N, K) at other times, on straight lines, (M, K)."""
+    return np.stack([np.interp(at, time, column) for column in values.T], axis=1)
 
 
 def signals(recording: Recording, moment: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -25,11 +25,6 @@ def swaying() -> np.ndarray:
     return np.asarray(a5.named_pose("home") + 0.5 * np.sin(phase))
 
 
-def level(count: int) -> np.ndarray:
-    """What points up on a level vehicle, (N, 3)."""
-    return np.tile([0.0, 0.0, 1.0], (count, 1))
-
-
 def with_link(number: int, **numbers: Any) -> Any:
     """The catalogue's arm with other numbers of a link."""
     record = a5.parameters()
@@ -78,15 +73,6 @@ def test_identify_from_loads_of_an_arm_that_rests() -> None:
     motion = a5.trajectory.motion(TIME, still)
     found = a5.identify(motion, wrench=np.zeros((TIME.size, 6)))
     assert np.isfinite(found.estimate).all()
-
-
-def test_a_vehicle_that_does_not_tilt() -> None:
-    motion = a5.trajectory.motion(TIME, swaying())
-    recording = a5.TiltRecording(motion, TIME, level(TIME.size))
-    found = a5.fit_tilt([recording, recording])
-    assert np.isinf(found.stiffness).all()
-    assert np.isnan(found.r2).all()
-    assert np.isnan(found.score([recording])).all()
 
 
 def test_motors_of_a_joint_without_a_rated_speed() -> None:

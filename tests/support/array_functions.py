@@ -52,12 +52,9 @@ NOT_CALLED = {
     "SmoothMotion": "a record",
     "Solutions": "a record",
     "Spread": "a record",
-    "TiltFit": "a record",
-    "TiltRecording": "a record",
     "HydrodynamicArm.regressor": "refuses every state",
     "ArmOnVehicle.regressor": "refuses every state",
     "ArmOnVehicle.with_hydrodynamics": "hands its current to the arm's",
-    "fit_tilt": "takes recordings, whose arrays it has checked",
 }
 
 

@@ -6,10 +6,10 @@ The tables, or the arm file, are the known load. The current of a joint's motor 
 
 with the load tau, Coulomb friction F of each direction, viscous friction B, the rotor's
 inertia J, all at the joint, and the torque per ampere K, which is K_t times the gear
-ratio. This is linear in 1/K, F/K, B/K and J/K. More friction at low speed, a friction
-that drifts, and a drifting zero of the current have columns of their own; noise is
-autoregressive, by `alpha5_model.studies.uncertainty.noise`. A loss in the gears that
-grows with the load is not told apart from K.
+ratio. This is linear in 1/K, F/K, B/K and J/K. A friction that drifts has columns of
+its own. All else is correlated noise, see `alpha5_model.studies.calibration.ar1`. A
+steady zero of the current is part of the friction of both directions, and a loss in the
+gears that grows with the load is part of K.
 """
 
 from __future__ import annotations
@@ -19,50 +19,68 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, flag, instance
+from alpha5_model._support.checks import BoolArray, FloatArray, flag, instance
 from alpha5_model._support.files import PathLike
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.arm_writing import arm_file_text
+from alpha5_model.numbers.fluids import AIR, SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.studies.calibration.ar1 import correlations, whitened
 from alpha5_model.studies.calibration.motor_record import (
+    WIDE,
     JointMotor,
+    MotorProblem,
     with_motors,
 )
-from alpha5_model.studies.uncertainty.noise import noise_of_channel, whitened
 from alpha5_model.trajectory import Motion, SmoothMotion, smooth
 
+#: The arm's joints; the jaw rod is left out.
+_JOINTS = 4
 #: Public drivers suggest a static current of 43 mA, Table 4 implies 280 mA: the middle
 #: and the standard deviation of the prior [A].
 _FRICTION = (0.16, 0.12)
-#: Standard deviation of the torque per ampere before the data, relative to Table 4's:
-#: its two constants of one motor differ by as much.
+#: Standard deviations of the prior of B/K [A s/rad] and J/K [A s^2/rad]: at the rated
+#: speed, and at its change within a second or two, as much as friction.
+_VISCOUS = 0.3
+_ARMATURE = 0.3
+#: That of the torque per ampere, relative to Table 4's: its two constants of one motor
+#: differ by 15 %, and a fluid may be wrong.
 _BY_TABLE = 0.5
 #: Below this speed friction is not Coulomb's, relative to the joint's rated speed.
 _SLOW = 0.15
-#: Speed within which low speed adds friction, relative to the rated one.
-_STRIBECK = 0.1
-#: Drifts have periods of this many seconds or more.
+#: Friction drifts with periods of this many seconds or more, by this size [A].
 _DRIFT = 20.0
-#: Standard deviations of what drifts, and of the current's zero [A].
 _DRIFT_SIZE = 0.02
-_ZERO = 0.002
 #: Fewer samples in each direction than this tell nothing.
 _LEAST_SAMPLES = 50
 #: A torque per ampere that is less certain than this stays as in the arm's record.
 _UNKNOWN = 0.25
+#: The same, if the currents alone are to tell it, and for the judgement of the fluid.
+_ANY = 20.0
+_TOLD = 0.5
+_TABLE = 0.12
+#: Fluids of nearly the same density cannot be told apart [kg/m^3].
+_SAME_FLUID = 500.0
+#: Another one is named if the squared misfit, in standard deviations, is larger than
+#: this, and it leaves less than this share.
+_MISFIT = 4.0
+_FAR_BETTER = 0.5
+#: Currents in other columns fit better if they leave less than this share of a joint's
+#: residuals, as a geometric mean over the joints that change.
+_BETTER = 0.7
+#: Standard deviation of a payload before the data: the arm's own mass, or none [kg].
+_PAYLOAD = 1.0
+_NO_PAYLOAD = 1e-9
 #: Three standard deviations must tell this payload from none [kg].
 _USEFUL = 0.1
 _CERTAIN = 3.0
-#: Half width of a 95 % interval in standard deviations.
-_WIDE = 1.96
 #: A computed current has no noise [A].
 _LEAST_NOISE = 1e-9
-#: The five numbers of a joint, first in all arrays.
-_SCALE, _FORWARD, _BACKWARD, _VISCOUS, _ARMATURE, _PAYLOAD = range(6)
+_FLUIDS = {"air": AIR, "water": SEA_WATER}
 
 
 class Payload(NamedTuple):
@@ -78,7 +96,7 @@ class Payload(NamedTuple):
 
 
 class MotorCalibration(NamedTuple):
-    """What currents say of the motors.
+    """What currents say of the motors. `print` shows the problems first.
 
     Attributes:
         joints: Of axis_e to axis_b.
@@ -87,12 +105,23 @@ class MotorCalibration(NamedTuple):
         gravity_deviation: Relative standard deviation to which the currents tell the
             torque of gravity, the smallest of all joints. The printed digits leave
             0.004 on axis_d, so currents cannot tell the masses of links.
+        problems: What the currents contradict, and what they do not tell.
     """
 
     joints: tuple[JointMotor, ...]
     payload: Payload | None
     parameters: Alpha5Parameters
     gravity_deviation: float
+    problems: tuple[MotorProblem, ...]
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether the currents contradict what was given with them."""
+        return any(one.name != "uncertain" for one in self.problems)
+
+    def text(self) -> str:
+        """The arm file, with the problems in its head."""
+        return arm_file_text(self.parameters, map(str, self.problems))
 
     def write(self, path: PathLike) -> Path:
         """Write the arm with these motors as an arm file, ``.toml``.
@@ -100,17 +129,21 @@ class MotorCalibration(NamedTuple):
         Raises:
             OutputError: The file cannot be written.
         """
-        return atomic_write(Path(path), arm_file_text(self.parameters))
+        return atomic_write(Path(path), self.text())
 
     def __str__(self) -> str:
-        lines = [str(joint) for joint in self.joints]
+        lines = [str(one) for one in self.problems]
+        if self.problems:
+            lines.append("")
+        lines.extend(str(joint) for joint in self.joints)
         if self.payload is not None:
-            mass, deviation = self.payload
-            lines.append(f"payload {1e3 * mass:.0f} ± {1e3 * deviation:.0f} g")
+            mass = 1e3 * self.payload.mass
+            lines.append(f"payload {mass:.0f} ± {_wide(self.payload.deviation)} g")
         lines.append(
             f"masses of links: not told, gravity is known to "
-            f"{100 * self.gravity_deviation:.1f} %"
+            f"± {100 * WIDE * self.gravity_deviation:.1f} %"
         )
+        lines.append("each ± holds the truth in 95 % of recordings")
         return "\n".join(lines)
 
 
@@ -128,199 +161,373 @@ def motors(
 
     Args:
         motion: With currents, see `alpha5_model.trajectory`; the jaw rod is left out.
-        arm: The known load, in its fluid, on a fixed base; None for the bare arm in sea
-            water. A torque per ampere with a half width in its file is known to that.
+        arm: The known load, in its fluid, on a fixed base; None for the bare arm in
+            air. A torque per ampere with a half width in its file is known to that.
         payload: Whether an unknown mass is at the tool point. Calibrate the motors
-            without it first.
+            without it first. It may also stand for another fluid, which is not judged
+            then.
         smoothing: As of `alpha5_model.trajectory.smooth`.
 
     Raises:
-        InputError: No currents, too few samples in a direction, a wrong sign, or a
-            payload that the currents cannot tell; the message says why.
+        InputError: No currents, too few samples in a direction, a wrong sign, currents
+            in the columns of other joints, or a payload that the currents cannot tell;
+            the message says why.
     """
-    arm = load() if arm is None else instance("arm", arm, Arm)
+    arm = load(AIR) if arm is None else instance("arm", arm, Arm)
     flag("payload", payload)
     recorded = instance("motion", motion, Motion).current
     if recorded is None:
         raise InputError("motion", motion.source, "one with recorded currents")
-    smoothed = smooth(motion, **smoothing)
-    q = np.array(smoothed.position[:, :4])
-    v = np.array(smoothed.velocity[:, :4])
-    a = np.array(smoothed.acceleration[:, :4])
-    torque = np.array(arm.inverse_dynamics_batch(q, v, a))
-    of_payload = np.zeros_like(torque)
-    if payload:
-        heavy = arm.with_payload(mass=1.0)
-        of_payload = np.array(heavy.inverse_dynamics_batch(q, v, a)) - torque
+    states = _states(smooth(motion, **smoothing), arm, recorded)
+    _check_columns(states, arm)
 
-    fits = [
-        _fit(smoothed, k, recorded[:, k], torque[:, k], of_payload[:, k], arm)
-        for k in range(4)
-    ]
-    joints = tuple(_motor(fit, k, arm.parameters) for k, fit in enumerate(fits))
-    weighed = _weighed(fits, joints) if payload else None
-    relative = [joint.relative_deviation for joint in joints]
+    of_payload = np.zeros_like(states.torque)
+    if payload:
+        of_payload = states.loads(arm.with_payload(mass=1.0)) - states.torque
+    record = arm.parameters
+    mass = _PAYLOAD if payload else _NO_PAYLOAD
+    fits = []
+    for k in range(_JOINTS):
+        prior = _prior(record, k, _own_share(record, k) or _BY_TABLE, mass)
+        fits.append(_fit(states, k, of_payload[:, k], prior))
+    joints = tuple(_motor(fit, k, record) for k, fit in enumerate(fits))
+    problems = _uncertain(joints)
+    if not payload:
+        problems = [*_wrong_load(states, arm), *problems]
     return MotorCalibration(
         joints=joints,
-        payload=weighed,
-        parameters=with_motors(arm.parameters, joints, motion.source),
-        gravity_deviation=min(relative),
+        payload=_weighed(fits, joints) if payload else None,
+        parameters=with_motors(record, joints, motion.source),
+        gravity_deviation=min(joint.relative_deviation for joint in joints),
+        problems=tuple(problems),
     )
+
+
+class _States(NamedTuple):
+    """A recording, and the torques of the arm that is known.
+
+    Attributes:
+        time: (N,).
+        q, v, a: (N, 4).
+        torque, current: (N, 4).
+        used: Samples that are fast enough and have a current, (N, 4) bool.
+    """
+
+    time: FloatArray
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    torque: FloatArray
+    current: FloatArray
+    used: BoolArray
+
+    def loads(self, arm: Arm) -> FloatArray:
+        """Torques of an arm in this motion, (N, 4)."""
+        return np.array(arm.inverse_dynamics_batch(self.q, self.v, self.a))
+
+    def of_motor(self, k: int) -> FloatArray:
+        """What the motor of a joint gives current to, (N, 5), as in `_Motor`."""
+        v = self.v[:, k]
+        forward = (v > 0).astype(float)
+        backward = -(v < 0).astype(float)
+        return np.column_stack([self.torque[:, k], forward, backward, v, self.a[:, k]])
+
+
+class _Motor(NamedTuple):
+    """Coefficients of a joint's current, in the order of their columns.
+
+    Attributes:
+        per_torque: 1/K [A/(N m)].
+        forward, backward: F/K [A].
+        viscous: B/K [A s/rad].
+        armature: J/K [A s^2/rad].
+        payload: Current per mass at the tool point [A/kg].
+    """
+
+    per_torque: float = 0.0
+    forward: float = 0.0
+    backward: float = 0.0
+    viscous: float = 0.0
+    armature: float = 0.0
+    payload: float = 0.0
+
+
+class _Prior(NamedTuple):
+    """Coefficients before the data, and their standard deviations."""
+
+    middle: _Motor
+    deviation: _Motor
 
 
 class _Fit(NamedTuple):
-    """Coefficients of a joint's current.
+    """The coefficients of a joint's current.
 
     Attributes:
-        values: 1/K, forward and backward F/K, B/K, J/K, payload over K, (6,).
-        covariance: (6, 6).
+        values: The likeliest.
+        deviation: Their standard deviations.
+        covariance: (6, 6), in the order of `_Motor`.
         noise: Standard deviation of what is left [A].
     """
 
-    values: FloatArray
+    values: _Motor
+    deviation: _Motor
     covariance: FloatArray
     noise: float
 
-
-def _fit(
-    motion: SmoothMotion,
-    k: int,
-    current: FloatArray,
-    torque: FloatArray,
-    of_payload: FloatArray,
-    arm: Arm,
-) -> _Fit:
-    """Fit a joint's current by weighted least squares with the prior."""
-    joint = arm.parameters.joints[k]
-    if not joint.velocity > 0.0:
-        raise InputError(f"{joint.name}.velocity", joint.velocity, "a speed above 0")
-    velocity = motion.velocity[:, k]
-    used = (np.abs(velocity) > _SLOW * joint.velocity) & np.isfinite(current)
-    for sign, way in ((1.0, "forward"), (-1.0, "backward")):
-        count = int((used & (sign * velocity > 0)).sum())
-        if count < _LEAST_SAMPLES:
-            given = f"{joint.name} with {count} samples {way} that are fast enough"
-            least = _SLOW * joint.velocity
-            expected = f"{_LEAST_SAMPLES} above {least:.3g} rad/s"
-            raise InputError("motion", given, expected)
-
-    of_motor = [
-        torque,
-        velocity > 0,
-        -(velocity < 0).astype(float),
-        velocity,
-        motion.acceleration[:, k],
-        of_payload,
-    ]
-    nuisances = _nuisances(motion.time, velocity, joint)
-    rows = np.column_stack([*of_motor, nuisances])
-    prior = _prior(arm.parameters, k, rows.shape[1], bool(of_payload.any()))
-    fit = _averaged(rows, np.where(used, current, np.nan), *prior)
-    _check_sign(fit, joint.name)
-    return fit
+    def variance(self, slope: _Motor) -> float:
+        """Of a quantity with these derivatives by the coefficients."""
+        return float(np.array(slope) @ self.covariance @ np.array(slope))
 
 
-def _averaged(
-    rows: FloatArray, measured: FloatArray, middle: FloatArray, deviation: FloatArray
-) -> _Fit:
-    """The mean fit over all noise that is likely.
+def _states(motion: SmoothMotion, arm: Arm, recorded: FloatArray) -> _States:
+    """The recording of the joints that move fast enough.
 
-    Args:
-        rows: Columns of the current, (N, k), the motor's first.
-        measured: (N,) [A]; NaN where it is not used.
-        middle, deviation: Of the prior, (k,) each.
+    Raises:
+        InputError: A joint without a rated speed, or too few samples.
     """
-    noise = noise_of_channel(rows, np.zeros((len(rows), 1)), measured)
-    every = np.column_stack([rows, measured])
-    estimates = []
-    covariances = []
-    for *coefficients, size in noise.likely:
-        white = whitened(every, np.array(coefficients)) / max(size, _LEAST_NOISE)
-        complete = white[np.isfinite(white).all(axis=1)]
-        equations = np.vstack([complete[:, :-1], np.diag(1 / deviation)])
-        target = np.append(complete[:, -1], middle / deviation)
-        estimates.append(np.linalg.lstsq(equations, target)[0])
-        covariances.append(np.linalg.inv(equations.T @ equations))
-
-    covariance = np.mean(covariances, axis=0)
-    covariance = covariance + np.cov(np.transpose(estimates), bias=True)
-    of_motor = slice(0, _PAYLOAD + 1)
-    return _Fit(
-        values=np.mean(estimates, axis=0)[of_motor],
-        covariance=covariance[of_motor, of_motor],
-        noise=noise.deviation,
+    joints = arm.parameters.joints[:_JOINTS]
+    for joint in joints:
+        if not joint.velocity > 0.0:
+            raise InputError(
+                f"{joint.name}.velocity", joint.velocity, "a speed above 0"
+            )
+    q = np.array(motion.position[:, :_JOINTS])
+    v = np.array(motion.velocity[:, :_JOINTS])
+    a = np.array(motion.acceleration[:, :_JOINTS])
+    current = np.array(recorded[:, :_JOINTS])
+    least = _SLOW * np.array([joint.velocity for joint in joints])
+    used = (np.abs(v) > least) & np.isfinite(current)
+    for sign, way in ((1.0, "forward"), (-1.0, "backward")):
+        counts = (used & (sign * v > 0)).sum(axis=0)
+        k = int(counts.argmin())
+        if counts[k] < _LEAST_SAMPLES:
+            name = JOINT_NAMES[k]
+            given = f"{name} with {counts[k]} samples {way} that are fast enough"
+            expected = f"{_LEAST_SAMPLES} above {least[k]:.3g} rad/s"
+            raise InputError("motion", given, expected)
+    torque = np.array(arm.inverse_dynamics_batch(q, v, a))
+    return _States(
+        time=motion.time, q=q, v=v, a=a, torque=torque, current=current, used=used
     )
 
 
-def _nuisances(time: FloatArray, velocity: FloatArray, joint: Any) -> FloatArray:
-    """Columns of friction at low speed, drifting friction, and a drifting zero."""
-    half_turns = np.pi * (time - time[0]) / np.ptp(time)
-    waves = np.cos(np.outer(half_turns, np.arange(_most_waves(time) + 1)))
-    direction = np.sign(velocity)[:, None]
-    slow = np.exp(-np.abs(velocity) / (_STRIBECK * joint.velocity))
-    return np.column_stack([waves, direction * waves[:, 1:], direction * slow[:, None]])
+def _check_columns(states: _States, arm: Arm) -> None:
+    """Refuse currents that follow the motions of other joints.
+
+    Raises:
+        InputError: Currents in other columns fit the motion better.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    left = np.empty((_JOINTS, _JOINTS))
+    for motion in range(_JOINTS):
+        columns = states.of_motor(motion)
+        for current in range(_JOINTS):
+            used = states.used[:, motion] & np.isfinite(states.current[:, current])
+            measured = states.current[used, current]
+            fitted = columns[used] @ np.linalg.lstsq(columns[used], measured)[0]
+            size = np.sqrt(np.mean((measured - fitted) ** 2))
+            left[motion, current] = np.log(max(float(size), _LEAST_NOISE))
+
+    _, order = linear_sum_assignment(left)
+    own = np.arange(_JOINTS)
+    moved = order != own
+    if not moved.any():
+        return
+    if np.mean((left[own, order] - left[own, own])[moved]) < np.log(_BETTER):
+        names = JOINT_NAMES[:_JOINTS]
+        found = f"those of {', '.join(names[k] for k in np.argsort(order))}"
+        expected = f"currents of {', '.join(names)}, in the order of their joints"
+        raise InputError("motion", found, expected)
 
 
-def _most_waves(time: FloatArray) -> int:
-    """Half waves of the slow drifts in a recording."""
-    return int(2 * np.ptp(time) / _DRIFT)
+def _fit(states: _States, k: int, of_payload: FloatArray, prior: _Prior) -> _Fit:
+    """Fit a joint's current by least squares, over all likely correlations of noise."""
+    drift = _drift(states.time) * np.sign(states.v[:, [k]])
+    used = np.flatnonzero(states.used[:, k])
+    columns = np.column_stack([states.of_motor(k), of_payload, drift])[used]
+    measured = states.current[used, k]
+    expected = np.append(prior.middle, np.zeros(drift.shape[1]))
+    spread = np.append(prior.deviation, np.full(drift.shape[1], _DRIFT_SIZE))
+    freedom = max(len(used) - columns.shape[1], 1)
+
+    likely = correlations(measured, columns, used)
+    estimates = []
+    covariances = []
+    for rho in likely.rho.tolist():
+        white = whitened(columns, rho, used)
+        target = whitened(measured, rho, used)
+        rest = target - white @ np.linalg.lstsq(white, target)[0]
+        chance = max(float(np.sqrt(rest @ rest / freedom)), _LEAST_NOISE)
+        equations = np.vstack([white / chance, np.diag(1.0 / spread)])
+        wanted = np.append(target / chance, expected / spread)
+        estimates.append(np.linalg.lstsq(equations, wanted)[0])
+        covariances.append(np.linalg.inv(equations.T @ equations))
+
+    estimate = likely.probability @ np.array(estimates)
+    apart = np.array(estimates) - estimate
+    covariance = np.tensordot(likely.probability, covariances, 1)
+    covariance += (apart.T * likely.probability) @ apart
+
+    of_motor = len(_Motor._fields)
+    residual = measured - columns @ estimate
+    fit = _Fit(
+        values=_Motor(*estimate[:of_motor].tolist()),
+        deviation=_Motor(*np.sqrt(np.diag(covariance))[:of_motor].tolist()),
+        covariance=covariance[:of_motor, :of_motor],
+        noise=float(np.sqrt(np.mean(residual**2))),
+    )
+    _check_sign(fit, JOINT_NAMES[k])
+    return fit
+
+
+def _drift(time: FloatArray) -> FloatArray:
+    """Half waves with periods that friction may drift with, (N, m)."""
+    duration = float(np.ptp(time))
+    half_turns = np.pi * (time - time[0]) / duration
+    most = int(2 * duration / _DRIFT)
+    return np.cos(np.outer(half_turns, np.arange(1, most + 1)))
 
 
 def _prior(
-    record: Alpha5Parameters, k: int, count: int, with_payload: bool
-) -> tuple[FloatArray, FloatArray]:
-    """Middles and standard deviations of the coefficients before the data."""
+    record: Alpha5Parameters, k: int, relative: float, mass: float = _NO_PAYLOAD
+) -> _Prior:
+    """What is known of a joint's motor before the data.
+
+    Args:
+        record: Of the arm.
+        k: Index of the joint.
+        relative: Standard deviation of the torque per ampere over it.
+        mass: That of the payload [kg].
+    """
+    per_torque = 1.0 / _per_ampere(record, k)
+    middle = _Motor(per_torque=per_torque, forward=_FRICTION[0], backward=_FRICTION[0])
+    deviation = _Motor(
+        per_torque=relative * per_torque,
+        forward=_FRICTION[1],
+        backward=_FRICTION[1],
+        viscous=_VISCOUS,
+        armature=_ARMATURE,
+        payload=mass * per_torque,
+    )
+    return _Prior(middle=middle, deviation=deviation)
+
+
+def _per_ampere(record: Alpha5Parameters, k: int) -> float:
+    """Torque per ampere of a joint by the arm's record [N m/A]."""
     actuator = record.actuators[k]
-    per_ampere = actuator.torque_constant * actuator.gear_ratio
-    half_widths = {one.key: one.half_width for one in record.measurements}
+    return float(actuator.torque_constant * actuator.gear_ratio)
+
+
+def _own_share(record: Alpha5Parameters, k: int) -> float | None:
+    """Standard deviation of that over it, if the record has a half width."""
     key = f"motors.torque_constant.{JOINT_NAMES[k]}"
-    half_width = half_widths.get(key)
-    relative = _BY_TABLE
-    if half_width is not None:
-        relative = max(half_width / actuator.torque_constant / _WIDE, 1e-6)
-    middle = np.zeros(count)
-    # Friction drifts by a part of itself, a zero by little.
-    deviation = np.full(count, _DRIFT_SIZE)
-    deviation[_PAYLOAD + 1] = _ZERO
-    middle[_SCALE] = 1 / per_ampere
-    deviation[_SCALE] = relative / per_ampere
-    middle[[_FORWARD, _BACKWARD]] = _FRICTION[0]
-    deviation[[_FORWARD, _BACKWARD]] = _FRICTION[1]
-    # A payload of the arm's own mass is likely; none if it is not asked for.
-    deviation[_PAYLOAD] = (1.0 if with_payload else 1e-9) / per_ampere
-    return middle, deviation
+    for one in record.measurements:
+        if one.key == key and one.half_width is not None:
+            constant = record.actuators[k].torque_constant
+            return max(one.half_width / constant / WIDE, 1e-6)
+    return None
 
 
 def _check_sign(fit: _Fit, name: str) -> None:
     """Refuse friction that drives a joint."""
-    friction = fit.values[_FORWARD] + fit.values[_BACKWARD]
-    pair = fit.covariance[_FORWARD : _BACKWARD + 1, _FORWARD : _BACKWARD + 1]
-    if friction < -4 * np.sqrt(pair.sum()):
+    friction = fit.values.forward + fit.values.backward
+    variance = fit.variance(_Motor(forward=1.0, backward=1.0))
+    if friction < -4 * np.sqrt(variance):
         given = f"{name} with a friction of {1e3 * friction / 2:.0f} mA"
         raise InputError("motion", given, "currents with the sign of the motion")
 
 
 def _motor(fit: _Fit, k: int, record: Alpha5Parameters) -> JointMotor:
     """A joint's motor from the coefficients of its current."""
-    deviation = np.sqrt(np.diag(fit.covariance))
-    actuator = record.actuators[k]
-    table = actuator.torque_constant * actuator.gear_ratio
-    relative = float(deviation[_SCALE] / abs(fit.values[_SCALE]))
-    known = relative < _UNKNOWN and fit.values[_SCALE] > 0
+    values, deviation = fit.values, fit.deviation
+    relative = deviation.per_torque / abs(values.per_torque)
+    known = relative < _UNKNOWN and values.per_torque > 0
     return JointMotor(
         name=JOINT_NAMES[k],
-        friction_forward=float(fit.values[_FORWARD]),
-        friction_backward=float(fit.values[_BACKWARD]),
-        friction_deviation=float(deviation[_FORWARD : _BACKWARD + 1].max()),
-        viscous=max(float(fit.values[_VISCOUS]), 0.0),
-        viscous_deviation=float(deviation[_VISCOUS]),
-        armature=max(float(fit.values[_ARMATURE]), 0.0),
-        armature_deviation=float(deviation[_ARMATURE]),
-        torque_per_ampere=float(1 / fit.values[_SCALE]) if known else table,
+        friction_forward=values.forward,
+        friction_backward=values.backward,
+        friction_deviation=max(deviation.forward, deviation.backward),
+        viscous=values.viscous,
+        viscous_deviation=deviation.viscous,
+        armature=values.armature,
+        armature_deviation=deviation.armature,
+        torque_per_ampere=1 / values.per_torque if known else _per_ampere(record, k),
         relative_deviation=relative,
-        known=bool(known),
+        known=known,
         noise=fit.noise,
     )
+
+
+def _uncertain(joints: tuple[JointMotor, ...]) -> list[MotorProblem]:
+    """Estimates whose half widths exceed them, in one line."""
+    unsure: dict[str, list[str]] = {}
+    for joint in joints:
+        friction = joint.friction_deviation
+        quantities = (
+            ("friction forward", joint.friction_forward, friction),
+            ("friction backward", joint.friction_backward, friction),
+            ("viscous friction", joint.viscous, joint.viscous_deviation),
+            ("rotor inertia", joint.armature, joint.armature_deviation),
+        )
+        for name, value, deviation in quantities:
+            if WIDE * deviation > abs(value):
+                unsure.setdefault(name, []).append(joint.name)
+    if not unsure:
+        return []
+    listed = [f"{name} of {', '.join(of)}" for name, of in unsure.items()]
+    message = f"the ± exceeds the {'; the '.join(listed)}"
+    return [MotorProblem(name="uncertain", message=message)]
+
+
+def _wrong_load(states: _States, arm: Arm) -> list[MotorProblem]:
+    """Gravity of the wrong direction, or another fluid, by the torque per ampere.
+
+    The load of another fluid has nearly the same shape over a motion. Only its size
+    tells it, which is that of the torque per ampere: the arm's record has another one.
+    """
+    record = arm.parameters
+    found = np.empty(_JOINTS)  # 1/K over that of the record, by the currents alone
+    deviation = np.empty(_JOINTS)
+    for k in range(_JOINTS):
+        prior = _prior(record, k, relative=_ANY)
+        fit = _fit(states, k, np.zeros_like(states.time), prior)
+        found[k] = fit.values.per_torque / prior.middle.per_torque
+        deviation[k] = fit.deviation.per_torque / prior.middle.per_torque
+
+    told = deviation < _TOLD
+    inverse = told & (found < -_CERTAIN * deviation)
+    if inverse.any():
+        names = ", ".join(JOINT_NAMES[k] for k in np.flatnonzero(inverse))
+        message = (
+            f"the current of {names} falls if the load grows: is gravity, or the "
+            "mount, upside down?"
+        )
+        return [MotorProblem(name="gravity", message=message)]
+
+    own = np.array([_own_share(record, k) or _TABLE for k in range(_JOINTS)])
+
+    def misfit(expected: FloatArray) -> float:
+        spread = np.hypot(deviation, own * expected)
+        return float((((found - expected) / spread)[told] ** 2).sum())
+
+    given = misfit(np.ones(_JOINTS))
+    centred = states.torque - states.torque.mean(axis=0)
+    squares = (centred**2).sum(axis=0)
+    for name, density in _FLUIDS.items():
+        if abs(density - arm.fluid_density) < _SAME_FLUID:
+            continue
+        other = states.loads(
+            Arm(arm.model, arm.displacements, density, parameters=arm.parameters)
+        )
+        other_misfit = misfit((other * centred).sum(axis=0) / squares)
+        if given > _MISFIT and other_misfit < _FAR_BETTER * given:
+            message = (
+                f"the torque per ampere is the arm's own if the recording was made in "
+                f"{name}, not in a fluid of {arm.fluid_density:g} kg/m^3"
+            )
+            return [MotorProblem(name="fluid", message=message)]
+    return []
 
 
 def _weighed(fits: list[_Fit], joints: tuple[JointMotor, ...]) -> Payload:
@@ -332,24 +539,26 @@ def _weighed(fits: list[_Fit], joints: tuple[JointMotor, ...]) -> Payload:
     masses = []
     variances = []
     for fit in fits:
-        scale = fit.values[_SCALE]
-        mass = fit.values[_PAYLOAD] / scale
-        slope = np.zeros(len(fit.values))
-        slope[_PAYLOAD] = 1 / scale
-        slope[_SCALE] = -mass / scale
+        per_torque = fit.values.per_torque
+        mass = fit.values.payload / per_torque
+        slope = _Motor(per_torque=-mass / per_torque, payload=1.0 / per_torque)
         masses.append(mass)
-        variances.append(slope @ fit.covariance @ slope)
-    weights = 1 / np.array(variances)
+        variances.append(fit.variance(slope))
+    weights = 1.0 / np.array(variances)
     mass = float(weights @ masses / weights.sum())
-    deviation = float(1 / np.sqrt(weights.sum()))
+    deviation = float(1.0 / np.sqrt(weights.sum()))
 
-    friction = max(joint.friction_forward for joint in joints)
     if _CERTAIN * deviation > _USEFUL:
+        friction = max(joint.friction_forward for joint in joints)
         given = (
-            f"± {1e3 * deviation:.0f} g: friction takes {1e3 * friction:.0f} mA "
-            "of the current and varies"
+            f"± {_wide(deviation)} g: friction takes {1e3 * friction:.0f} mA of the "
+            "current and varies"
         )
-        least = 1e3 * _USEFUL / _CERTAIN
-        expected = f"currents that tell it to ± {least:.0f} g or less"
+        expected = f"currents that tell it to ± {_wide(_USEFUL / _CERTAIN)} g or less"
         raise InputError("payload", given, expected)
     return Payload(mass=mass, deviation=deviation)
+
+
+def _wide(deviation: float) -> str:
+    """Half width of a 95 % interval in thousandths."""
+    return f"{1e3 * WIDE * deviation:.0f}"

@@ -10,7 +10,7 @@ from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
 from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Half width of a 95 % interval in standard deviations.
-_WIDE = 1.96
+WIDE = 1.96
 #: Keys of an arm file that a calibration replaces.
 _KEYS = (
     "torque_constant",
@@ -21,12 +21,30 @@ _KEYS = (
 )
 
 
+class MotorProblem(NamedTuple):
+    """Something that the currents contradict, or do not tell.
+
+    Attributes:
+        name: ``fluid`` or ``gravity``, the wrong one; ``uncertain`` for estimates whose
+            half widths exceed them.
+        message: What it is, in words.
+    """
+
+    name: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.message}"
+
+
 class JointMotor(NamedTuple):
     """What the currents say of a joint's motor, at the joint.
 
     Attributes:
         name: Of the joint.
-        friction_forward, friction_backward: Current that Coulomb friction takes [A].
+        friction_forward, friction_backward: Current that Coulomb friction takes, with
+            a zero of the current in it [A]; like viscous and armature, below 0 if noise
+            makes it so.
         friction_deviation: Standard deviation of both [A].
         viscous: Current per joint speed [A s/rad].
         viscous_deviation: Of that.
@@ -35,8 +53,7 @@ class JointMotor(NamedTuple):
         torque_per_ampere: K_t times the gear ratio [N m/A].
         relative_deviation: Standard deviation of that over it, by the data.
         known: Whether the data tell torque_per_ampere; else it is the arm's own.
-        noise: Standard deviation of the white noise that drives the current's
-            autoregressive noise [A].
+        noise: Standard deviation of the current that is not explained [A].
     """
 
     name: str
@@ -53,11 +70,16 @@ class JointMotor(NamedTuple):
     noise: float
 
     def __str__(self) -> str:
-        by = f"± {100 * self.relative_deviation:.0f} %" if self.known else "by Table 4"
+        relative = 100 * WIDE * self.relative_deviation
+        by = f"± {relative:.0f} %" if self.known else "by the arm's record"
         return (
             f"{self.name}: friction {1e3 * self.friction_forward:.1f} and "
-            f"{1e3 * self.friction_backward:.1f} ± {1e3 * self.friction_deviation:.1f} "
-            f"mA, viscous {1e3 * self.viscous:.1f} mA s/rad, "
+            f"{1e3 * self.friction_backward:.1f} "
+            f"± {1e3 * WIDE * self.friction_deviation:.1f} mA, "
+            f"viscous {1e3 * self.viscous:.1f} "
+            f"± {1e3 * WIDE * self.viscous_deviation:.1f} mA s/rad, "
+            f"rotor {1e3 * self.armature:.1f} "
+            f"± {1e3 * WIDE * self.armature_deviation:.1f} mA s^2/rad, "
             f"K_t gear {self.torque_per_ampere:.2f} N m/A {by}"
         )
 
@@ -87,9 +109,9 @@ def with_motors(
         k = JOINT_NAMES.index(joint.name)
         gear = actuators[k].gear_ratio
         constant = joint.torque_per_ampere / gear
-        # A friction that drives the joint is none.
+        # Friction that drives the joint is none, nor is an inertia below 0.
         forward = max(joint.friction_forward, 0.0)
-        tolerance = _WIDE * joint.friction_deviation / max(forward, 1e-12)
+        tolerance = WIDE * joint.friction_deviation / max(forward, 1e-12)
         actuators[k] = replace(
             actuators[k],
             torque_constant=constant,
@@ -98,14 +120,14 @@ def with_motors(
             efficiency=1.0,
         )
         drives["backward_frictions"][k] = constant * max(joint.friction_backward, 0.0)
-        drives["viscous_frictions"][k] = constant * joint.viscous / gear
-        drives["rotor_inertias"][k] = constant * joint.armature / gear
+        drives["viscous_frictions"][k] = constant * max(joint.viscous, 0.0) / gear
+        drives["rotor_inertias"][k] = constant * max(joint.armature, 0.0) / gear
         replaced |= {f"motors.{key}.{joint.name}" for key in _KEYS}
         if joint.known:
             measurement = Measurement(
                 key=f"motors.torque_constant.{joint.name}",
                 source=f"currents of {source}",
-                half_width=min(_WIDE * joint.relative_deviation, 1.0) * constant,
+                half_width=min(WIDE * joint.relative_deviation, 1.0) * constant,
             )
             measurements.append(measurement)
 
