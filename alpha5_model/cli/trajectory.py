@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from typer import Argument, Option
 
 from alpha5_model import trajectory as library
-from alpha5_model._support.checks import choice
+from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model.cli import options, printing, values
 from alpha5_model.dynamics.actuators import Actuator, actuator
@@ -18,7 +18,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
-from alpha5_model.trajectory.file_table import Progress
+from alpha5_model.trajectory.tables import Progress
 from alpha5_model.trajectory.time_series import FORMATS
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.motion_plot import motion_figure
@@ -53,10 +53,10 @@ _Degrees = Annotated[
 ]
 _Output = Annotated[
     Path | None,
-    Option("--output", "-o", help="Every quantity over time: .csv, .json or .mcap."),
+    Option("--output", "-o", help="Every quantity over time: .csv or .json."),
 ]
 _Gripper = Annotated[str, Option(help=options.HELP["gripper"])]
-_Smoothing = Annotated[str, Option(help="spline, savgol or interpolate (no noise).")]
+_Smoothing = Annotated[str, Option(help="spline, or interpolate (no noise).")]
 _Bandwidth = Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")]
 _Velocities = Annotated[str, Option(help="file, positions (their slope) or auto.")]
 _SupplyVoltage = Annotated[
@@ -148,9 +148,11 @@ def trajectory(
             current=water_current,
             efficiency=efficiency,
         )
-        summary = _summary(analysis)
+        margin = _torque_margin(analysis)
         _write(analysis, output, plot, progress)
-    printing.show(as_json, summary, [library.text(summary, verbose)], output, plot)
+    record = library.summary(analysis, margin)
+    lines = [library.text(analysis, verbose, margin)]
+    printing.show(as_json, record, lines, output, plot)
 
 
 def _gripper(choice_of_user: str, motion: library.Motion) -> str:
@@ -192,10 +194,8 @@ def _rod_actuator(
     return {"axis_a": rod}
 
 
-def _summary(analysis: library.Analysis) -> dict[str, Any]:
-    """The summary, with the interval of each peak torque that the digits allow."""
-    summary = library.summary(analysis)
-
+def _torque_margin(analysis: library.Analysis) -> FloatArray:
+    """Distances of each joint's peak torque to the ends of its interval, (2, n)."""
     smooth = analysis.smooth
     peaks = np.abs(analysis.torque).argmax(axis=0)
     margin = torque_margin(
@@ -205,7 +205,4 @@ def _summary(analysis: library.Analysis) -> dict[str, Any]:
         smooth.acceleration[peaks],
     )
     # Axes: lower and upper end, peak, joint. Each joint has its peak on the diagonal.
-    ends = analysis.torque[peaks] + margin
-    for k, joint in enumerate(summary["joints"].values()):
-        joint["torque_peak"]["interval"] = ends[:, k, k].tolist()
-    return summary
+    return np.asarray(np.diagonal(margin, axis1=1, axis2=2))
