@@ -107,8 +107,14 @@ def table(
 
 
 def short_repr(record: Any) -> str:
-    """A record in a few lines: arrays by their shapes, records by their names."""
-    shown = [f"{f.name}={_short(getattr(record, f.name))}" for f in fields(record)]
+    """A record in a few lines: arrays by their shapes, records by their names.
+
+    Args:
+        record: A dataclass or a named tuple.
+    """
+    named = getattr(record, "_fields", None)
+    names = [f.name for f in fields(record)] if named is None else named
+    shown = [f"{name}={_short(getattr(record, name))}" for name in names]
     text = f"{type(record).__name__}({', '.join(shown)})"
     return "\n".join(wrapped(text, 88, hang=4))
 

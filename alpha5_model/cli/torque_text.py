@@ -34,6 +34,7 @@ def torque_lines(record: Record) -> printing.Lines:
         yield from _moving_water(record)
     yield ""
     yield from _warnings(record)
+    yield printing.payload(record["payload_kg"])
     yield _assumptions(record)
 
 

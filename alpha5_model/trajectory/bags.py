@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray, choice
-from alpha5_model._support.files import PathLike
+from alpha5_model._support.files import PathLike, read_named
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory.columns import JointMap, arms_in, only_choice
@@ -35,6 +36,8 @@ _ROS_TYPE = "sensor_msgs/msg/JointState"
 _LEAST_EXPANSION = 1_000_000
 #: Largest ``metadata.yaml`` that is read [bytes]; a recorder's is some kilobytes.
 _MOST_METADATA = 1_000_000
+#: Levels of lists and tables in it; a recorder's has six.
+_MOST_LEVELS = 20
 #: Messages between two reports of progress.
 _CHUNK = 10_000
 #: Stamps below this are simulated times, which start at zero [ns].
@@ -145,6 +148,14 @@ def _table(
             if len(numbers) == len(message.names):
                 values[row, [1 + part * n + k for k in joints]] = numbers[at]
     values[~np.isfinite(values)] = np.nan
+    header = ["time"]
+    header += [joint + ending for ending in ("", "_vel", "_effort") for joint in names]
+    # Quantities that no message has are no columns.
+    used = [
+        k < 1 + n or bool(np.isfinite(values[:, k]).any()) for k in range(1 + 3 * n)
+    ]
+    header = [name for name, is_used in zip(header, used, strict=True) if is_used]
+    values = values[:, used]
 
     # Only messages with numbers of the arm decide about its times.
     of_arm = np.flatnonzero(np.isfinite(values[:, 1 : 1 + n]).any(axis=1))
@@ -152,10 +163,11 @@ def _table(
     unstamped = _unstamped(messages)
     every = [m.received if unstamped else m.stamp for m in stream]
     times = np.array([every[row] for row in of_arm], dtype=np.int64)
-    # Publisher -> its first message.
+    # Publisher of the first joint -> its first message.
     first_of: dict[str, int] = {}
     for row, message in zip(of_arm.tolist(), messages, strict=True):
-        first_of.setdefault(message.publisher, row)
+        if np.isfinite(values[row, 1]):
+            first_of.setdefault(message.publisher, row)
     _refuse_clock_set_back(path, topic, times, of_arm, len(first_of))
     values[of_arm, 0] = seconds(times.tolist(), 10**9)
     order = np.argsort(np.array(every, dtype=np.int64), kind="stable")
@@ -173,8 +185,6 @@ def _table(
             f"publishers: {', '.join(sorted(first_of))}",
         ),
     ]
-    header = ["time"]
-    header += [joint + ending for ending in ("", "_vel", "_effort") for joint in names]
 
     def place(row: int, column: int) -> str:
         message = f"message {order[row] + 1} of {topic}"
@@ -399,8 +409,8 @@ def _check_files(path: PathLike, bag: Path) -> None:
     files = sorted(bag.iterdir()) if bag.is_dir() else [bag]
     for file in filter(Path.is_file, files):
         size = file.stat().st_size
-        if file.name == "metadata.yaml" and size > _MOST_METADATA:
-            raise FileFormatError(path, f"metadata.yaml has {size} bytes")
+        if file.name == "metadata.yaml":
+            _check_metadata(path, file)
         with file.open("rb") as stream:
             start = stream.read(100)
             refuse_git_lfs_pointer(file, start)
@@ -411,6 +421,22 @@ def _check_files(path: PathLike, bag: Path) -> None:
             else:
                 continue
         refuse_expansion(path, expanded, _LEAST_EXPANSION + EXPANSION * size)
+
+
+def _check_metadata(path: PathLike, file: Path) -> None:
+    """Refuse YAML that is large, or takes much more time or memory than it is large."""
+    text = read_named(file, "the metadata of a bag", _MOST_METADATA)
+    depth = 0
+    for bracket in re.findall(rb"[\[{\]}]", text):
+        depth += 1 if bracket in b"[{" else -1
+        if depth > _MOST_LEVELS:
+            break
+    if depth > _MOST_LEVELS or re.search(rb"(?:[-?] ){%d}" % _MOST_LEVELS, text):
+        problem = f"metadata.yaml nests deeper than {_MOST_LEVELS} levels"
+        raise FileFormatError(path, problem)
+    if re.search(rb"[\[{,:-][ \n]*\*\w", text):
+        problem = "metadata.yaml has aliases (*name), which no recorder writes"
+        raise FileFormatError(path, problem)
 
 
 def _mcap_size(stream: BinaryIO, size: int) -> int:

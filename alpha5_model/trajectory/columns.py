@@ -45,7 +45,7 @@ _WORDS = {
     COMMAND: """
         cmd command commands commanded ref reference target goal des desired setpoint
         dref""",
-    MEASURED: "measured meas actual state",
+    MEASURED: "measured meas actual recorded state",
     NAME: "joint joints states arm alpha robot my left right front rear port starboard",
 }
 _MEANING = {
@@ -309,10 +309,12 @@ def arms_in(names: Iterable[str], wanted_prefix: str | None) -> list[str]:
         for joint in JOINT_NAMES:
             if name.endswith(joint):
                 joints_of.setdefault(name.removesuffix(joint), set()).add(joint)
+    others = {TORQUE, VELOCITY, EFFORT, CURRENT}
+    if wanted_prefix is None:
+        others.add(COMMAND)
+    else:
+        joints_of = {wanted_prefix: joints_of.get(wanted_prefix, set())}
     complete = [p for p, joints in joints_of.items() if joints >= {*JOINT_NAMES[:4]}]
-    if wanted_prefix is not None:
-        return [prefix for prefix in complete if prefix == wanted_prefix]
-    others = {COMMAND, TORQUE, VELOCITY, EFFORT, CURRENT}
     return sorted(prefix for prefix in complete if not others & {*_meanings(prefix)})
 
 
@@ -621,12 +623,12 @@ def _meanings(text: str) -> list[str]:
 
 def _group(before: str) -> str:
     """A prefix without the words that name a quantity."""
-    kept = ""
+    kept = []
     end = 0
     for match in _WORD.finditer(before):
-        kept += before[end : match.start()]
+        kept.append(before[end : match.start()])
         separators = _SEPARATORS.match(before, match.end())
         end = separators.end() if separators else match.end()
         if _MEANING.get(match[0].lower()) not in _QUANTITIES:
-            kept += before[match.start() : end]
-    return kept + before[end:]
+            kept.append(before[match.start() : end])
+    return "".join([*kept, before[end:]])

@@ -61,7 +61,7 @@ def _recording(folder: Path) -> list[Row]:
 
     def ours() -> str:
         analysis = a5.trajectory.analyse(a5.trajectory.read_motion(path))
-        return a5.trajectory.text(a5.trajectory.summary(analysis))
+        return a5.trajectory.text(analysis)
 
     def torques() -> None:
         for row, speed in zip(q, v, strict=True):
