@@ -100,14 +100,14 @@ def _peaks() -> list[_Column]:
         return "needs --screw-lead" if peak is None else f"{peak.value:+.3f}"
 
     return [
-        _Column("torque", "torque", lambda j: f"{j.torque_peak.value:+.4g}"),
+        _Column("torque", "torque", lambda j: _size(j.torque_peak, "+.4g")),
         _Column("current", "A", current),
         _Column(
             "by friction's tolerance",
             "A",
             lambda j: _interval(j.current_peak, "+.3f", missing=""),
         ),
-        _Column("speed", "velocity", lambda j: f"{j.velocity_peak.value:+.4g}"),
+        _Column("speed", "velocity", lambda j: _size(j.velocity_peak, "+.4g")),
     ]
 
 
@@ -328,6 +328,11 @@ def _table(title: str, joints: _Joints, columns: Sequence[_Column]) -> list[str]
 def _cell(value: float | None, form: str) -> str:
     """A number, or a dash if it is not known."""
     return "-" if value is None else format(value, form)
+
+
+def _size(peak: Peak, form: str) -> str:
+    """The value of a peak, 0 for rounding."""
+    return format(peak.value if abs(peak.value) > ROUNDING else 0.0, form)
 
 
 def _interval(peak: Peak | None, form: str, missing: str = "-") -> str:

@@ -173,7 +173,7 @@ def test_motion_as_mcap(
 
     again = a5.trajectory.read_motion(target)
     np.testing.assert_allclose(again.time, time, atol=1e-6)
-    np.testing.assert_allclose(again.position, q, atol=1e-4)
+    np.testing.assert_allclose(again.position, q, atol=1e-3)
     with target.open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
         found = {c.topic: m for _, c, _, m in reader.iter_decoded_messages()}
