@@ -38,8 +38,6 @@ _LEAST_EXPANSION = 1_000_000
 _MOST_METADATA = 1_000_000
 #: Levels of lists and tables in it; a recorder's has six.
 _MOST_LEVELS = 20
-#: Messages between two reports of progress.
-_CHUNK = 10_000
 #: Stamps below this are simulated times, which start at zero [ns].
 _SIMULATED = 10**11
 #: Messages that may be late in a row.
@@ -289,10 +287,8 @@ def _streams(
         _check_files(path, file)
         is_mcap = file.is_file() and file.suffix.lower() == ".mcap"
         read = _mcap_messages if is_mcap else _rosbags_messages
-        for count, (name, message) in enumerate(read(file, others), start=1):
+        for name, message in read(file, others):
             streams.setdefault(name, []).append(message)
-            if progress and count % _CHUNK == 0:
-                progress("read", 0.5)
     if progress:
         progress("read", 1.0)
     if not streams:

@@ -99,6 +99,11 @@ _TIMES = (
 #: Whole seconds of a stamp; its nanoseconds are in a column of their own.
 _STAMP_SECONDS = re.compile(r"((?:.*[./_])?stamp[./_])secs?")
 _NANOSECONDS = ("nanosec", "nsecs", "nsec", "nanosecs", "nanoseconds")
+#: Names of a column that says which joint a row is about.
+JOINT_COLUMNS = ("joint", "joint_name", "joint name", "name", "axis", "variable")
+#: The arm has four joints, and more names than this are no joints.
+_FEWEST_JOINTS = 4
+_MOST_JOINTS = 100
 #: Columns that a message lists or explains.
 _LISTED = 8
 _REASONS = 4
@@ -221,6 +226,53 @@ class _Column(NamedTuple):
     group: str
     meaning: str
     scale: float | None
+
+
+def with_columns_of_joints(table: Table, column: int, joints: Sequence[str]) -> Table:
+    """A table of rows about one joint each, as one with columns for each joint.
+
+    ``time, joint, position`` becomes ``time, axis_e_position, axis_d_position`` and so
+    on, with NaN for all joints but the one of the row. A table whose column does not
+    name the joints of an arm stays as it is.
+
+    Args:
+        table: With a column that may name the joint.
+        column: Its number.
+        joints: What the column says in each row, (N,).
+    """
+    names = [name for name in dict.fromkeys(joints) if name]
+    is_wide = any(_JOINT.fullmatch(name) for name in table.header)
+    if is_wide or not _FEWEST_JOINTS <= len(names) <= _MOST_JOINTS:
+        return table
+    own = [k for k, name in enumerate(table.header) if _is_of_a_joint(name)]
+    shared = [k for k in range(len(table.header)) if k not in (column, *own)]
+    header = [table.header[k] for k in shared]
+    sources = [*shared]
+    parts = [table.values[:, shared]]
+    of_row = np.array(joints)
+    for name in names:
+        is_its = (of_row == name)[:, None]
+        parts.append(np.where(is_its, table.values[:, own], np.nan))
+        sources += own
+        for k in own:
+            quantity = table.header[k]
+            header.append(name if quantity == "value" else f"{name}_{quantity}")
+
+    return table._replace(
+        header=header,
+        values=np.concatenate(parts, axis=1),
+        place=lambda row, k: table.place(row, sources[k]),
+        problem=lambda row, columns: table.problem(row, [sources[k] for k in columns]),
+        in_seconds=frozenset(
+            k for k, source in enumerate(sources) if source in table.in_seconds
+        ),
+    )
+
+
+def _is_of_a_joint(name: str) -> bool:
+    """Whether a column without a joint in its name holds a quantity of joints."""
+    known = {*_QUANTITIES, TORQUE, COMMAND}
+    return name == "value" or not known.isdisjoint(_meanings(_split_unit(name)[0]))
 
 
 def find_roles(

@@ -14,13 +14,12 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model.errors import FileFormatError
 from alpha5_model.trajectory.clock_times import Clock, clock_of, date_seconds, is_date
+from alpha5_model.trajectory.columns import JOINT_COLUMNS, with_columns_of_joints
 from alpha5_model.trajectory.tables import (
-    JOINT_COLUMNS,
     Problem,
     Progress,
     Table,
     refuse_git_lfs_pointer,
-    with_columns_of_joints,
 )
 
 #: Separators of columns, and their names in messages.

@@ -13,9 +13,9 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
+from alpha5_model.trajectory.columns import JOINT_COLUMNS, with_columns_of_joints
 from alpha5_model.trajectory.tables import (
     EXPANSION,
-    JOINT_COLUMNS,
     PER_SECOND,
     Problem,
     Table,
@@ -23,7 +23,6 @@ from alpha5_model.trajectory.tables import (
     refuse_expansion,
     refuse_git_lfs_pointer,
     seconds,
-    with_columns_of_joints,
 )
 
 #: Any Parquet file may expand to this size [bytes], because equal rows take almost no
@@ -138,7 +137,8 @@ def _numbers(path: PathLike, name: str, column: Any) -> tuple[FloatArray, list[s
         return seconds(whole, int(PER_SECOND[unit]))[:, None], [name]
     if not _is_numeric(kind):
         return np.full((len(column), 1), np.nan), [name]
-    numbers = column.cast("float64").to_numpy(zero_copy_only=False)
+    # Whole nanoseconds since 1970 are rounded, as in a CSV.
+    numbers = column.cast("float64", safe=False).to_numpy(zero_copy_only=False)
     return np.array(numbers, dtype=float)[:, None], [name]
 
 

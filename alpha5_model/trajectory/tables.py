@@ -24,11 +24,6 @@ PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 EXPANSION = 100
 #: Called with a stage's name and the part done, 0 to 1.
 Progress = Callable[[str, float], None]
-#: Names of a column that says which joint a row is about.
-JOINT_COLUMNS = ("joint", "joint_name", "joint name", "name", "axis", "variable")
-#: The arm has four joints, and more names than this are no joints.
-_FEWEST_JOINTS = 4
-_MOST_JOINTS = 100
 #: The first line of a file that Git LFS has not fetched.
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
 
@@ -70,52 +65,6 @@ class Table(NamedTuple):
     warnings: tuple[MotionWarning, ...] = ()
     ignored: tuple[str, ...] = ()
     every_row: bool = True
-
-
-def with_columns_of_joints(table: Table, column: int, joints: Sequence[str]) -> Table:
-    """A table of rows about one joint each, as one with columns for each joint.
-
-    ``time, joint, position`` becomes ``time, axis_e_position, axis_d_position`` and so
-    on, with NaN for all joints but the one of the row. A table whose column does not
-    name the joints of an arm stays as it is.
-
-    Args:
-        table: With a column that may name the joint.
-        column: Its number.
-        joints: What the column says in each row, (N,).
-    """
-    names = [name for name in dict.fromkeys(joints) if name]
-    if not _FEWEST_JOINTS <= len(names) <= _MOST_JOINTS:
-        return table
-    shared = [k for k, name in enumerate(table.header) if _is_time(name)]
-    own = [k for k in range(len(table.header)) if k not in (column, *shared)]
-    header = [table.header[k] for k in shared]
-    sources = [*shared]
-    parts = [table.values[:, shared]]
-    of_row = np.array(joints)
-    for name in names:
-        is_its = (of_row == name)[:, None]
-        parts.append(np.where(is_its, table.values[:, own], np.nan))
-        sources += own
-        for k in own:
-            quantity = table.header[k]
-            header.append(name if quantity == "value" else f"{name}_{quantity}")
-
-    return table._replace(
-        header=header,
-        values=np.concatenate(parts, axis=1),
-        place=lambda row, k: table.place(row, sources[k]),
-        problem=lambda row, columns: table.problem(row, [sources[k] for k in columns]),
-        in_seconds=frozenset(
-            k for k, source in enumerate(sources) if source in table.in_seconds
-        ),
-    )
-
-
-def _is_time(name: str) -> bool:
-    """Whether rows of all joints share a column of this name."""
-    words = ("time", "stamp", "date", "frame", "index", "episode")
-    return name.lower() == "t" or any(word in name.lower() for word in words)
 
 
 def seconds(whole: Iterable[int | None], per_second: int) -> FloatArray:

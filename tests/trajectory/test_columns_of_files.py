@@ -60,6 +60,40 @@ def test_rows_about_one_joint_each(tmp_path: Path) -> None:
     check_long(a5.trajectory.read_motion(path, joints=numbers))
 
 
+def test_rows_about_one_joint_with_a_time_of_another_name(tmp_path: Path) -> None:
+    header = ["tick", "axis", "angle_deg", "temperature", "state"]
+    rows = [
+        [f"{1e3 * float(t)!r}", joint, f"{math.degrees(float(q))!r}", "20", "on"]
+        for t, joint, q, *_ in long_rows()
+    ]
+    path = written(tmp_path / "m.csv", header, rows)
+    motion = a5.trajectory.read_motion(path, time="tick:ms")
+    np.testing.assert_allclose(motion.time, TIME, atol=1e-12)
+    np.testing.assert_allclose(motion.position, POSITION, rtol=1e-14)
+    assert {"temperature", "state"} <= {*motion.ignored}
+
+
+def test_a_name_beside_columns_of_joints_is_no_joint(tmp_path: Path) -> None:
+    rows = [
+        [f"{t!r}", "abcde"[k % 5], *map(repr, q)]
+        for k, (t, q) in enumerate(zip(TIME.tolist(), POSITION.tolist(), strict=True))
+    ]
+    path = written(tmp_path / "m.csv", ["time", "name", *JOINTS], rows)
+    np.testing.assert_array_equal(a5.trajectory.read_motion(path).position, POSITION)
+
+
+def test_whole_nanoseconds_are_the_same_in_csv_and_parquet(tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(positions())
+    frame.insert(0, "time_ns", 1_760_000_000_123_456_789 + 50_000_000 * np.arange(80))
+    frame.to_csv(tmp_path / "m.csv", index=False)
+    frame.to_parquet(tmp_path / "m.parquet")
+    one = a5.trajectory.read_motion(tmp_path / "m.csv")
+    other = a5.trajectory.read_motion(tmp_path / "m.parquet")
+    np.testing.assert_array_equal(one.time, other.time)
+    np.testing.assert_array_equal(one.position, other.position)
+
+
 def test_rows_about_one_joint_in_parquet(tmp_path: Path) -> None:
     import pyarrow
     from pyarrow import parquet
