@@ -400,7 +400,6 @@ def likely_time_unit(
     """
     with np.errstate(over="ignore"):
         steps = np.diff(time)
-        path = np.abs(np.diff(position, axis=0)).sum(axis=0)
     steps = steps[steps > 0]
     if not steps.size:
         return "s"
@@ -411,6 +410,8 @@ def likely_time_unit(
     smaller = [unit for unit, count in PER_SECOND.items() if median < count]
     unit = smaller[0] if smaller else "ns"
     duration = (steps / PER_SECOND[unit]).sum()
+    with np.errstate(over="ignore"):
+        path = np.abs(np.diff(position, axis=0)).sum(axis=0)
     rated = np.array([joint.velocity for joint in parameters.joints[: path.size]])
     too_fast = path / duration > 2 * rated
     return "s" if too_fast.any() else unit

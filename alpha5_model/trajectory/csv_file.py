@@ -64,17 +64,22 @@ def read_csv(path: PathLike, progress: Progress | None = None) -> Table:
     separator = _stated_separator(path, lines[first], first + 1)
     start = first if separator is None else first + 1
 
-    # Inline, since there may be a million lines.
-    rows = [
+    while _is_blank(lines[-1]):
+        lines.pop()
+    # There may be a million lines: their first signs tell most of them.
+    odd = {
         k
         for k, line in enumerate(lines)
-        if line.strip(_BLANKS) and line[0] != "#" and k >= start
-    ]
+        if line[:1] in "#\t;," and (line[:1] == "#" or _is_blank(line))
+    }
+    rows: Sequence[int] = range(start, len(lines))
+    if odd:
+        rows = [k for k in rows if k not in odd]
     if not rows:
         raise FileFormatError(path, "has comments only", "line 1")
     head, header, separator = _names(path, lines, start, rows[0], separator)
     if head == rows[0] and not _starts_with_a_number(lines[head]):
-        del rows[0]
+        rows = rows[1:]
     return _CsvTable(lines, rows, header, head, separator).table(path, progress)
 
 
@@ -92,7 +97,7 @@ class _CsvTable:
     def __init__(
         self,
         lines: list[str],
-        rows: list[int],
+        rows: Sequence[int],
         header: list[str],
         head: int,
         separator: str,
@@ -317,7 +322,10 @@ def _lines(path: PathLike) -> list[str]:
             del content
             # A tab may stand for an empty last field: only spaces are blanks.
             text = text.replace("\r\n", "\n").replace("\r", "\n")
-            return [line.strip(" ") for line in text.split("\n")]
+            lines = text.split("\n")
+            if " \n" in text or "\n " in text or text != text.strip(" "):
+                lines = [line.strip(" ") for line in lines]
+            return lines
     problem = (
         "is no table of text in UTF-8, UTF-16 or Windows-1252: write the recording as "
         "CSV, as Parquet (.parquet) or as a ROS bag (.bag, .db3, .mcap)"
