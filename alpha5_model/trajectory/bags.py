@@ -302,16 +302,17 @@ def _streams(
 
 def _rosbags_messages(file: Path, others: list[str]) -> Iterator[tuple[str, _Message]]:
     """Topic and joint state of each message of a bag that rosbags reads."""
-    from rosbags.highlevel import AnyReader
+    from rosbags import rosbag1, rosbag2
     from rosbags.typesys import Stores, get_typestore
 
-    # The message is the same in every release: definitions in the bag are not needed.
+    # The message is the same in every release: definitions in the bag, which
+    # `rosbags.highlevel.AnyReader` checks, are not needed.
+    reader: Any = rosbag2.Reader
+    decode: Any = get_typestore(Stores.LATEST).deserialize_cdr
     if file.suffix.lower() == ".bag":
-        decode: Callable[..., Any] = get_typestore(Stores.ROS1_NOETIC).deserialize_ros1
-    else:
-        decode = get_typestore(Stores.LATEST).deserialize_cdr
-    store = get_typestore(Stores.LATEST)
-    with AnyReader([file], default_typestore=store) as bag:
+        reader = rosbag1.Reader
+        decode = get_typestore(Stores.ROS1_NOETIC).deserialize_ros1
+    with reader(file) as bag:
         found = [c for c in bag.connections if c.msgtype == _ROS_TYPE]
         others += [f"{c.topic} ({c.msgtype})" for c in bag.connections]
         for connection, received, raw in bag.messages(found) if found else ():

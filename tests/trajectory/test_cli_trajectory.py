@@ -196,20 +196,6 @@ def test_one_line_for_what_cannot_be_used(
     assert sorted(motion_file.parent.iterdir()) == before
 
 
-def test_bad_file_names_line_and_column(
-    motion_file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    lines = motion_file.read_text("utf-8").split("\n")
-    for line in range(40, 40 + len(lines) // 50):  # more than one in a hundred
-        third_cell = lines[line].split(",")[2]
-        lines[line] = lines[line].replace(third_cell, "??")
-    motion_file.write_text("\n".join(lines), "utf-8")
-    out_file = motion_file.parent / "out.csv"
-    assert main(["trajectory", str(motion_file), "--output", str(out_file)]) == 2
-    assert "line 41, column 3 (axis_d_pos)" in capsys.readouterr().err
-    assert not out_file.exists()
-
-
 def test_jaws_need_the_jaw_column(
     motion_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -25,6 +25,7 @@ COMPRESSED = [
     ("folder", "message"),
     ("folder", "file"),
     ("folder.db3", "message"),
+    ("folder.db3", "file"),
 ]
 
 

@@ -103,14 +103,6 @@ def test_each_form_has_the_same_numbers(tmp_path: Path) -> None:
     assert failures == []
 
 
-@pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
-def test_what_numpy_saves_is_read(separator: str, tmp_path: Path) -> None:
-    path = tmp_path / "m.txt"
-    names = separator.join(HEADER)
-    np.savetxt(path, ROWS, header=names, delimiter=separator)
-    check(a5.trajectory.read_motion(path))
-
-
 def test_a_comma_is_decimal_only_where_it_separates_nothing(tmp_path: Path) -> None:
     """Thousands are no decimals: two signs in a number are refused."""
     thousands = text(";").replace("1.5;", "1,001.5;")
@@ -158,30 +150,6 @@ def test_dates_against_the_calendar() -> None:
     for other in ("2026-02-29T00:00:00", "2026-01-01", "12:00:00", "1e3", "", "x" * 99):
         with pytest.raises(ValueError):
             iso_seconds(other)
-
-
-def test_one_bad_row_is_left_out_and_said(tmp_path: Path) -> None:
-    lines = text().split("\n")
-    bad = {
-        "cut off": "1.3",
-        "text": "1.3,1.5,1.5,high,1.5",
-        "empty cell": "1.3,1.5,,1.5,1.5",
-        "not finite": "1.3,1.5,nan,1.5,1.5",
-        "time": "nan,1.5,1.5,1.5,1.5",
-        "names again": lines[0],
-        "endless": "1.3,1.5,1.5,1.5," + "?" * 140_000,
-    }
-    for line in bad.values():
-        changed = [*lines[:12], line, *lines[12:]]
-        motion = a5.trajectory.read_motion(
-            written(tmp_path / "m.csv", "\n".join(changed))
-        )
-        check(motion)
-        [warning] = motion.warnings
-        assert (warning.kind, warning.count) == ("bad_row", 1)
-        assert warning.first.startswith("line 13")
-        assert warning.text.startswith("row left out (")
-        assert len(str(warning)) < 300
 
 
 def test_more_than_one_bad_row_in_a_hundred_is_an_error(tmp_path: Path) -> None:

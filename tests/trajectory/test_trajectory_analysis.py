@@ -12,61 +12,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reference import LOWER, UPPER, dh_frames
+from reference import LOWER, UPPER
 from shared_recordings import JOINT_STATES, needs_recordings
 
 import alpha5_model as a5
 from alpha5_model.dynamics.actuators import actuator
-from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.load import arm_of
-from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
 from alpha5_model.trajectory import columns
 
 JAW_LOWER, JAW_UPPER = 0.0013, 0.0133
 MOTOR_JOINTS = list(enumerate(("axis_e", "axis_d", "axis_c", "axis_b")))
-
-
-def states(
-    gripper: str, count: int, seed: int = 11
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    rng = np.random.default_rng(seed)
-    q, v, a = rng.uniform(LOWER, UPPER, (count, 4)), *rng.uniform(-1, 1, (2, count, 4))
-    if gripper == "jaws":
-        rod = np.stack(
-            [
-                rng.uniform(JAW_LOWER, JAW_UPPER, count),
-                *rng.uniform(-0.003, 0.003, (2, count)),
-            ]
-        )
-        q, v, a = (np.column_stack([x, y]) for x, y in zip((q, v, a), rod, strict=True))
-    return q, v, a
-
-
-@pytest.mark.parametrize("gripper", ["locked", "jaws"])
-@pytest.mark.parametrize("threads", [1, 2, None])
-def test_terms_of_many_states_are_those_of_each(
-    gripper: str, threads: int | None
-) -> None:
-    arm = a5.load(fluid_density=1013.0, gripper=gripper, gravity=(1.0, -2.0, -9.0))
-    q, v, a = states(gripper, 60)
-    terms = torque_terms(arm, q, v, a, threads)
-    for k in range(60):
-        expected = {
-            "inertia": arm.mass_matrix(q[k]) @ a[k],
-            "coriolis": arm.coriolis_matrix(q[k], v[k]) @ v[k],
-            "weight": arm.gravity_torque(q[k]),
-            "buoyancy": -arm.buoyancy_torque(q[k]),
-        }
-        for name, value in expected.items():
-            np.testing.assert_allclose(
-                getattr(terms, name)[k], value, atol=2e-14, err_msg=name
-            )
-    positions = frame_positions(arm, q)
-    for k in range(60):
-        np.testing.assert_allclose(
-            positions[k], dh_frames(q[k, :4])[5][:3, 3], atol=1e-14
-        )
 
 
 def planned(count: int = 4001, duration: float = 6.0) -> a5.trajectory.Motion:
@@ -272,18 +228,6 @@ def test_samples_beyond_the_drive_pass_its_current_or_its_voltage(
     above_lower = driven.torque - driven.torque_limits.lower
     left = np.minimum(below_upper, above_lower)
     assert joint["drive_torque_margin"] == np.nanmin(left[:, k])
-
-
-def test_the_big_motor_passes_the_drives_limits_and_the_wrist_does_not(
-    driven: a5.trajectory.Analysis,
-    driven_summary: dict[str, Any],
-) -> None:
-    joints = driven_summary["joints"]
-    assert joints["axis_d"]["beyond_drive_limits"] > 0
-    assert joints["axis_b"]["beyond_drive_limits"] == 0
-    text = a5.trajectory.text(driven, verbose=True)
-    assert "K_t/K_v: axis_e 1.155" in text
-    assert "beyond the speed-torque limit" in text
 
 
 @pytest.mark.parametrize(("k", "name"), MOTOR_JOINTS)

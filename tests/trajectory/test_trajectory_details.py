@@ -11,7 +11,6 @@ import pytest
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.errors import InputError
 from alpha5_model.trajectory import columns
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
@@ -50,39 +49,7 @@ def test_of_a_repeated_time_the_first_sample_counts() -> None:
 # --- smoothing ------------------------------------------------------------------------
 
 
-def test_the_bandwidth_stays_below_half_the_sample_rate() -> None:
-    motion = a5.trajectory.motion(*resting(200))
-    a5.trajectory.smooth(motion, "spline", 24.99)
-    for width in (25.0, 25.01):
-        with pytest.raises(
-            InputError,
-            match=r"less than half the sample rate, 25 Hz \(or .*late\), got",
-        ):
-            a5.trajectory.smooth(motion, "spline", width)
-    slow = a5.trajectory.motion(*resting(200, step=1.01))
-    with pytest.raises(InputError, match="is the time in seconds"):
-        a5.trajectory.smooth(slow, "spline", 2.0)
-    assert a5.trajectory.smooth(slow, "interpolate", -1.0).bandwidth is None
-
-
 # --- analysis -------------------------------------------------------------------------
-
-
-def test_positions_in_another_unit_are_said() -> None:
-    t, q = resting()
-    for column, size, words in (
-        (1, 180 / math.pi, "(is it in degrees?)"),
-        (4, 1e3, "(is it in mm?)"),
-    ):
-        other = q.copy()
-        other[::3, column] *= size
-        [warning] = [
-            w for w in a5.trajectory.motion(t, other).warnings if "outside" in w.text
-        ]
-        assert warning.text.endswith(words)
-        other[:, column] = 1.1 * RANGES[column][1]
-        [warning] = a5.trajectory.motion(t, other).warnings
-        assert "is it in" not in warning.text
 
 
 def test_the_rod_is_left_out_with_its_warnings() -> None:

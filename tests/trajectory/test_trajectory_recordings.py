@@ -542,13 +542,6 @@ def efforts_of_joints(analysis: a5.trajectory.Analysis) -> dict[str, Any]:
     return {name: joint["effort"] for name, joint in joints.items()}
 
 
-def test_recorded_effort_does_not_change_the_torque(
-    effort_recording: EffortRecording,
-) -> None:
-    torque = effort_recording.analysis.torque
-    np.testing.assert_array_equal(torque, effort_recording.torque)
-
-
 def test_recorded_effort_against_the_torque(effort_recording: EffortRecording) -> None:
     """A known gain and offset give figures that are known beforehand."""
     r = effort_recording.analysis
@@ -577,15 +570,3 @@ def test_recorded_effort_with_holes(effort_recording: EffortRecording) -> None:
     assert efforts["axis_b"] is None
     # Without the screw's lead the rod's friction is unknown.
     assert efforts["axis_a"]["difference_rms_with_friction"] is None
-
-
-def test_recorded_effort_returns_from_the_table_of_all_quantities(
-    effort_recording: EffortRecording, tmp_path: Path
-) -> None:
-    r = effort_recording.analysis
-    table = a5.trajectory.columns(r)
-    assert "axis_b_effort" not in table
-    np.testing.assert_array_equal(table["axis_c_effort"], r.motion.effort[:, 2])
-    a5.trajectory.write(r, tmp_path / "again.csv")
-    again = a5.trajectory.read_motion(tmp_path / "again.csv")
-    np.testing.assert_allclose(again.effort, r.motion.effort, rtol=1e-8)
