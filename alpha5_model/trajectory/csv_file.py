@@ -30,6 +30,8 @@ _BLANK = " "
 _BLANKS = " \t;,"
 #: Bytes of a text in an encoding of one byte per character.
 _TEXT_BYTES = bytes([*b"\t\n\r", *range(0x20, 0x7F), *range(0x80, 0x100)])
+#: Rows that show what the columns hold.
+_FIRST_ROWS = 10
 #: Rows that are parsed at once.
 _CHUNK = 10_000
 #: ``field.position0``, ``position[0]``, ``/joint_states/position.0``: what, and which.
@@ -113,6 +115,8 @@ class _CsvTable:
         self._joint: int | None = None
         #: Column -> how its times are written, if they are no numbers.
         self._clocks: dict[int, Clock] = {}
+        #: Columns that hold words.
+        self._words: set[int] = set()
         self._look_at_rows()
 
     def table(self, path: PathLike, progress: Progress | None) -> Table:
@@ -150,18 +154,22 @@ class _CsvTable:
         """Find columns of names and of times that are no numbers, by the first rows."""
         numbered = [k for k, x in enumerate(self._names) if _is_name(x)]
         joint = [k for k, x in enumerate(self._names) if x.lower() in JOINT_COLUMNS]
-        for row in range(min(len(self._rows), 10)):
-            fields = self._fields(*self._texts(row, row + 1))
-            if not fields:
-                continue
-            self._fixed = {k: fields[k] for k in numbered}
-            self._joint = joint[0] if len(joint) == 1 else None
-            for column, text in enumerate(fields):
-                if column not in self._fixed and not _is_number(text):
-                    clock = clock_of(text)
-                    if clock is not None:
-                        self._clocks[column] = clock
+        rows = [self._fields(text) for text in self._texts(0, _FIRST_ROWS)]
+        first = [fields for fields in rows if fields]
+        if not first:
             return
+        self._fixed = {k: first[0][k] for k in numbered}
+        self._joint = joint[0] if len(joint) == 1 else None
+        for column, texts in enumerate(zip(*first, strict=True)):
+            words = [text for text in texts if not _is_number(text)]
+            has_numbers = any(np.isfinite(_number(text)) for text in texts)
+            if column in self._fixed or not words or has_numbers:
+                continue
+            clock = clock_of(words[0])
+            if clock is None:
+                self._words.add(column)
+            else:
+                self._clocks[column] = clock
 
     def _renamed(self) -> list[str]:
         """Names of the columns; ``axis_e_position`` if ``name[0]`` is ``axis_e``."""
@@ -199,20 +207,29 @@ class _CsvTable:
     def _parsed(self, texts: list[str]) -> FloatArray:
         """The numbers of some rows, (n, k), NaN for what is none."""
         width = len(self._names)
-        if not self._clocks and not self._fixed:
+        numbers = np.full((len(texts), width), np.nan)
+        used = [k for k in range(width) if k not in self._words]
+        # `numpy.loadtxt` checks the number of fields only if it reads all of them.
+        plain = not self._words or all(
+            text.count(self._separator) == width - 1 and '"' not in text
+            for text in texts
+        )
+        if plain and not self._fixed:
             with suppress(ValueError):
-                numbers = np.loadtxt(
+                read = np.loadtxt(
                     texts,
                     delimiter=self._separator,
                     comments=None,
                     quotechar='"',
                     ndmin=2,
                     encoding=None,
+                    usecols=used if self._words else None,
+                    converters={k: x.seconds for k, x in self._clocks.items()} or None,
                 )
-                if numbers.shape == (len(texts), width):
+                if read.shape == (len(texts), len(used)):
+                    numbers[:, used] = read
                     return numbers
 
-        numbers = np.full((len(texts), width), np.nan)
         for row, text in enumerate(texts):
             fields = self._fields(text)
             if fields is not None:
