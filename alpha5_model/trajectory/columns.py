@@ -28,6 +28,7 @@ VELOCITY = "velocity"
 EFFORT = "effort"
 CURRENT = "current"
 TORQUE = "torque"
+ACCELERATION = "acceleration"
 COMMAND = "command"
 #: ``measured_axis_e`` may be anything; ``measured_q_axis_e`` is a position.
 MEASURED = "measured"
@@ -42,6 +43,7 @@ _WORDS = {
     EFFORT: "eff effort efforts",
     CURRENT: "current currents",
     TORQUE: "tau torque torques",
+    ACCELERATION: "acc acceleration ddq",
     COMMAND: """
         cmd command commands commanded ref reference target goal des desired setpoint
         dref""",
@@ -271,7 +273,7 @@ def with_columns_of_joints(table: Table, column: int, joints: Sequence[str]) -> 
 
 def _is_of_a_joint(name: str) -> bool:
     """Whether a column without a joint in its name holds a quantity of joints."""
-    known = {*_QUANTITIES, TORQUE, COMMAND}
+    known = {*_QUANTITIES, TORQUE, ACCELERATION, COMMAND}
     return name == "value" or not known.isdisjoint(_meanings(_split_unit(name)[0]))
 
 
@@ -361,7 +363,7 @@ def arms_in(names: Iterable[str], wanted_prefix: str | None) -> list[str]:
         for joint in JOINT_NAMES:
             if name.endswith(joint):
                 joints_of.setdefault(name.removesuffix(joint), set()).add(joint)
-    others = {TORQUE, VELOCITY, EFFORT, CURRENT}
+    others = {TORQUE, ACCELERATION, VELOCITY, EFFORT, CURRENT}
     if wanted_prefix is None:
         others.add(COMMAND)
     else:
@@ -627,7 +629,7 @@ def _missing(
 def _reason(column: _Column) -> str:
     """Why a column holds no positions, and which prefix would read it as positions."""
     meaning = column.meaning
-    article = "an" if meaning == EFFORT else "a"
+    article = "an" if meaning in (EFFORT, ACCELERATION) else "a"
     said = {UNKNOWN: "not understood", MEASURED: "not understood"}
     reason = f"{column.name[:60]} is {said.get(meaning, f'{article} {meaning}')}"
     [given] = _columns_of_joints([column.name], column.group)
@@ -650,7 +652,7 @@ def _meaning(before: str, after: str, given: bool) -> str:
         overruled = (UNKNOWN, COMMAND, MEASURED)
         ahead = [NAME if meaning in overruled else meaning for meaning in ahead]
     every = {*ahead, *behind}
-    for meaning in (COMMAND, TORQUE, UNKNOWN):
+    for meaning in (COMMAND, TORQUE, ACCELERATION, UNKNOWN):
         if meaning in every:
             return meaning
     if NAME in behind:
