@@ -6,7 +6,7 @@ import math
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -104,3 +104,31 @@ def table(
         else:
             lines.append(line.rstrip())
     return lines
+
+
+def short_repr(record: Any) -> str:
+    """A record in a few lines: arrays by their shapes, records by their names.
+
+    Args:
+        record: A dataclass or a named tuple.
+    """
+    named = getattr(record, "_fields", None)
+    names = [f.name for f in fields(record)] if named is None else named
+    shown = [f"{name}={_short(getattr(record, name))}" for name in names]
+    text = f"{type(record).__name__}({', '.join(shown)})"
+    return "\n".join(wrapped(text, 88, hang=4))
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return f"array{value.shape}"
+    if is_dataclass(value) and not isinstance(value, type):
+        return f"{type(value).__name__}(...)"
+    text = repr(value)
+    if len(text) <= 60 and "\n" not in text:
+        return text
+    if isinstance(value, str):
+        return f"{text[:57]}..."
+    if hasattr(value, "__len__"):
+        return f"{type(value).__name__} of {len(value)}"
+    return f"{type(value).__name__}(...)"

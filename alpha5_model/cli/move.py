@@ -179,6 +179,8 @@ def _record(motion: PlannedMotion) -> dict[str, Any]:
         "branch": motion.branch,
         "way": motion.way,
         "slowed": motion.slowed,
+        "fluid_density": motion.analysis.arm.fluid_density,
+        "payload_kg": motion.analysis.arm.payload_mass,
         "peaks": [
             {
                 "joint": peak.joint,
@@ -211,6 +213,9 @@ def _clearance(motion: PlannedMotion) -> dict[str, Any] | None:
 def _text(motion: PlannedMotion) -> printing.Lines:
     branch = f", to the branch {motion.branch}" if motion.branch else ""
     yield f"{motion.kind}{branch}: {motion.duration:.2f} s"
+    arm = motion.analysis.arm
+    yield f"fluid: {arm.fluid_density:g} kg/m^3"
+    yield printing.payload(arm.payload_mass)
     if motion.slowed > 1.0:
         yield f"{motion.slowed:.2f} times as long for the limits of the motors"
 

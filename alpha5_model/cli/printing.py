@@ -125,3 +125,8 @@ def progress_over(items: Iterable[Item], words: str, count: int) -> Iterable[Ite
     from rich.progress import track
 
     return track(items, words, count, console=Console(stderr=True), transient=True)
+
+
+def payload(mass: float) -> str:
+    """What the arm holds [kg], which every torque depends on."""
+    return f"payload: {mass:g} kg" if mass else "payload: none"

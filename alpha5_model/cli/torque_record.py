@@ -96,6 +96,7 @@ def torque_record(
     }
     record = {
         "fluid_density": arm.fluid_density,
+        "payload_kg": arm.payload_mass,
         "gravity": arm.model.gravity.linear,
         "water_current": current,
         "constants": actuators[0].constants,

@@ -40,10 +40,11 @@ def torque_lines(record: Record) -> printing.Lines:
         yield from _moving_water(record)
     yield ""
     yield from _warnings(record)
+    yield printing.payload(record["payload_kg"])
     gravity = ", ".join(f"{round(g, 6) + 0.0:g}" for g in record["gravity"])
     density = record["fluid_density"]
     yield f"fluid {density:g} kg/m^3; gravity ({gravity}) m/s^2 in base_link"
-    yield "± from the digits of Tables 2 and 3"
+    yield "± by all digits and half widths, worst case to first order"
 
 
 def _torque_table(joints: list[Record]) -> list[str]:

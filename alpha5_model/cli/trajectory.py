@@ -5,12 +5,11 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from alpha5_model import trajectory as library
-from alpha5_model._support.checks import choice
+from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model.cli import options as common
 from alpha5_model.cli import printing
@@ -21,7 +20,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
-from alpha5_model.trajectory.file_table import Progress
+from alpha5_model.trajectory.tables import Progress
 from alpha5_model.trajectory.time_series import FORMATS
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.motion_plot import motion_figure
@@ -58,7 +57,7 @@ def options(parser: Parser) -> None:
         "--output",
         type=Path,
         metavar="FILE",
-        help="every quantity over time: .csv, .json or .mcap",
+        help="every quantity over time: .csv or .json",
     )
     common.plot(parser)
     parser.add_argument(
@@ -81,7 +80,7 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--smoothing",
         default="spline",
-        help="spline, savgol or interpolate (no noise). Default: %(default)s",
+        help="spline, or interpolate (no noise). Default: %(default)s",
     )
     parser.add_argument(
         "--bandwidth",
@@ -134,10 +133,11 @@ def run(given: Namespace) -> None:
             current=given.current,
             efficiency=given.efficiency,
         )
-        summary = _summary(analysis)
+        margin = _torque_margin(analysis)
         _write(analysis, output, plot, progress)
-    lines = [library.text(summary, given.verbose)]
-    printing.show(given.json, summary, lines, output, plot)
+    record = library.summary(analysis, margin)
+    lines = [library.text(analysis, given.verbose, margin)]
+    printing.show(given.json, record, lines, output, plot)
 
 
 def _gripper(choice_of_user: str, motion: library.Motion) -> str:
@@ -179,10 +179,8 @@ def _rod_actuator(
     return {"axis_a": rod}
 
 
-def _summary(analysis: library.Analysis) -> dict[str, Any]:
-    """The summary, with the interval of each peak torque that the digits allow."""
-    summary = library.summary(analysis)
-
+def _torque_margin(analysis: library.Analysis) -> FloatArray:
+    """Distances of each joint's peak torque to the ends of its interval, (2, n)."""
     smooth = analysis.smooth
     peaks = np.abs(analysis.torque).argmax(axis=0)
     margin = torque_margin(
@@ -192,7 +190,4 @@ def _summary(analysis: library.Analysis) -> dict[str, Any]:
         smooth.acceleration[peaks],
     )
     # Axes: lower and upper end, peak, joint. Each joint has its peak on the diagonal.
-    ends = analysis.torque[peaks] + margin
-    for k, joint in enumerate(summary["joints"].values()):
-        joint["torque_peak"]["interval"] = ends[:, k, k].tolist()
-    return summary
+    return np.asarray(np.diagonal(margin, axis1=1, axis2=2))

@@ -191,6 +191,13 @@ class ArmModel:
         except (KeyError, TypeError):
             raise UnknownNameError("frame", name, self._frames) from None
 
+    @property
+    def payload_mass(self) -> float:
+        """Mass of all payloads that the arm holds [kg]."""
+        frames = self._model.frames
+        held = [f.inertia.mass for f in frames if f.name.startswith("payload")]
+        return float(sum(held))
+
     def __reduce__(self) -> tuple[Any, ...]:
         rebuild = partial(type(self), parameters=self.parameters)
         return rebuild, self._constructor_arguments

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray, float_array
+from alpha5_model._support.text import short_repr
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.solver import Branches, solve, solve_rows
@@ -50,6 +51,11 @@ class Solutions(Branches):
     """
 
     __slots__ = ()
+
+    def __repr__(self) -> str:
+        """Of one target all numbers, of many the shapes."""
+        one_target = self.position.ndim == 1
+        return super().__repr__() if one_target else short_repr(self)
 
     @property
     def arm(self) -> Alpha5Parameters:

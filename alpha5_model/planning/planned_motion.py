@@ -8,6 +8,7 @@ from pathlib import Path
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike
+from alpha5_model._support.text import short_repr
 from alpha5_model.planning.motion_table import write_motion_table
 from alpha5_model.planning.replay import Peak
 from alpha5_model.planning.surroundings import Clearance, Surroundings
@@ -49,6 +50,8 @@ class PlannedMotion:
     peaks: tuple[Peak, ...]
     analysis: Analysis
     _surroundings: Surroundings
+
+    __repr__ = short_repr
 
     @property
     def obstacles(self) -> tuple[str, ...]:

@@ -5,14 +5,13 @@
 """
 
 from alpha5_model.trajectory.analysis import Analysis, analyse
-from alpha5_model.trajectory.arrays import motion
+from alpha5_model.trajectory.checks import motion
 from alpha5_model.trajectory.key_figures import summary
-from alpha5_model.trajectory.motions import Motion
+from alpha5_model.trajectory.motions import Motion, MotionWarning
 from alpha5_model.trajectory.recordings import read_motion
 from alpha5_model.trajectory.report import text
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
 from alpha5_model.trajectory.time_series import columns, write
-from alpha5_model.trajectory.warning import MotionWarning
 
 __all__ = [
     "Analysis",

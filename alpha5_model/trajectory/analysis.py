@@ -3,33 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, choice, frozen, real
+from alpha5_model._support.text import short_repr
 from alpha5_model.dynamics.actuators import Actuator, Interval, actuator
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory import smoothing
-from alpha5_model.trajectory.current_units import efforts_and_currents
-from alpha5_model.trajectory.file_table import Progress
-from alpha5_model.trajectory.motions import Motion
+from alpha5_model.trajectory.checks import SUPPLY
+from alpha5_model.trajectory.motions import Motion, MotionWarning
 from alpha5_model.trajectory.motors import Drive, drive_limits, motor_columns
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth_for
-from alpha5_model.trajectory.warning import MotionWarning
+from alpha5_model.trajectory.tables import Progress
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.trajectory.arm_loads import Loads
     from alpha5_model.water.terms import WaterTerms
 
-#: Bandwidth at which velocities and positions are compared [Hz], and as a share of the
-#: sample rate.
-_SLOW_BANDWIDTH = 0.5
-_SLOW_SHARE = 0.1
+#: Velocities and positions are compared as means over this time [s], and over so many
+#: samples at least: noise and held values do not count.
+_SLOW = 2.0
+_SLOW_SAMPLES = 10.0
 #: A joint whose speed is below this share of its rated speed is too slow to judge.
 _JUDGED_SHARE = 0.02
 #: The same for a joint all of whose velocities are zero.
@@ -37,6 +37,10 @@ _ZERO_SHARE = 0.002
 #: Velocities outside these multiples of the slope of positions are implausible.
 _LEAST_GAIN = 0.8
 _MOST_GAIN = 1.25
+#: A payload may double the torque of the model and its friction. In milliamperes an
+#: effort is some 50 times that in N m: Table 4's motors give 1 N m with 43 to 108 mA.
+_MOST_OF_TORQUE = 2.0
+_MILLI = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +118,8 @@ class Analysis:
     effort: FloatArray | None = None
     recorded_current: FloatArray | None = None
 
+    __repr__ = short_repr
+
     def causes(self) -> dict[str, FloatArray]:
         """Torques by cause, (N, n) each; the last, ``friction``, is at the motor."""
         causes = {
@@ -175,35 +181,54 @@ def analyse(
             without the other.
         UnknownNameError: No such method, constants, efficiency or joint.
     """
-    # Only this module of the package needs Pinocchio, whose import takes long.
-    from alpha5_model.trajectory import arm_loads
+    # Pinocchio, which reading and smoothing do not need, takes long to import.
+    from alpha5_model.dynamics.batch import frame_positions
+    from alpha5_model.dynamics.load import load
+    from alpha5_model.dynamics.torque_causes import torque_terms
+    from alpha5_model.water.terms import water_terms
 
     if arm is None:
-        arm = arm_loads.default_arm(motion)
-    motion = arm_loads.motion_for_arm(motion, arm)
+        arm = load(gripper="jaws" if JOINT_NAMES[4] in motion.joints else "locked")
+    motion = _motion_for_arm(motion, arm)
     drive = _drive(arm.parameters, motion.joints, supply_voltage, current_limit)
-    motors = _motors(arm.parameters, motion.joints, constants, efficiency)
-    motors = _replaced(motors, actuators or {})
+    motors = {
+        joint: actuator(joint, constants, efficiency=efficiency, arm=arm.parameters)
+        for joint in motion.joints
+    }
+    for joint, own in (actuators or {}).items():
+        motors[choice("joint", joint, motion.joints)] = own
 
     doubts = _velocity_warnings(motion, arm.parameters, used=use_velocity is True)
     if doubts and use_velocity is None:
         use_velocity = False
     smooth = smooth_for(arm.parameters, motion, method, bandwidth, use_velocity)
-    loads = arm_loads.loads_of(arm, smooth, current, threads, progress)
-    torque, base_wrench = _with_water(loads)
+    state = smooth.position, smooth.velocity, smooth.acceleration
 
-    by_motor = motor_columns(motors, smooth, torque)
-    recorded = efforts_and_currents(motion, torque, motors)
+    terms = torque_terms(arm, *state, threads)
+    torque = terms.inertia + terms.coriolis + terms.weight + terms.buoyancy
+    base_wrench = arm.base_wrench_batch(*state, threads)
+    moving_water: WaterTerms | None = None
+    if current is not None:
+        moving_water = water_terms(arm, *state, current)
+        nominal = 1
+        torque = torque + moving_water.torque[:, nominal]
+        base_wrench = base_wrench + moving_water.wrench[:, nominal]
+    if progress:
+        progress("compute", 1.0)
+
+    of_motors = tuple(motors.values())
+    by_motor = motor_columns(of_motors, smooth, torque)
+    effort, recorded_current, of_unit = _recorded(motion, torque, of_motors)
 
     return Analysis(
         motion=motion,
         smooth=smooth,
-        actuators=motors,
+        actuators=of_motors,
         arm=arm,
-        inertia=frozen(loads.inertia),
-        coriolis=frozen(loads.coriolis),
-        weight=frozen(loads.weight),
-        buoyancy=frozen(loads.buoyancy),
+        inertia=frozen(terms.inertia),
+        coriolis=frozen(terms.coriolis),
+        weight=frozen(terms.weight),
+        buoyancy=frozen(terms.buoyancy),
         torque=frozen(torque),
         friction=frozen(by_motor["friction"]),
         current=frozen(by_motor["current"]),
@@ -213,30 +238,54 @@ def analyse(
         electrical_power=frozen(by_motor["electrical_power"]),
         mechanical_power=frozen(torque * smooth.velocity),
         base_wrench=frozen(base_wrench),
-        tcp=frozen(loads.tcp),
-        torque_limits=drive_limits(motors, smooth, torque, drive),
+        tcp=frozen(frame_positions(arm, smooth.position)),
+        torque_limits=drive_limits(of_motors, smooth, torque, drive),
         supply_voltage=None if drive is None else drive.supply_voltage,
         current_limit=None if drive is None else _shared(drive.current_limits),
-        warnings=(
-            *motion.warnings,
-            *doubts,
-            *recorded.warnings,
-        ),
-        moving_water=loads.moving_water,
+        warnings=(*motion.warnings, *doubts, *of_unit),
+        moving_water=moving_water,
         current_limits=() if drive is None else drive.current_limits,
-        effort=recorded.effort,
-        recorded_current=recorded.current,
+        effort=effort,
+        recorded_current=recorded_current,
     )
 
 
-def _with_water(loads: Loads) -> tuple[FloatArray, FloatArray]:
-    """Torque (N, n) and load on the mount (N, 6) of all causes, moving water, too."""
-    torque = loads.inertia + loads.coriolis + loads.weight + loads.buoyancy
-    if loads.moving_water is None:
-        return torque, loads.base_wrench
-    nominal = 1
-    torque = torque + loads.moving_water.torque[:, nominal]
-    return torque, loads.base_wrench + loads.moving_water.wrench[:, nominal]
+def _motion_for_arm(motion: Motion, arm: Arm) -> Motion:
+    """The motion without the jaw rod, if the arm's gripper is locked.
+
+    Raises:
+        InputError: No `Arm` on a fixed base, or a motion without one of its joints.
+    """
+    from alpha5_model.dynamics.arm import Arm
+
+    if not isinstance(arm, Arm) or arm.has_hydrodynamics:
+        expected = "an Arm in still water (moving water: the argument current)"
+        raise InputError("arm", type(arm).__name__, expected)
+    if arm.floating_base or arm.model.nv not in (4, 5):
+        found = f"a model with nv = {arm.model.nv}"
+        raise InputError("arm", found, "an arm on a fixed base")
+
+    wanted = JOINT_NAMES[: arm.model.nv]
+    if len(wanted) > len(motion.joints):
+        expected = "a motion of axis_a too, since the arm's gripper has jaws"
+        raise InputError("motion", motion.joints, expected)
+    if len(wanted) == len(motion.joints):
+        return motion
+
+    def of_arm(values: FloatArray | None) -> FloatArray | None:
+        return None if values is None else values[:, :4]
+
+    rod = JOINT_NAMES[4]
+    return replace(
+        motion,
+        joints=wanted,
+        position=motion.position[:, :4],
+        velocity=of_arm(motion.velocity),
+        warnings=tuple(w for w in motion.warnings if w.joint != rod),
+        ignored=(*motion.ignored, rod),
+        effort=of_arm(motion.effort),
+        current=of_arm(motion.current),
+    )
 
 
 def _drive(
@@ -277,27 +326,40 @@ def _shared(limits: Sequence[float | None]) -> float | None:
     return None if others else first
 
 
-def _motors(
-    parameters: Alpha5Parameters,
-    joints: Sequence[str],
-    constants: str | None,
-    efficiency: str,
-) -> tuple[Actuator, ...]:
-    """The arm's own motor of each joint."""
-    return tuple(
-        actuator(joint, constants, efficiency=efficiency, arm=parameters)
-        for joint in joints
+def _recorded(
+    motion: Motion, torque: FloatArray, motors: Sequence[Actuator]
+) -> tuple[FloatArray | None, FloatArray | None, list[MotionWarning]]:
+    """Efforts and currents of a motion; efforts that are milliamperes are currents.
+
+    They are if they are more than twice what the motion takes with friction, and
+    possible as currents. The jaw rod does not count. Recorded currents come first.
+
+    Args:
+        motion: What was recorded.
+        torque: At the joints, (N, n) [N m].
+        motors: Of the n joints.
+    """
+    effort = motion.effort
+    if effort is None:
+        return None, motion.current, []
+    turning = slice(0, 4)
+    known = np.isfinite(effort[:, turning])
+    recorded = np.where(known, effort[:, turning], 0.0)
+    friction = np.array([motor.joint_friction for motor in motors[turning]])
+    possible = np.where(known, np.abs(torque[:, turning]) + friction, 0.0)
+    stalled = max(SUPPLY / motor.parameters.resistance for motor in motors)
+
+    ratio = float(np.linalg.norm(recorded)) / max(float(np.linalg.norm(possible)), 1e-9)
+    if ratio <= _MOST_OF_TORQUE or np.abs(recorded).max() * _MILLI > stalled:
+        return effort, motion.current, []
+    text = (
+        f"efforts read in mA and compared with the currents: as N m they are "
+        f"{ratio:.3g} times the torque with friction"
     )
-
-
-def _replaced(
-    motors: Sequence[Actuator], own: Mapping[str, Actuator]
-) -> tuple[Actuator, ...]:
-    """The motors, with the caller's own ones by joint name in their place."""
-    by_joint = {motor.joint: motor for motor in motors}
-    for joint, motor in own.items():
-        by_joint[choice("joint", joint, tuple(by_joint))] = motor
-    return tuple(by_joint.values())
+    warning = MotionWarning(kind="effort_unit", count=1, first="all samples", text=text)
+    if motion.current is not None:
+        return None, motion.current, [warning]
+    return None, frozen(effort * _MILLI), [warning]
 
 
 def _velocity_warnings(
@@ -310,21 +372,29 @@ def _velocity_warnings(
     """
     if motion.velocity is None:
         return []
-    rate = 1 / float(np.median(np.diff(motion.time)))
-    slow = min(_SLOW_BANDWIDTH, _SLOW_SHARE * rate)
-    bandwidth = max(slow, smoothing.LEAST_BANDWIDTH * rate)
-    of_positions = smooth_for(parameters, motion, "spline", bandwidth, False)
-    given = smooth_for(parameters, motion, "spline", bandwidth, True)
+    window = max(_SLOW, _SLOW_SAMPLES * float(np.median(np.diff(motion.time))))
+    steps = np.diff(motion.time)[:, None]
+    sums = np.cumsum((motion.velocity[1:] + motion.velocity[:-1]) / 2 * steps, axis=0)
+    way = np.vstack([np.zeros(len(motion.joints)), sums])
+    of_positions, given = (
+        np.concatenate(
+            [
+                smoothing.mean_slope(motion.time[x], signals[x], window)
+                for x in smoothing.pieces_of(parameters, motion)
+            ]
+        )
+        for signals in (motion.position, way)
+    )
 
     warnings = []
     for k, joint in enumerate(parameters.joints[: len(motion.joints)]):
-        slope = of_positions.velocity[:, k]
+        slope = of_positions[:, k]
         power = float(np.mean(slope**2))
         never_moves = not motion.velocity[:, k].any()
         least = _ZERO_SHARE if never_moves else _JUDGED_SHARE
         if power <= (least * joint.velocity) ** 2:
             continue
-        gain = float(np.mean(slope * given.velocity[:, k])) / power
+        gain = float(np.mean(slope * given[:, k])) / power
         if not _LEAST_GAIN < gain < _MOST_GAIN:
             times = f"{gain:.3g} times the slope of its positions"
             if not used:
@@ -334,6 +404,7 @@ def _velocity_warnings(
                 count=1,
                 first="all samples",
                 text=f"{joint.name}'s velocities are {times}",
+                joint=joint.name,
             )
             warnings.append(warning)
     return warnings

@@ -1,20 +1,34 @@
-"""Checks of a motion: what is refused, repaired with a warning, or implausible."""
+"""A motion from arrays, and the checks of every motion.
+
+What cannot be a motion is refused; what can be mended is mended, with a warning.
+"""
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from alpha5_model._support.checks import BoolArray, FloatArray, frozen
-from alpha5_model.errors import Alpha5Error, InputError
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
-from alpha5_model.trajectory.motions import Motion
-from alpha5_model.trajectory.warning import MotionWarning
+from alpha5_model._support.checks import (
+    BoolArray,
+    FloatArray,
+    float_array,
+    frozen,
+    listed,
+    named,
+)
+from alpha5_model.errors import Alpha5Error, InputError, ShapeError
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    JointRange,
+    chosen_arm,
+)
+from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.trajectory.motions import Motion, MotionWarning
 
 #: Fewer samples give no useful acceleration.
 MINIMUM_SAMPLES = 5
@@ -46,52 +60,126 @@ _DEGREES_SLACK = 0.1
 #: Derivatives of larger numbers would overflow.
 _LARGEST_TIME = 1e12
 _LARGEST = 1e9
+#: Supply of the arm [V], as `alpha5_model.numbers.plausibility` takes it.
+SUPPLY = 24.0
 
 
-class Origin(ABC):
-    """Where the samples of a motion come from, for messages."""
+class Origin(Protocol):
+    """Where the samples of a motion come from, for messages.
 
-    @abstractmethod
-    def name(self, motion: Motion) -> str:
-        """The name of the samples."""
+    Attributes:
+        to_radians: What to do with angles in degrees.
+    """
 
-    @abstractmethod
+    to_radians: str
+
     def place(self, sample: int, joint: str | None) -> str:
         """Where a sample is: the number of a joint, or the time if that is None."""
 
-    @property
-    @abstractmethod
-    def to_radians(self) -> str:
-        """What to do with angles in degrees."""
-
-    @abstractmethod
     def error(
         self, sample: int, joint: str | None, value: float, expected: str
     ) -> Alpha5Error:
         """The error about a number of a sample."""
 
 
-class ArrayOrigin(Origin):
+class _ArrayOrigin:
     """Samples from the caller's arrays."""
 
-    def name(self, motion: Motion) -> str:
-        """The name of the samples."""
-        return "time"
+    to_radians = "give numpy.radians of them"
 
     def place(self, sample: int, joint: str | None) -> str:
-        """Where a sample is."""
         return f"sample {sample} of {joint}" if joint else f"sample {sample}"
-
-    @property
-    def to_radians(self) -> str:
-        """What to do with angles in degrees."""
-        return "give numpy.radians of them"
 
     def error(
         self, sample: int, joint: str | None, value: float, expected: str
     ) -> Alpha5Error:
-        """The error about a number of a sample."""
         return InputError(f"{joint or 'time'}[{sample}]", float(value), expected)
+
+
+def motion(
+    time: ArrayLike,
+    position: ArrayLike,
+    velocity: ArrayLike | None = None,
+    joints: Sequence[str] | None = None,
+    effort: ArrayLike | None = None,
+    arm: Alpha5Parameters | None = None,
+    current: ArrayLike | None = None,
+) -> Motion:
+    """A motion from arrays, with the same checks as one from a file.
+
+    Args:
+        time: (N,) [s], increasing, uniform or not. Of samples with the same time the
+            first counts.
+        position: (N, n) [rad], jaw rod [m].
+        velocity: (N, n), optional.
+        joints: Names of the columns, in any order; base to tip if None.
+        effort: Recorded joint torques, (N, n) [N m], jaw rod [N], optional.
+        arm: Record of an arm of your own, for its ranges and rated speeds; None for the
+            catalogue's.
+        current: Recorded currents of the motors, (N, n) [A], optional.
+
+    Raises:
+        InputError: Time runs back, a joint is missing or named twice, too few samples,
+            not finite, angles in degrees, currents in milliamperes.
+    """
+    t = float_array("time", time, ())
+    if t.ndim != 1:
+        raise ShapeError("time", t.shape, "shape (N,)")
+    q = float_array("position", position, ())
+    if q.ndim != 2 or q.shape[0] != t.size or q.shape[1] not in (4, 5):
+        expected = f"shape ({t.size}, 4), or ({t.size}, 5) with axis_a"
+        raise ShapeError("position", q.shape, expected)
+
+    wanted = JOINT_NAMES[: q.shape[1]]
+    names = wanted
+    if joints is not None:
+        names = tuple(listed("joints", joints, "names of joints"))
+    optional = {"velocity": velocity, "effort": effort, "current": current}
+    arrays = {name: _like(name, value, q) for name, value in optional.items()}
+    named("joint", names, JOINT_NAMES)
+    if sorted(names) != sorted(wanted):
+        raise InputError("joints", names, f"each of {', '.join(wanted)} once")
+
+    order = [names.index(name) for name in wanted]
+    ordered = {k: None if x is None else x[:, order] for k, x in arrays.items()}
+    parameters = chosen_arm(arm)
+    amperes = ordered["current"]
+    most = most_amperes(parameters)
+    if amperes is not None and (np.abs(amperes) > most).any():
+        expected = (
+            f"currents [A] up to the {most:.3g} A of a stalled motor; "
+            "divide milliamperes by 1000"
+        )
+        first = float(amperes[np.abs(amperes) > most][0])
+        raise InputError("current", first, expected)
+    raw = Motion(
+        time=t,
+        joints=wanted,
+        position=q[:, order],
+        velocity=ordered["velocity"],
+        effort=ordered["effort"],
+        current=amperes,
+    )
+    return checked(raw, parameters, _ArrayOrigin())
+
+
+def _like(
+    name: str, value: ArrayLike | None, position: FloatArray
+) -> FloatArray | None:
+    """An optional array that has the shape of the positions."""
+    if value is None:
+        return None
+    array = float_array(name, value, ())
+    if array.shape != position.shape:
+        expected = f"the shape of position, {position.shape}"
+        raise ShapeError(name, array.shape, expected)
+    return array
+
+
+def most_amperes(parameters: Alpha5Parameters) -> float:
+    """What the largest motor takes when it stalls [A]."""
+    least = min(actuator.resistance for actuator in parameters.actuators)
+    return SUPPLY / least
 
 
 def checked(raw: Motion, parameters: Alpha5Parameters, origin: Origin) -> Motion:
@@ -107,7 +195,12 @@ def checked(raw: Motion, parameters: Alpha5Parameters, origin: Origin) -> Motion
             angles in degrees.
     """
     raw = replace(raw, effort=_known(raw.effort), current=_known(raw.current))
-    _check_count(raw, origin)
+    if raw.time.size < MINIMUM_SAMPLES:
+        odd = "; ".join(map(str, raw.warnings))
+        source = "time" if raw.source == "arrays" else raw.source
+        expected = f"at least {MINIMUM_SAMPLES} samples (waypoints are no motion)"
+        name = f"{source} ({odd})" if odd else source
+        raise InputError(name, raw.time.size, expected)
     _check_sizes(raw, origin)
     _check_order(raw.time, origin)
     _check_radians(raw, parameters, origin)
@@ -301,13 +394,6 @@ def _known(recorded: FloatArray | None) -> FloatArray | None:
     return np.where(known, recorded, np.nan) if known.any() else None
 
 
-def _check_count(motion: Motion, origin: Origin) -> None:
-    """Refuse a motion of too few samples."""
-    if motion.time.size < MINIMUM_SAMPLES:
-        expected = f"at least {MINIMUM_SAMPLES} samples"
-        raise InputError(origin.name(motion), motion.time.size, expected)
-
-
 def _check_sizes(motion: Motion, origin: Origin) -> None:
     """Refuse numbers that are too large to compute with."""
     too_late = np.abs(motion.time) > _LARGEST_TIME
@@ -474,5 +560,6 @@ def _warning(
         count=int(samples.size),
         first=origin.place(int(samples[0]), joint),
         text=text,
+        joint=joint,
     )
     return [warning]

@@ -1,11 +1,38 @@
-"""The record of a joint motion over time, recorded or planned."""
+"""The record of a joint motion over time, recorded or planned, and its warnings."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.trajectory.warning import MotionWarning
+from alpha5_model._support.text import short_repr
+
+
+@dataclass(frozen=True)
+class MotionWarning:
+    """Something implausible in a motion that does not stop the computation.
+
+    Attributes:
+        kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``,
+            ``"wrapped"``, ``"spike"``, ``"drop_out"``, ``"joined"``, ``"velocity"``,
+            ``"effort_unit"``, ``"current_unit"``, ``"time_unit"``, ``"time_column"``,
+            ``"command"``, ``"not_used"`` or ``"bad_row"``; of a bag also
+            ``"missing_joints"``, ``"no_stamp"``, ``"out_of_order"`` or
+            ``"publishers"``.
+        count: How often it occurs.
+        first: Where it occurs first.
+        text: What it is, and how it is handled.
+        joint: The only joint that it is about; None if it is about several, or none.
+    """
+
+    kind: str
+    count: int
+    first: str
+    text: str
+    joint: str | None = None
+
+    def __str__(self) -> str:
+        return f"{self.text}: {self.count} x, first: {self.first}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,3 +67,5 @@ class Motion:
     time_unit: str = "s"
     effort: FloatArray | None = None
     current: FloatArray | None = None
+
+    __repr__ = short_repr

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,27 +15,30 @@ from alpha5_model._support.checks import FloatArray, flag
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
-from alpha5_model.trajectory.bag_table import BagTable
+from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory.checks import (
     GAP_FACTOR,
     MINIMUM_SAMPLES,
     Origin,
     checked,
+    most_amperes,
 )
-from alpha5_model.trajectory.csv_table import CsvTable
-from alpha5_model.trajectory.current_units import in_amperes
-from alpha5_model.trajectory.file_table import PER_SECOND, FileTable, Progress
-from alpha5_model.trajectory.joint_map import JointMap
-from alpha5_model.trajectory.motions import Motion
-from alpha5_model.trajectory.parquet_table import ParquetTable
-from alpha5_model.trajectory.roles import Roles, find_roles
-from alpha5_model.trajectory.time_units import time_unit
-from alpha5_model.trajectory.warning import MotionWarning
+from alpha5_model.trajectory.columns import (
+    JointMap,
+    Roles,
+    find_roles,
+    likely_time_unit,
+)
+from alpha5_model.trajectory.csv_file import read_csv
+from alpha5_model.trajectory.motions import Motion, MotionWarning
+from alpha5_model.trajectory.parquet_file import read_parquet
+from alpha5_model.trajectory.tables import PER_SECOND, Progress, Table
 
 _BAGS = (".bag", ".db3", ".mcap")
 _PARQUET = (".parquet", ".pq")
 #: One of so many rows may be bad; one of fewer may be, too.
 _ROWS_FOR_A_BAD_ONE = 100
+_MILLI = 1e-3
 
 
 def read_motion(
@@ -50,66 +55,25 @@ def read_motion(
 ) -> Motion:
     """Read joint motion from a CSV or Parquet file, or from a ROS bag.
 
-    A CSV is UTF-8, UTF-16 or Windows-1252 text. Commas, semicolons, tabs or blanks
-    separate its columns; where commas do not, they are decimal commas. Lines that start
-    with ``#`` are comments, of which the last may hold the names of the columns. One
-    row in a hundred may be unreadable: it is left out with a warning. More are an
-    error. If most rows have some joints only, as a bus that is polled joint by joint
-    writes them, they are joined by time, and gaps are interpolated with a warning.
-
-    Angles that start again after a full turn go on (warning ``wrapped``). Up to three
-    samples that leave and return faster than the joint can are left out (``spike``), as
-    are values that all joints hold in the middle of a motion until one jumps
-    (``drop_out``). A motion is smoothed on each side of a jump on its own.
-
     A table has these columns, in any order:
 
     - the time: ``time_secs`` or ``time`` [s], ``time_ms``, ``time [us]`` and the like;
     - positions of ``axis_e, axis_d, axis_c, axis_b`` [rad], optionally also of the jaw
       rod ``axis_a`` [m]: ``axis_b_pos``, ``axis_b_position``, ``axis_b`` or
       ``q_axis_b``;
-    - velocities, optional, of all these joints or none: ``axis_b_vel``,
-      ``axis_b_velocity`` or ``dq_axis_b``;
-    - efforts [N m], optional, NaN if unknown: ``axis_b_effort`` or ``effort_axis_b``;
-    - currents of the motors, optional, NaN if unknown: ``axis_b_current`` or
-      ``current_axis_b``, in A, or in mA if no motor could take as many A at 24 V.
+    - velocities, optional, of all these joints or none: ``axis_b_vel`` and the like;
+    - efforts [N m], optional, NaN if unknown: ``axis_b_effort``;
+    - currents of the motors, optional, NaN if unknown: ``axis_b_current``, in A, or in
+      mA if no motor could take as many A at 24 V.
 
-    The name of a robot may come before the joint; capitals do not matter. A column
-    holds positions only if each word of its name agrees: torques, commands,
-    errors and unknown words do not. Such columns are ignored and listed in
-    `Motion.ignored`; a warning names commands. If there are no positions, the error
-    explains what the columns are.
+    Or each row is about the joint that its column ``joint`` names. A name is read only
+    if each of its words is known; other columns are listed in `Motion.ignored`. A unit
+    may follow, as in ``axis_e_pos [deg]`` or ``axis_e_current_mA``. A bag (ROS 1
+    ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its ``metadata.yaml``)
+    holds ``sensor_msgs/JointState`` messages.
 
-    A unit may stand behind the name of a column, as in ``axis_e_pos [deg]``,
-    ``axis_e_deg``, ``axis_e_vel [deg/s]``, ``axis_a_pos [mm]`` or
-    ``axis_e_current_mA``. Efforts in A or mA are currents.
-
-    Numbered columns (``position[0]``, ``field.position0``) belong to the joints that
-    ``name[0]`` and so on name in each row. A CSV of ``ros2 topic echo --csv`` has no
-    names of columns.
-
-    A column ``time`` with steps of a second or more is read in milliseconds, or in a
-    smaller unit, if the joints can move that fast; a warning says so. If there is no
-    such column, the time is the first of ``t``, ``timestamp``, ``ros_time``,
-    ``sim_time``, ``wall_time_sec`` and the like, of PlotJuggler's ``__time``, of
-    ``%time`` as ``rostopic echo -p`` writes it, or of a stamp's ``header.stamp.sec``
-    and ``header.stamp.nanosec``. In a CSV it may be a date and time of ISO 8601
-    (``2026-11-23 18:53:54.25``), a time of day or duration (``hh:mm:ss.fff``,
-    ``0 days 00:00:00.02``, ``0.02 sec``), with a column ``Date`` beside it or without;
-    in Parquet files (``.parquet``, needs pyarrow) one of Parquet's types of time.
-
-    A Parquet file may have a column ``observation.state`` with a list of numbers per
-    row, as LeRobot's data sets do. Their names stand in ``meta/info.json`` of the data
-    set, or in the file's metadata; without names they are ``observation.state[0]`` and
-    so on, for `joints`. ``action`` is a command.
-
-    A bag (ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its
-    ``metadata.yaml``; needs rosbags) holds ``sensor_msgs/JointState`` messages. Their
-    stamps are the time. If a message has no stamp, the times of recording are used for
-    all. Messages without all joints or with positions that are not finite are left out,
-    and messages that were late are sorted, each with a warning. A clock that was set
-    back is an error. Messages of one joint each are joined like rows. MCAP files that
-    are no ROS 2 bags need mcap, too; their messages may be JSON, CDR or ROS 1.
+    Faults of recordings are repaired with a warning, or refused; the guide "A recorded
+    motion to torque and current" lists them, and all forms of files and times.
 
     Args:
         path: The file.
@@ -140,58 +104,60 @@ def read_motion(
         UnknownNameError: A topic that the bag does not have, or no joint of the arm.
         MissingFileError: No such file.
         MissingDependencyError: rosbags or pyarrow is not installed.
-        FileFormatError: A missing or doubled column, another separator, an empty file,
-            a Git LFS pointer, angles that are in degrees, several rows of another
-            length or with text or NaN for a number, several episodes in one file, or
-            time that runs back; the message names the place. Or a bag that is damaged
-            or has no joint states of the arm.
+        FileFormatError: A missing or doubled column, an empty file, a Git LFS pointer,
+            angles that are in degrees, more than one bad row in a hundred, several
+            episodes in one file, or time that runs back; the message names the place.
+            Or a bag that is damaged or has no joint states of the arm.
     """
-    table: FileTable
     named = JointMap(joints)
-    is_parquet = _file(path).suffix.lower() in _PARQUET
+    is_bag = _is_bag(path)
+    is_parquet = Path(str(path)).suffix.lower() in _PARQUET
     if episode is not None and not is_parquet:
         expected = "no value: only a Parquet file has episodes"
         raise InputError("episode", episode, expected)
-    if _is_bag(path):
-        if time is not None:
-            raise InputError("time", time, "no value: a bag's messages have stamps")
-        bag = BagTable(path, topic, prefix, named, progress)
-        table = bag
-        prefix = bag.prefix
-    elif topic is not None:
+    if topic is not None and not is_bag:
         raise InputError("topic", topic, "no value: only a ROS bag has topics")
-    elif is_parquet:
-        table = ParquetTable(path, named, episode)
-    else:
-        table = CsvTable(path, named, progress)
+    if time is not None and is_bag:
+        raise InputError("time", time, "no value: a bag's messages have stamps")
 
-    roles = find_roles(path, table, prefix, flag("degrees", degrees), time)
+    if is_bag:
+        from alpha5_model.trajectory.bags import read_bag
+
+        table = read_bag(path, topic, prefix, named, progress)
+        header = table.header
+        prefix = None
+    else:
+        table = read_parquet(path, episode) if is_parquet else read_csv(path, progress)
+        header = named.renamed(table.header)
+
+    roles = find_roles(path, table, header, prefix, flag("degrees", degrees), time)
     record = chosen_arm(arm)
-    signs = record.signs[: len(roles.joints)] * named.signs(roles.joints)
-    raw, rows = _recorded(path, table, roles, record, signs)
+    raw, rows = _recorded(path, table, header, roles, record, named)
     return checked(raw, record, _FileOrigin(path, table, roles, rows))
 
 
 class _FileOrigin(Origin):
-    """Samples from the rows of a file."""
+    """Samples from the rows of a file.
+
+    Args:
+        path: The file.
+        table: Its numbers.
+        roles: What its columns are.
+        rows: Row of the table of each sample.
+    """
+
+    to_radians = (
+        "name the columns axis_e_pos [deg] and so on, or give --degrees (read_motion: "
+        "degrees=True)"
+    )
 
     def __init__(
-        self,
-        path: PathLike,
-        table: FileTable,
-        roles: Roles,
-        rows: NDArray[np.intp],
+        self, path: PathLike, table: Table, roles: Roles, rows: NDArray[np.intp]
     ) -> None:
         self._path = path
         self._table = table
         self._roles = roles
-        #: Row of the table of each sample.
         self._rows = rows
-
-    def name(self, motion: Motion) -> str:
-        """The file with its warnings, which may explain why there are few samples."""
-        odd = "; ".join(map(str, motion.warnings))
-        return f"{motion.source} ({odd})" if odd else motion.source
 
     def place(self, sample: int, joint: str | None) -> str:
         """Where the time or the position of a sample is in the file."""
@@ -201,14 +167,6 @@ class _FileOrigin(Origin):
             column = roles.positions[roles.joints.index(joint)]
         return self._table.place(int(self._rows[sample]), column)
 
-    @property
-    def to_radians(self) -> str:
-        """What to do with angles in degrees."""
-        return (
-            "name the columns axis_e_pos [deg] and so on, or give --degrees "
-            "(read_motion: degrees=True)"
-        )
-
     def error(
         self, sample: int, joint: str | None, value: float, expected: str
     ) -> Alpha5Error:
@@ -217,14 +175,9 @@ class _FileOrigin(Origin):
         return FileFormatError(self._path, f"expected {expected}", place)
 
 
-def _file(path: PathLike) -> Path:
-    """The path that the caller gave; `read_named` checks later that it is one."""
-    return Path(str(path))
-
-
 def _is_bag(path: PathLike) -> bool:
     """Whether a path is a ROS bag: by its suffix, or a folder's ``metadata.yaml``."""
-    file = _file(path)
+    file = Path(str(path))
     if file.suffix.lower() in _BAGS:
         return True
     with suppress(OSError, ValueError):  # a name that no file can have
@@ -232,104 +185,139 @@ def _is_bag(path: PathLike) -> bool:
     return False
 
 
+class _Samples(NamedTuple):
+    """What is read of each sample, in the model's directions.
+
+    Attributes:
+        row: Of the table, (N,).
+        time: (N,) In the unit of the file.
+        position: (N, n) [rad], jaw rod [m].
+        velocity, effort, current: (N, n) In SI units, NaN if unknown; None if the file
+            has none.
+    """
+
+    row: NDArray[np.intp]
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray | None
+    effort: FloatArray | None
+    current: FloatArray | None
+
+
 def _recorded(
     path: PathLike,
-    table: FileTable,
+    table: Table,
+    header: Sequence[str],
     roles: Roles,
     parameters: Alpha5Parameters,
-    signs: FloatArray,
+    named: JointMap,
 ) -> tuple[Motion, NDArray[np.intp]]:
     """The motion in a file before it is checked, and the row of each sample.
 
     Args:
         path: The file, for messages.
-        table: Its columns.
+        table: Its numbers.
+        header: Names of its columns, with the arm's joints.
         roles: What they mean.
         parameters: The arm.
-        signs: Of the joints' directions in the file, (n,).
+        named: The joints that turn the other way in the file.
     """
-    columns = roles.columns
-    numbers, unit = table.read(columns)
-    for k, column in enumerate(columns):
-        if column in roles.scales:
-            numbers[:, k] *= roles.scales[column]
-    if roles.nanoseconds is not None:
-        numbers[:, 0] += numbers[:, -1] / PER_SECOND["ns"]
-        unit = "s"
+    roles = _without_missing_rod(table.values, roles)
+    signs = parameters.signs[: len(roles.joints)] * named.signs(roles.joints)
+    rows, warnings = _usable_rows(path, table, roles)
+    samples = _samples(table, roles, rows, signs)
+    if np.isnan(samples.position).any():
+        samples, more = _joined(path, table, roles, samples)
+        warnings += more
+    velocity, more = _whole_velocity(table, roles, samples)
+    warnings += more
 
-    n = len(roles.joints)
-    needed = [roles.time, *roles.positions]
-    rows, warnings = _usable_rows(path, table, numbers[:, : n + 1], needed)
-    samples = numbers if rows.size == len(numbers) else numbers[rows]
-    if np.isnan(samples[:, 1 : n + 1]).any():
-        rows, samples, joined = _joined(table, roles, samples, rows)
-        warnings += joined
-
-    after_velocities = 1 + n + len(roles.velocities)
-    after_efforts = after_velocities + len(roles.efforts)
-    velocity: FloatArray | None = None
-    if roles.velocities:
-        velocity = samples[:, 1 + n : after_velocities]
-        unknown = ~np.isfinite(velocity).all(axis=1)
-        if unknown.any():
-            velocity = None
-            missing = MotionWarning(
-                kind="velocity",
-                count=int(unknown.sum()),
-                first=table.place(int(rows[np.argmax(unknown)]), roles.velocities[0]),
-                text="no velocities, so none is used",
-            )
-            warnings.append(missing)
-    end = after_efforts + len(roles.currents)
-    effort = _by_joint(
-        samples[:, after_velocities:after_efforts], roles.efforts, roles.joints
-    )
-    current = _by_joint(samples[:, after_efforts:end], roles.currents, roles.joints)
-
-    # From the driver's directions to the model's.
-    position = signs * samples[:, 1 : n + 1]
-    velocity = None if velocity is None else signs * velocity
-    effort = None if effort is None else signs * effort
-    current = None if current is None else signs * current
-
-    finite = np.isfinite(numbers)
-    read = {column for k, column in enumerate(columns) if finite[:, k].any()}
-    unused = [name for k, name in enumerate(table.header) if k not in read]
-
-    warnings = [*table.warnings, *roles.warnings, *warnings]
-    if current is not None and not roles.scales.keys() & {*roles.currents.values()}:
-        current, doubts = in_amperes(current, parameters, table.head)
-        warnings += doubts
-    time = samples[:, 0]
-    unit = unit or roles.time_unit
-    if unit is None:
-        name = table.header[roles.time]
-        unit, doubt = time_unit(name, time, position, parameters)
-        if doubt:
+    current = samples.current
+    states_unit = roles.scales.keys() & {*roles.currents.values()}
+    if current is not None and not states_unit:
+        most = most_amperes(parameters)
+        too_large = int(np.count_nonzero(np.abs(current) > most))
+        if too_large:
+            current = current * _MILLI
             warning = MotionWarning(
-                kind="time_unit",
-                count=1,
-                first=table.place(int(rows[0]), roles.time),
-                text=doubt,
+                kind="current_unit",
+                count=too_large,
+                first=table.head or "all samples",
+                text=f"currents read in mA: in A they exceed the {most:.3g} A of a "
+                "stalled motor; call the columns axis_e_current_A if they are in A",
             )
             warnings.append(warning)
+
+    unit, more = _time_unit(table, header, roles, samples, parameters)
+    warnings += more
+    read = {k for k in roles.columns if np.isfinite(table.values[:, k]).any()}
+    unused = [name for k, name in enumerate(header) if k not in read]
     motion = Motion(
-        time=time / PER_SECOND[unit],
+        time=samples.time / PER_SECOND[unit],
         joints=roles.joints,
-        position=position,
+        position=samples.position,
         velocity=velocity,
-        warnings=tuple(warnings),
+        warnings=(*table.warnings, *roles.warnings, *warnings),
         source=str(path),
         ignored=(*unused, *table.ignored),
         time_unit=unit,
-        effort=effort,
+        effort=samples.effort,
         current=current,
     )
-    return motion, rows
+    return motion, samples.row
+
+
+def _time_unit(
+    table: Table,
+    header: Sequence[str],
+    roles: Roles,
+    samples: _Samples,
+    parameters: Alpha5Parameters,
+) -> tuple[str, list[MotionWarning]]:
+    """The unit of the time, a key of `PER_SECOND`, and a warning if it is doubtful."""
+    if roles.time in table.in_seconds or roles.nanoseconds is not None:
+        return "s", []
+    likely = likely_time_unit(samples.time, samples.position, parameters)
+    stated = roles.time_unit
+    if likely == "s" or stated not in (None, "s"):
+        return stated or likely, []
+
+    name = header[roles.time]
+    text = (
+        f"{name} read as {likely}, which its steps and speeds fit; "
+        "call it time_secs if it is in seconds"
+    )
+    if stated == "s":
+        text = (
+            f"{name} read as seconds, though its steps and speeds fit {likely}: "
+            f"is it time_{likely}?"
+        )
+    place = table.place(int(samples.row[0]), roles.time)
+    warning = MotionWarning(kind="time_unit", count=1, first=place, text=text)
+    return stated or likely, [warning]
+
+
+def _without_missing_rod(values: FloatArray, roles: Roles) -> Roles:
+    """The roles without the jaw rod, if no row of the arm has a position of it."""
+    if len(roles.joints) < 5:
+        return roles
+    *arm, rod = roles.positions
+    rows_of_arm = np.isfinite(values[:, arm]).all(axis=1)
+    if not rows_of_arm.any() or np.isfinite(values[rows_of_arm, rod]).any():
+        return roles
+    of_rod = JOINT_NAMES[4]
+    return replace(
+        roles,
+        joints=roles.joints[:4],
+        positions=arm,
+        velocities=roles.velocities[:4],
+        efforts={j: k for j, k in roles.efforts.items() if j != of_rod},
+        currents={j: k for j, k in roles.currents.items() if j != of_rod},
+    )
 
 
 def _usable_rows(
-    path: PathLike, table: FileTable, numbers: FloatArray, needed: list[int]
+    path: PathLike, table: Table, roles: Roles
 ) -> tuple[NDArray[np.intp], list[MotionWarning]]:
     """The rows with a time and positions, and a warning about those left out.
 
@@ -338,107 +326,168 @@ def _usable_rows(
 
     Args:
         path: The file, for messages.
-        table: Its columns.
-        numbers: Time and positions, (N, n + 1); NaN for what is no number.
-        needed: Their columns.
+        table: Its numbers.
+        roles: What its columns are.
 
     Raises:
         FileFormatError: More than one row in a hundred cannot be read.
     """
-    finite = np.isfinite(numbers)
-    complete = finite.all(axis=1)
-    partial = finite[:, 0] & finite[:, 1:].any(axis=1) & ~complete
-    polled = 2 * np.count_nonzero(partial) > len(numbers)
-    each_joint = bool((np.count_nonzero(finite, axis=0) >= MINIMUM_SAMPLES).all())
+    known = np.isfinite(table.values[:, roles.positions])
+    has_time = np.isfinite(table.values[:, roles.time])
+    complete = has_time & known.all(axis=1)
+    partial = has_time & known.any(axis=1) & ~complete
+    polled = np.count_nonzero(partial) > np.count_nonzero(complete)
+    each_joint = bool((np.count_nonzero(known, axis=0) >= MINIMUM_SAMPLES).all())
     usable = complete | partial if polled and each_joint else complete
 
     bad = np.flatnonzero(~usable)
+    rows = np.flatnonzero(usable)
     if not bad.size:
-        return np.arange(len(numbers)), []
-    problem = table.problem(int(bad[0]), needed)
-    if bad.size > max(1, len(numbers) // _ROWS_FOR_A_BAD_ONE):
+        return rows, []
+    problem = table.problem(int(bad[0]), [roles.time, *roles.positions])
+    few = max(1, len(usable) // _ROWS_FOR_A_BAD_ONE)
+    if table.every_row and bad.size > few:
         raise FileFormatError(path, problem.text, problem.place)
     warning = MotionWarning(
-        kind="bad_row",
+        kind="bad_row" if table.every_row else "missing_joints",
         count=bad.size,
         first=problem.place,
-        text=f"row left out ({problem.text})",
+        text=f"{'row' if table.every_row else 'message'} left out ({problem.text})",
     )
-    return np.flatnonzero(usable), [warning]
+    return rows, [warning]
+
+
+def _samples(
+    table: Table, roles: Roles, rows: NDArray[np.intp], signs: FloatArray
+) -> _Samples:
+    """The samples in some rows of a table.
+
+    Args:
+        table: Its numbers.
+        roles: What its columns are.
+        rows: The rows, (N,).
+        signs: Of the joints' directions in the file, (n,).
+    """
+    values = table.values if rows.size == len(table.values) else table.values[rows]
+    time = values[:, roles.time]
+    if roles.nanoseconds is not None:
+        time = time + values[:, roles.nanoseconds] / PER_SECOND["ns"]
+
+    def quantity(column_of: Mapping[str, int]) -> FloatArray | None:
+        if not column_of:
+            return None
+        found = np.full((len(values), len(roles.joints)), np.nan)
+        for k, joint in enumerate(roles.joints):
+            if joint in column_of:
+                column = column_of[joint]
+                scale = signs[k] * roles.scales.get(column, 1.0)
+                found[:, k] = values[:, column] * scale
+        return found
+
+    position = quantity(dict(zip(roles.joints, roles.positions, strict=True)))
+    assert position is not None
+    return _Samples(
+        row=rows,
+        time=time,
+        position=position,
+        velocity=quantity(dict(zip(roles.joints, roles.velocities, strict=False))),
+        effort=quantity(roles.efforts),
+        current=quantity(roles.currents),
+    )
 
 
 def _joined(
-    table: FileTable, roles: Roles, samples: FloatArray, rows: NDArray[np.intp]
-) -> tuple[NDArray[np.intp], FloatArray, list[MotionWarning]]:
+    path: PathLike, table: Table, roles: Roles, samples: _Samples
+) -> tuple[_Samples, list[MotionWarning]]:
     """Samples with all positions and velocities, from rows with some joints each.
 
     Numbers of one time are one sample. Positions and velocities are interpolated in
     time between those of the same joint; samples before the first or behind the last
     position of a joint are left out. Efforts and currents stay as they are.
 
-    Args:
-        table, roles: The file's columns, and what they mean.
-        samples: (N, k) As `Roles.columns`; NaN for what a row does not have.
-        rows: Row of the table of each sample, (N,).
+    Raises:
+        FileFormatError: The times of a joint run back.
     """
-    time = samples[:, 0]
-    if (np.diff(time) < 0.0).any():
-        return rows, samples, []  # `checked` refuses it
-
-    joined_time, first = np.unique(time, return_index=True)
-    joined = np.full((joined_time.size, samples.shape[1]), np.nan)
-    joined[:, 0] = joined_time
-    place_of = np.searchsorted(joined_time, time)
-    for k in range(1, samples.shape[1]):
-        known = np.isfinite(samples[:, k])
-        joined[place_of[known], k] = samples[known, k]
-
-    n = len(roles.joints)
-    inside = np.ones(joined_time.size, dtype=bool)
-    warnings = []
-    for k in range(1, 1 + n + len(roles.velocities)):
-        known = np.flatnonzero(np.isfinite(joined[:, k]))
-        if not known.size:
-            continue
-        at = joined_time[known]
-        joined[:, k] = np.interp(joined_time, at, joined[known, k])
-        if k > n:
-            continue
-        inside &= (joined_time >= at[0]) & (joined_time <= at[-1])
+    time, first, number = np.unique(
+        samples.time, return_index=True, return_inverse=True
+    )
+    inside = np.ones(time.size, dtype=bool)
+    warnings = [
+        MotionWarning(
+            kind="joined",
+            count=len(samples.row),
+            first=table.place(int(samples.row[0]), roles.time),
+            text="rows without all joints, joined by time and interpolated",
+        )
+    ]
+    for k, joint in enumerate(roles.joints):
+        known = np.flatnonzero(np.isfinite(samples.position[:, k]))
+        at = samples.time[known]
         steps = np.diff(at)
+        if (steps < 0.0).any():
+            back = 1 + int(np.argmax(steps < 0.0))
+            place = table.place(int(samples.row[known[back]]), roles.time)
+            problem = (
+                f"the times of {joint} run back from {at[back - 1]:.16g} to "
+                f"{at[back]:.16g} (a clock that was set back?); cut the recording there"
+            )
+            raise FileFormatError(path, problem, place)
+        inside &= (time >= at[0]) & (time <= at[-1])
         long = steps > GAP_FACTOR * np.median(steps)
         if long.any():
-            row = int(rows[first[known[1 + int(np.argmax(long))]]])
+            row = int(samples.row[known[1 + int(np.argmax(long))]])
             gap = MotionWarning(
                 kind="gap",
                 count=int(long.sum()),
-                first=table.place(row, roles.positions[k - 1]),
-                text=f"{roles.joints[k - 1]} without a sample for up to "
-                f"{steps.max():.3g} of the time's unit, interpolated",
+                first=table.place(row, roles.positions[k]),
+                text=f"{joint} without a sample for up to {steps.max():.3g} of the "
+                "time's unit, interpolated",
+                joint=joint,
             )
             warnings.append(gap)
-    note = MotionWarning(
-        kind="joined",
-        count=len(rows),
-        first=table.place(int(rows[0]), roles.time),
-        text="rows without all joints, joined by time and interpolated",
+
+    def joined(values: FloatArray | None, interpolated: bool) -> FloatArray | None:
+        if values is None:
+            return None
+        found = np.full((time.size, values.shape[1]), np.nan)
+        for k in range(values.shape[1]):
+            known = np.flatnonzero(np.isfinite(values[:, k]))
+            if interpolated and known.size:
+                found[:, k] = np.interp(time, samples.time[known], values[known, k])
+            else:
+                found[number[known], k] = values[known, k]
+        return found[inside]
+
+    position = joined(samples.position, interpolated=True)
+    assert position is not None
+    whole = _Samples(
+        row=samples.row[first[inside]],
+        time=time[inside],
+        position=position,
+        velocity=joined(samples.velocity, interpolated=True),
+        effort=joined(samples.effort, interpolated=False),
+        current=joined(samples.current, interpolated=False),
     )
-    return rows[first[inside]], joined[inside], [note, *warnings]
+    return whole, warnings
 
 
-def _by_joint(
-    columns: FloatArray, column_of: Mapping[str, int], joints: Sequence[str]
-) -> FloatArray | None:
-    """A quantity of all joints, NaN for a joint without; None if no joint has it.
-
-    Args:
-        columns: The quantity of k joints, (N, k).
-        column_of: Has the names of these k joints.
-        joints: All joints.
-    """
-    if not columns.shape[1]:
-        return None
-    recorded = [joint in column_of for joint in joints]
-    values = np.full((len(columns), len(joints)), np.nan)
-    values[:, recorded] = columns
-    return values
+def _whole_velocity(
+    table: Table, roles: Roles, samples: _Samples
+) -> tuple[FloatArray | None, list[MotionWarning]]:
+    """Velocities if each sample has them, and a warning if only some have."""
+    velocity = samples.velocity
+    if velocity is None:
+        return None, []
+    unknown = ~np.isfinite(velocity).all(axis=1)
+    if not unknown.any():
+        return velocity, []
+    if unknown.all():
+        return None, []
+    first = int(samples.row[np.argmax(unknown)])
+    warning = MotionWarning(
+        kind="velocity",
+        count=int(unknown.sum()),
+        first=table.place(first, roles.velocities[0]),
+        text="no velocities, so none is used",
+    )
+    return None, [warning]

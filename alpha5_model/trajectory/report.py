@@ -1,16 +1,30 @@
-"""The key figures of an analysed motion as lines for a terminal."""
+"""An analysed motion as lines for a terminal."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
 
+from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.text import readable, table
-from alpha5_model.trajectory.key_figures import ROUNDING, SLIDING, TURNING
+from alpha5_model.numbers.parameters import is_catalogue
+from alpha5_model.trajectory.analysis import Analysis
+from alpha5_model.trajectory.key_figures import (
+    ROUNDING,
+    SLIDING,
+    TURNING,
+    Comparison,
+    JointFigures,
+    Peak,
+    energy,
+    joint_figures,
+    mount_peaks,
+    tcp_way,
+    water_mount_peaks,
+)
 from alpha5_model.trajectory.smoothing import REST_SHARE
 
-#: A record of `summary`, or a part of it.
-_Record = Mapping[str, Any]
+_Joints = dict[str, JointFigures]
 
 
 class _Column(NamedTuple):
@@ -19,345 +33,257 @@ class _Column(NamedTuple):
     Attributes:
         title: Its name.
         unit: Its unit, or the quantity whose unit a joint has for it.
-        place: Where its number is in a joint's record, keys joined by dots.
-        form: How its number is formatted.
-        missing: The text if there is no number.
-        least: Smaller numbers are rounding and printed as 0.
+        cell: The text for a joint.
     """
 
     title: str
     unit: str
-    place: str
-    form: str
-    missing: str = "-"
-    least: float = 0.0
+    cell: Callable[[JointFigures], str]
 
 
-_PEAKS = (
-    _Column(
-        title="torque",
-        unit="torque",
-        place="torque_peak.value",
-        form="+.4g",
-    ),
-    _Column(
-        title="current",
-        unit="A",
-        place="current_peak.value",
-        form="+.3f",
-        missing="needs --screw-lead",
-    ),
-    _Column(
-        title="by friction's tolerance",
-        unit="A",
-        place="current_peak.interval",
-        form="+.3f",
-        missing="",
-    ),
-    _Column(
-        title="speed",
-        unit="velocity",
-        place="velocity_peak.value",
-        form="+.4g",
-    ),
-)
-_MARGINS = (
-    _Column(
-        title="torque",
-        unit="torque",
-        place="torque_margin",
-        form=".4g",
-    ),
-    _Column(
-        title="current",
-        unit="A",
-        place="current_margin",
-        form="+.3f",
-    ),
-    _Column(
-        title="speed",
-        unit="velocity",
-        place="velocity_margin",
-        form="+.3g",
-    ),
-    _Column(
-        title="range",
-        unit="position",
-        place="position_margin",
-        form="+.4g",
-    ),
-)
-_EFFORT = (
-    _Column(
-        title="effort rms",
-        unit="torque",
-        place="effort.rms",
-        form=".4g",
-    ),
-    _Column(
-        title="mean",
-        unit="torque",
-        place="effort.difference_mean",
-        form="+.4g",
-    ),
-    _Column(
-        title="peak",
-        unit="torque",
-        place="effort.difference_peak.value",
-        form="+.4g",
-    ),
-    _Column(
-        title="rms",
-        unit="torque",
-        place="effort.difference_rms",
-        form=".4g",
-    ),
-    _Column(
-        title="less friction",
-        unit="torque",
-        place="effort.difference_rms_with_friction",
-        form=".4g",
-    ),
-    _Column(
-        title="correlation",
-        unit="",
-        place="effort.correlation",
-        form=".4g",
-    ),
-)
-_CURRENT = (
-    _Column(
-        title="current rms",
-        unit="A",
-        place="recorded_current.rms",
-        form=".3f",
-    ),
-    _Column(
-        title="mean",
-        unit="A",
-        place="recorded_current.difference_mean",
-        form="+.3f",
-    ),
-    _Column(
-        title="peak",
-        unit="A",
-        place="recorded_current.difference_peak.value",
-        form="+.3f",
-    ),
-    _Column(
-        title="rms",
-        unit="A",
-        place="recorded_current.difference_rms",
-        form=".3f",
-    ),
-    _Column(
-        title="correlation",
-        unit="",
-        place="recorded_current.correlation",
-        form=".4g",
-    ),
-)
-
-
-def text(record: dict[str, Any], verbose: bool = False) -> str:
-    """The record of `summary` as lines for a terminal; tables fit 80 columns.
+def text(
+    analysis: Analysis,
+    verbose: bool = False,
+    torque_margin: FloatArray | None = None,
+) -> str:
+    """The key figures as lines for a terminal; tables fit 80 columns.
 
     Args:
-        record: What `summary` returns.
+        analysis: What to summarise.
         verbose: Whether the assumptions behind the figures follow, too.
+        torque_margin: As of `alpha5_model.trajectory.summary`.
     """
-    joints: dict[str, _Record] = record["joints"]
+    joints = joint_figures(analysis, torque_margin)
     lines = [
-        *_head(record),
-        *_joint_table("peaks", joints, _PEAKS),
-        *_digits(joints, own="arm" in record["model"]),
+        *_head(analysis),
+        *_table("peaks", joints, _peaks()),
+        *_digits(analysis, joints),
         *_limits(joints),
-        *_warnings(record["warnings"]),
-        *_margins(record),
-        *_joint_table("largest torque by cause", joints, _causes(joints)),
-        *_effort(joints),
-        *_recorded_current(joints),
-        *_water(record),
-        *_whole_arm(record),
-        *(_notes(record) if verbose else []),
+        *(f"  warning: {warning}" for warning in analysis.warnings),
+        *_margins(analysis, joints),
+        *_table("largest torque by cause", joints, _causes(analysis)),
+        *_efforts(joints),
+        *_currents(joints),
+        *_water(analysis, joints),
+        *_whole_arm(analysis),
+        *(_notes(analysis) if verbose else []),
     ]
     return readable("\n".join(lines))
 
 
-def _head(record: _Record) -> list[str]:
+def _head(a: Analysis) -> list[str]:
     """The motion, the model and the smoothing."""
-    model = record["model"]
-    gravity = ", ".join(f"{round(g, 9) + 0.0:g}" for g in model["gravity"])
-    smoothing = record["smoothing"]
-    bandwidth = smoothing["bandwidth_hz"]
-    width = "" if bandwidth is None else f", {bandwidth:.3g} Hz (-3 dB)"
-    unit = record["time_unit_of_file"]
+    time = a.smooth.time
+    unit = a.motion.time_unit
     column = "" if unit == "s" else f" (time column in {unit})"
-    own = f"{model['arm']}, " if "arm" in model else ""
-    payload = f"{model['payload_kg']:g} kg" if model["payload_kg"] else "none"
+    own = "" if is_catalogue(a.arm.parameters) else f"{a.arm.parameters.name}, "
+    gripper = "jaws" if "axis_a" in a.smooth.joints else "locked"
+    gravity = ", ".join(f"{round(g, 9) + 0.0:g}" for g in a.arm.model.gravity.linear)
+    mass = a.arm.payload_mass
+    width = a.smooth.bandwidth
+    smoothed = "" if width is None else f", {width:.3g} Hz (-3 dB)"
+    source = "velocities" if a.smooth.from_velocity else "positions"
     return [
-        f"{record['source']}: {record['samples']} samples, "
-        f"{record['duration_s']:.2f} s{column}",
-        f"  model: {own}{model['gripper']} gripper, "
-        f"fluid {model['fluid_density']:g} kg/m^3, gravity ({gravity}) m/s^2",
-        f"  payload: {payload}",
-        f"  smoothing: {smoothing['method']}{width}; "
-        f"derivatives from {smoothing['derivatives_from']}",
+        f"{a.motion.source}: {time.size} samples, {time[-1] - time[0]:.2f} s{column}",
+        f"  model: {own}{gripper} gripper, fluid {a.arm.fluid_density:g} kg/m^3, "
+        f"gravity ({gravity}) m/s^2",
+        f"  payload: {f'{mass:g} kg' if mass else 'none'}",
+        f"  smoothing: {a.smooth.method}{smoothed}; derivatives from {source}",
     ]
 
 
-def _digits(joints: Mapping[str, _Record], own: bool) -> list[str]:
-    """How far the tables' digits leave the arm's torques open, if that is known."""
-    arm = [*joints.values()][:4]
-    intervals = [joint["torque_peak"].get("interval") for joint in arm]
-    if not all(intervals):
-        return []
-    halves = ", ".join(f"{(high - low) / 2:.1g}" for low, high in intervals)
-    source = "half widths of the arm file, else digits" if own else "digits"
-    return [f"  {source} of Tables 2, 3: torque peaks ±({halves}) N m"]
+def _peaks() -> list[_Column]:
+    """The columns of the peaks."""
 
+    def current(joint: JointFigures) -> str:
+        peak = joint.current_peak
+        return "needs --screw-lead" if peak is None else f"{peak.value:+.3f}"
 
-def _margins(record: _Record) -> list[str]:
-    """The table of what is left to the limits, without those that nobody published."""
-    own = "arm" in record["model"]
-    with_motors = any(
-        joint["current_margin"] is not None for joint in record["joints"].values()
-    )
-    shown = {"torque": own, "current": with_motors}
-    columns = [column for column in _MARGINS if shown.get(column.title, True)]
-    title = "left to the limits, negative beyond them"
-    return _joint_table(title, record["joints"], columns)
-
-
-def _causes(joints: Mapping[str, _Record]) -> list[_Column]:
-    """The columns of the table of torques by cause."""
-    first = next(iter(joints.values()))
     return [
+        _Column("torque", "torque", lambda j: _size(j.torque_peak, "+.4g")),
+        _Column("current", "A", current),
         _Column(
-            title=cause.removeprefix("moving_"),
-            unit="torque",
-            place=f"causes_peak.{cause}",
-            form=".4g",
-            least=ROUNDING,
-        )
-        for cause in first["causes_peak"]
+            "by friction's tolerance",
+            "A",
+            lambda j: _interval(j.current_peak, "+.3f", missing=""),
+        ),
+        _Column("speed", "velocity", lambda j: _size(j.velocity_peak, "+.4g")),
     ]
 
 
-def _effort(joints: Mapping[str, _Record]) -> list[str]:
-    """The table of recorded efforts, of the joints that have some."""
-    recorded = {name: joint for name, joint in joints.items() if joint.get("effort")}
-    if not recorded:
+def _digits(a: Analysis, joints: _Joints) -> list[str]:
+    """How far the tables' digits leave the arm's torques open, if that is known."""
+    intervals = [joint.torque_peak.interval for joint in [*joints.values()][:4]]
+    halves = [f"{(x[1] - x[0]) / 2:.1g}" for x in intervals if x is not None]
+    if len(halves) < len(intervals):
         return []
-    title = "recorded effort, and recorded minus computed"
-    return _joint_table(title, recorded, _EFFORT)
+    catalogue = is_catalogue(a.arm.parameters)
+    source = "digits" if catalogue else "half widths of the arm file, else digits"
+    return [f"  {source} of Tables 2, 3: torque peaks ±({', '.join(halves)}) N m"]
 
 
-def _recorded_current(joints: Mapping[str, _Record]) -> list[str]:
-    """The table of recorded currents, of the motors that have some."""
-    recorded = {
-        name: joint for name, joint in joints.items() if joint.get("recorded_current")
-    }
-    if not recorded:
-        return []
-    title = "recorded current, and recorded minus computed"
-    return _joint_table(title, recorded, _CURRENT)
-
-
-def _water(record: _Record) -> list[str]:
-    """What a current adds to the torques and to the load on the mount."""
-    current = record["model"].get("water_current")
-    if not current:
-        return []
-    rows = [["", "peak", "all numbers low .. high", ""]]
-    for name, joint in record["joints"].items():
-        unit = joint["units"]["torque"]
-        rows.append(_water_row(name, joint["moving_water_peak"], unit))
-    mount = record["mount"]
-    rows.append(_water_row("mount", mount["water_force_peak_n"], "N"))
-    rows.append(_water_row("", mount["water_moment_peak_nm"], "N m"))
-
-    speed = ", ".join(f"{component:g}" for component in current)
-    title = f"\n  water: current ({speed}) m/s; estimated, not published"
-    return [title, *table(rows, "<>><", 2)]
-
-
-def _water_row(name: str, peak: _Record, unit: str) -> list[str]:
-    """A peak with its interval."""
-    value = _cell(peak, "value", "+.4g")
-    interval = _cell(peak, "interval", "+.4g")
-    return [name, value, interval, unit]
-
-
-def _whole_arm(record: _Record) -> list[str]:
-    """Energy, load on the mount and path of the TCP."""
-    energy = record["energy"]
-    drawn = _cell(energy, "drawn_interval_j", ".4g")
-    mount = record["mount"]
-    force = mount["force_peak_n"]["value"]
-    moment = mount["moment_peak_nm"]["value"]
-    tcp = record["tcp"]
-    first = _point(tcp["first_m"])
-    last = _point(tcp["last_m"])
-    lowest = _point(tcp["lowest_m"])
-    highest = _point(tcp["highest_m"])
-    return [
-        "",
-        f"  power: peak {energy['electrical_peak_w']:.3g} W; "
-        f"drawn {energy['drawn_j']:.4g} J ({drawn}), "
-        f"fed back {energy['fed_back_j']:.3g} J, "
-        f"mechanical work {energy['mechanical_j']:.3g} J",
-        f"  mount: force up to {force:.4g} N, moment up to {moment:.4g} N m",
-        f"  TCP: path {tcp['path_length_m']:.4g} m, from {first} to {last} m,",
-        f"       within {lowest} .. {highest} m",
-    ]
-
-
-def _point(position: Sequence[float]) -> str:
-    """A point in base_link."""
-    return f"({', '.join(f'{x:z.3f}' for x in position)})"
-
-
-def _limits(joints: Mapping[str, _Record]) -> list[str]:
+def _limits(joints: _Joints) -> list[str]:
     """The limits that a joint exceeds."""
     lines = []
     for name, joint in joints.items():
-        peak = abs(joint["velocity_peak"]["value"])
-        rated = peak + joint["velocity_margin"]
-        too_fast = joint["beyond_rated_velocity"]
-        if too_fast:
+        if joint.beyond_rated_velocity:
+            unit = joint.units["velocity"]
             lines.append(
                 f"  limit: {name} is beyond its rated speed of "
-                f"{rated:.4g} {joint['units']['velocity']} "
-                f"in {too_fast} samples, up to {peak:.4g}"
+                f"{joint.velocity_limit:.4g} {unit} in "
+                f"{joint.beyond_rated_velocity} samples, up to "
+                f"{abs(joint.velocity_peak.value):.4g}"
             )
-        too_much = joint["beyond_drive_limits"]
-        if too_much:
+        if joint.beyond_drive_limits:
             lines.append(
                 f"  limit: {name} is beyond the speed-torque limit "
-                f"in {too_much} samples"
+                f"in {joint.beyond_drive_limits} samples"
             )
     return lines
 
 
-def _warnings(warnings: Sequence[_Record]) -> list[str]:
-    """The warnings about the motion."""
+def _margins(a: Analysis, joints: _Joints) -> list[str]:
+    """The table of what is left to the limits, without those that nobody published."""
+    columns = [
+        _Column("speed", "velocity", lambda j: f"{j.velocity_margin:+.3g}"),
+        _Column("range", "position", lambda j: f"{j.position_margin:+.4g}"),
+    ]
+    if any(joint.current_margin is not None for joint in joints.values()):
+        columns.insert(
+            0, _Column("current", "A", lambda j: _cell(j.current_margin, "+.3f"))
+        )
+    if not is_catalogue(a.arm.parameters):
+        columns.insert(
+            0, _Column("torque", "torque", lambda j: f"{j.torque_margin:.4g}")
+        )
+    return _table("left to the limits, negative beyond them", joints, columns)
+
+
+def _causes(a: Analysis) -> list[_Column]:
+    """The columns of the torques by cause."""
+
+    def column(cause: str) -> _Column:
+        def cell(joint: JointFigures) -> str:
+            peak = joint.causes_peak[cause]
+            return _cell(0.0 if peak is not None and peak < ROUNDING else peak, ".4g")
+
+        return _Column(cause.removeprefix("moving_"), "torque", cell)
+
+    return [column(cause) for cause in a.causes()]
+
+
+def _efforts(joints: _Joints) -> list[str]:
+    """The table of recorded efforts, of the joints that have some."""
+    recorded = {name: j for name, j in joints.items() if j.effort}
+    columns = _compared("effort", "torque", "4g", lambda j: j.effort, friction=True)
+    title = "recorded effort, and recorded minus computed"
+    return _table(title, recorded, columns) if recorded else []
+
+
+def _currents(joints: _Joints) -> list[str]:
+    """The table of recorded currents, of the motors that have some."""
+    recorded = {name: j for name, j in joints.items() if j.recorded_current}
+    columns = _compared("current", "A", "3f", lambda j: j.recorded_current)
+    title = "recorded current, and recorded minus computed"
+    return _table(title, recorded, columns) if recorded else []
+
+
+def _compared(
+    what: str,
+    unit: str,
+    digits: str,
+    of_joint: Callable[[JointFigures], Comparison | None],
+    friction: bool = False,
+) -> list[_Column]:
+    """The columns of a comparison.
+
+    Args:
+        what: What was recorded.
+        unit: Of `_Column`.
+        digits: How numbers are formatted.
+        of_joint: The comparison of a joint.
+        friction: Whether the difference without friction is a column, too.
+    """
+
+    def column(
+        title: str,
+        form: str,
+        number: Callable[[Comparison], float | None],
+        unit: str = unit,
+    ) -> _Column:
+        def cell(joint: JointFigures) -> str:
+            found = of_joint(joint)
+            return _cell(None if found is None else number(found), form)
+
+        return _Column(title, unit, cell)
+
+    plain = f".{digits}"
+    signed = f"+.{digits}"
+    columns = [
+        column(f"{what} rms", plain, lambda x: x.rms),
+        column("mean", signed, lambda x: x.difference_mean),
+        column("peak", signed, lambda x: x.difference_peak.value),
+        column("rms", plain, lambda x: x.difference_rms),
+    ]
+    if friction:
+        rest = column("less friction", plain, lambda x: x.difference_rms_with_friction)
+        columns.append(rest)
+    return [*columns, column("correlation", ".4g", lambda x: x.correlation, unit="")]
+
+
+def _water(a: Analysis, joints: _Joints) -> list[str]:
+    """What a current adds to the torques and to the load on the mount."""
+    if a.moving_water is None:
+        return []
+    force, moment = water_mount_peaks(a.moving_water, a.smooth.time)
+    peaks = [
+        *((name, j.moving_water_peak, j.units["torque"]) for name, j in joints.items()),
+        ("mount", force, "N"),
+        ("", moment, "N m"),
+    ]
+    rows = [["", "peak", "all numbers low .. high", ""]]
+    for name, peak, unit in peaks:
+        value = None if peak is None else peak.value
+        rows.append([name, _cell(value, "+.4g"), _interval(peak, "+.4g"), unit])
+    speed = ", ".join(f"{x:g}" for x in a.moving_water.current)
+    title = f"\n  water: current ({speed}) m/s; estimated, not published"
+    return [title, *table(rows, "<>><", 2)]
+
+
+def _whole_arm(a: Analysis) -> list[str]:
+    """Energy, load on the mount and path of the TCP."""
+    used = energy(a)
+    drawn = " .. ".join(_cell(x, ".4g") for x in used["drawn_interval_j"])
+    force, moment = mount_peaks(a)
+    first, last = _point(a.tcp[0]), _point(a.tcp[-1])
+    lowest, highest = _point(a.tcp.min(axis=0)), _point(a.tcp.max(axis=0))
     return [
-        f"  warning: {w['text']}: {w['count']} x, first: {w['first']}" for w in warnings
+        "",
+        f"  power: peak {used['electrical_peak_w']:.3g} W; "
+        f"drawn {used['drawn_j']:.4g} J ({drawn}), "
+        f"fed back {used['fed_back_j']:.3g} J, "
+        f"mechanical work {used['mechanical_j']:.3g} J",
+        f"  mount: force up to {force.value:.4g} N, "
+        f"moment up to {moment.value:.4g} N m",
+        f"  TCP: path {tcp_way(a):.4g} m, from {first} to {last} m,",
+        f"       within {lowest} .. {highest} m",
     ]
 
 
-def _notes(record: _Record) -> list[str]:
+def _point(position: Iterable[float]) -> str:
+    """A point in base_link."""
+    return f"({', '.join(f'{x:z.3f}' for x in position)})"
+
+
+def _notes(a: Analysis) -> list[str]:
     """The assumptions behind the figures."""
-    motors = record["motors"]
-    own = record["model"].get("arm")
+    record = a.arm.parameters
+    own = None if is_catalogue(record) else record.name
+    ratios = ", ".join(f"{m.joint} {m.constants_ratio:.3f}" for m in a.actuators)
     whose = "the motors'" if own else "Table 4's"
-    ratios = ", ".join(
-        f"{joint} {ratio:.3f}" for joint, ratio in motors["constants_ratio"].items()
-    )
-    used = motors["constants"]
+    used = a.actuators[0].constants
     if used == "printed":
-        unexplained = record["energy"]["contradiction_j"]
+        unexplained = energy(a)["contradiction_j"]
         used += (
             f", which leaves {unexplained:+.3g} J of the electrical energy unexplained"
         )
@@ -370,14 +296,15 @@ def _notes(record: _Record) -> list[str]:
         if own
         else "no torque limit is published; torque_margin of --json is to the 9 N m "
         "(jaw rod 10 N) of most public models",
-        f"{whose} constants contradict each other (K_t/K_v: {ratios}); "
-        f"used here: {used}",
+        f"{whose} constants "
+        f"contradict each other (K_t/K_v: {ratios}); used here: {used}",
         "Table 4 does not say whose efficiency eta_max is; "
-        f"taken here for that of the {motors['efficiency']}",
+        f"taken here for that of the {a.actuators[0].efficiency}",
     ]
-    limits = motors.get("current_limits", {})
-    without_limits = own and not any(limits.values())
-    if motors["supply_voltage"] is None or without_limits:
+    supply = a.supply_voltage or record.motors.supply_voltage
+    limits = a.current_limits or record.motors.current_limits
+    known = supply if own else a.supply_voltage
+    if known is None or (own and not any(limits)):
         where = f", here or in {own}'s file" if own else ""
         notes.append(
             f"current limits need --supply-voltage and --current-limit{where}; "
@@ -386,43 +313,30 @@ def _notes(record: _Record) -> list[str]:
     return ["", *(f"  note: {note}" for note in notes)]
 
 
-def _joint_table(
-    title: str, joints: Mapping[str, _Record], columns: Sequence[_Column]
-) -> list[str]:
+def _table(title: str, joints: _Joints, columns: Sequence[_Column]) -> list[str]:
     """A table with one line for each joint, the jaw rod under its own units."""
     rows = [["", *(column.title for column in columns)]]
     for units in (TURNING, SLIDING):
-        group = {
-            name: joint for name, joint in joints.items() if joint["units"] == units
-        }
+        group = {name: joint for name, joint in joints.items() if joint.units == units}
         if group:
             rows.append(["", *(units.get(x.unit, x.unit) for x in columns)])
         for name, joint in group.items():
-            rows.append([name, *(_column_cell(joint, column) for column in columns)])
+            rows.append([name, *(column.cell(joint) for column in columns)])
     return [f"\n  {title}", *table(rows, "<>", 2)]
 
 
-def _column_cell(joint: _Record, column: _Column) -> str:
-    """The number or interval of a joint in a column."""
-    return _cell(joint, column.place, column.form, column.missing, column.least)
+def _cell(value: float | None, form: str) -> str:
+    """A number, or a dash if it is not known."""
+    return "-" if value is None else format(value, form)
 
 
-def _cell(
-    record: _Record, place: str, form: str, missing: str = "-", least: float = 0.0
-) -> str:
-    """The number or interval at a place of a record.
+def _size(peak: Peak, form: str) -> str:
+    """The value of a peak, 0 for rounding."""
+    return format(peak.value if abs(peak.value) > ROUNDING else 0.0, form)
 
-    Args:
-        record: Where the place starts.
-        place: Keys joined by dots.
-        form: How a number is formatted.
-        missing: The text if there is no number.
-        least: Smaller numbers are printed as 0.
-    """
-    value: Any = record
-    for key in place.split("."):
-        value = value and value[key]
-    if value is None:
+
+def _interval(peak: Peak | None, form: str, missing: str = "-") -> str:
+    """The interval of a peak."""
+    if peak is None or peak.interval is None:
         return missing
-    values = value if isinstance(value, list) else [value]
-    return " .. ".join(format(x if abs(x) >= least else 0.0, form) for x in values)
+    return " .. ".join(format(x, form) for x in peak.interval)

@@ -1,10 +1,8 @@
 """Positions, velocities and accelerations from noisy samples, with a stated bandwidth.
 
 Differentiating twice multiplies noise by the square of its frequency, so that a
-recording says nothing about acceleration until a bandwidth is chosen. Each method
-states its bandwidth: the frequency at which the amplitude of a sine is down to
-1/sqrt(2) (-3 dB). No method shifts the phase. `alpha5_model.trajectory.filters` has the
-filters.
+recording says nothing about acceleration until a bandwidth is chosen: the frequency at
+which the amplitude of a sine is down to 1/sqrt(2) (-3 dB). Nothing shifts the phase.
 
 ``"spline"`` (default)
     Cubic smoothing spline, the minimum of
@@ -14,41 +12,30 @@ filters.
     ``lam = (sqrt(2) - 1) / w_c^4``. The second derivative of the fitted signal is zero
     at both ends (natural spline): the acceleration if positions are fitted, the jerk if
     velocities are.
-``"savgol"``
-    Savitzky-Golay filter of third degree on a uniform grid of the median sample time,
-    the window chosen for the bandwidth by its frequency response [Schafer2011]; linear
-    interpolation to the grid and back.
 ``"interpolate"``
     Cubic spline through every sample (not-a-knot): for planned motions; no bandwidth.
 
 References:
-    [Reinsch1967] Smoothing by spline functions, Numerische Mathematik 10.
     [Silverman1984] Spline smoothing: the equivalent variable kernel method, Annals of
         Statistics 12(3).
-    [Schafer2011] What is a Savitzky-Golay filter?, IEEE Signal Processing Magazine
-        28(4).
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice, frozen, real
+from alpha5_model._support.text import short_repr
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.trajectory.checks import MINIMUM_SAMPLES, jumps
-from alpha5_model.trajectory.filters import (
-    Fit,
-    interpolating_spline,
-    resampled,
-    savitzky_golay,
-    smoothing_spline,
-)
 from alpha5_model.trajectory.motions import Motion
 
-METHODS = ("spline", "savgol", "interpolate")
+METHODS = ("spline", "interpolate")
 #: The arm's joints move at 30 deg/s at most; recordings hold values for about 0.1 s.
 DEFAULT_BANDWIDTH = 2.0
 #: A joint that is slower than this share of its rated speed counts as at rest: friction
@@ -93,6 +80,8 @@ class SmoothMotion:
     from_velocity: bool
     deviation: FloatArray
 
+    __repr__ = short_repr
+
     @property
     def signed_velocity(self) -> FloatArray:
         """Velocities as friction sees them, (N, n): signed by `direction`."""
@@ -110,8 +99,7 @@ def smooth(
 
     Args:
         motion: Samples.
-        method: ``spline``, ``savgol`` (Savitzky-Golay), or ``interpolate`` for motions
-            without noise.
+        method: ``spline``, or ``interpolate`` for motions without noise.
         bandwidth: -3 dB frequency [Hz]; no effect on ``"interpolate"``.
         use_velocity: Compute velocities and accelerations from the velocities of the
             motion instead of its positions; None does so if there are any (`analyse`:
@@ -144,15 +132,12 @@ def smooth_for(
             expected = "False: the motion has no velocities"
             raise InputError("use_velocity", True, expected)
         signals = np.hstack([motion.position, motion.velocity])
-    pieces = _pieces(parameters, motion)
-    fits = [
-        _fitted(motion.time[piece], signals[piece], method, bandwidth)
-        for piece in pieces
-    ]
-    reached = fits[0][1]
-    value = np.concatenate([fit.value for fit, _ in fits])
-    slope = np.concatenate([fit.slope for fit, _ in fits])
-    curvature = np.concatenate([fit.curvature for fit, _ in fits])
+    width: float | None = None
+    if method == "spline":
+        width = _checked_bandwidth(bandwidth, motion.time)
+    pieces = pieces_of(parameters, motion)
+    fits = [_fitted(motion.time[x], signals[x], width) for x in pieces]
+    value, slope, curvature = (np.concatenate(x) for x in zip(*fits, strict=True))
 
     n = len(motion.joints)
     position = value[:, :n]
@@ -162,7 +147,10 @@ def smooth_for(
         mean_velocity = slope[:, :n]
     else:
         mean_velocity = np.concatenate(
-            [_mean_velocity(motion.time[x], motion.position[x]) for x in pieces]
+            [
+                mean_slope(motion.time[x], motion.position[x], DIRECTION_WINDOW)
+                for x in pieces
+            ]
         )
     rated = np.array([joint.velocity for joint in parameters.joints[:n]])
     at_rest = np.abs(mean_velocity) < REST_SHARE * rated
@@ -174,25 +162,34 @@ def smooth_for(
         acceleration=frozen(acceleration),
         direction=frozen(np.where(at_rest, 0.0, np.sign(mean_velocity))),
         method=method,
-        bandwidth=reached,
+        bandwidth=width,
         from_velocity=use_velocity,
         deviation=frozen(np.abs(position - motion.position).max(axis=0)),
     )
 
 
 def _fitted(
-    time: FloatArray, signals: FloatArray, method: str, bandwidth: float
-) -> tuple[Fit, float | None]:
-    """The signals as a method smooths them, and the bandwidth that it reaches [Hz]."""
-    if method == "interpolate":
-        return interpolating_spline(time, signals), None
+    time: FloatArray, signals: FloatArray, bandwidth: float | None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Signals and their first two derivatives, (N, k) each.
 
-    wanted = _checked_bandwidth(bandwidth, time)
-    if method == "spline":
-        return smoothing_spline(time, signals, wanted), wanted
+    Args:
+        time: (N,) [s].
+        signals: (N, k).
+        bandwidth: -3 dB frequency of a smoothing spline [Hz]; None for a spline
+            through every sample.
+    """
+    from scipy.interpolate import CubicSpline, make_smoothing_spline
 
-    value, slope, curvature, reached = savitzky_golay(time, signals, wanted)
-    return Fit(value=value, slope=slope, curvature=curvature), reached
+    t = time - time[0]  # times since 1970 would cost digits
+    if bandwidth is None:
+        spline: Any = CubicSpline(t, signals)
+        return signals, spline(t, 1), spline(t, 2)
+    steps = np.diff(t)
+    weights = (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+    lam = (math.sqrt(2) - 1) / (2 * math.pi * bandwidth) ** 4
+    spline = make_smoothing_spline(t, signals, w=weights, lam=lam)
+    return spline(t), spline(t, 1), spline(t, 2)
 
 
 def _checked_bandwidth(bandwidth: float, time: FloatArray) -> float:
@@ -216,7 +213,7 @@ def _checked_bandwidth(bandwidth: float, time: FloatArray) -> float:
     return wanted
 
 
-def _pieces(parameters: Alpha5Parameters, motion: Motion) -> list[slice]:
+def pieces_of(parameters: Alpha5Parameters, motion: Motion) -> list[slice]:
     """The motion between jumps: no joint moves so, and no torque makes it.
 
     Jumps that leave fewer samples than a piece needs do not count.
@@ -234,14 +231,17 @@ def _pieces(parameters: Alpha5Parameters, motion: Motion) -> list[slice]:
     return [*pieces, slice(start, motion.time.size)]
 
 
-def _mean_velocity(time: FloatArray, position: FloatArray) -> FloatArray:
-    """Mean velocities over `DIRECTION_WINDOW` around each sample, (N, n).
+def mean_slope(time: FloatArray, signals: FloatArray, window: float) -> FloatArray:
+    """Mean slopes over a window around each sample, (N, k).
 
-    Unlike the noisy velocity, they change sign only if the motion reverses.
+    Unlike noisy velocities, they change sign only if the motion reverses.
+
+    Args:
+        time: (N,) [s].
+        signals: (N, k).
+        window: Its length [s]; it is shorter at both ends of the motion.
     """
-    half = DIRECTION_WINDOW / 2
-    early = np.maximum(time - half, time[0])
-    late = np.minimum(time + half, time[-1])
-    displacement = resampled(late, time, position)
-    displacement -= resampled(early, time, position)
-    return np.asarray(displacement / (late - early)[:, None])
+    early = np.maximum(time - window / 2, time[0])
+    late = np.minimum(time + window / 2, time[-1])
+    rise = [np.interp(late, time, x) - np.interp(early, time, x) for x in signals.T]
+    return np.asarray(np.stack(rise, axis=1) / (late - early)[:, None])

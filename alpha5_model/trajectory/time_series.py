@@ -12,12 +12,13 @@ from alpha5_model._support.files import PathLike
 from alpha5_model._support.outputs import output_format
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.trajectory.analysis import Analysis
-from alpha5_model.trajectory.file_table import CHUNK, Progress
 from alpha5_model.trajectory.key_figures import summary
-from alpha5_model.trajectory.mcap_file import mcap
+from alpha5_model.trajectory.tables import Progress
 
-#: Of the table: CSV; JSON with the key figures on top; messages for other viewers.
-FORMATS = (".csv", ".json", ".mcap")
+#: Of the table: CSV; JSON with the key figures on top.
+FORMATS = (".csv", ".json")
+#: Rows between two reports of progress.
+_CHUNK = 10_000
 
 
 def columns(analysis: Analysis) -> dict[str, FloatArray]:
@@ -94,20 +95,15 @@ def write(analysis: Analysis, path: PathLike, progress: Progress | None = None) 
 
     Args:
         analysis: What to write.
-        path: Target: ``.csv`` (also ``-``, devices and pipes), ``.json``, or ``.mcap``
-            for Foxglove and Rerun, see `alpha5_model.trajectory.mcap_file`.
+        path: Target: ``.csv`` (also ``-``, devices and pipes) or ``.json``.
         progress: Called with a stage's name and the part done, 0 to 1.
 
     Raises:
         UnknownNameError: Another suffix.
-        InputError: Times that an MCAP file cannot have.
-        MissingDependencyError: MCAP, but rosbags is not installed.
         OutputError: The file cannot be written.
     """
     target = Path(path)
     suffix = output_format("table format", target, FORMATS)
-    if suffix == ".mcap":
-        return atomic_write(target, mcap(analysis, progress))
     table = columns(analysis)
     if suffix == ".json":
         return atomic_write(target, _json_text(analysis, table))
@@ -135,8 +131,8 @@ def _csv_text(table: dict[str, FloatArray], progress: Progress | None) -> str:
     rows = np.stack(list(table.values()), axis=1)
     line = ",".join(["%.16g", *["%.9g"] * (len(table) - 1)])
     lines = [",".join(table)]
-    for start in range(0, len(rows), CHUNK):
-        end = start + CHUNK
+    for start in range(0, len(rows), _CHUNK):
+        end = start + _CHUNK
         lines += [line % tuple(row) for row in rows[start:end].tolist()]
         if progress:
             progress("write", min(end, len(rows)) / len(rows))

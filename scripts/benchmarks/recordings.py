@@ -15,6 +15,8 @@ from alpha5_model.studies.sweep.parts import compute
 from alpha5_model.studies.sweep.study import read_study
 
 SAMPLES = 100_000
+#: Of a file that is only read.
+LONG = 1_000_000
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
 SWEPT = 200_000
 #: Form of an output -> its keys in a study.
@@ -40,7 +42,8 @@ quantity = "torque"
 def rows() -> list[Row]:
     """Measured rows of this subject."""
     with tempfile.TemporaryDirectory() as folder:
-        return [*_recording(Path(folder)), *_sweep(Path(folder))]
+        place = Path(folder)
+        return [*_recording(place), *_long_file(place), *_sweep(place)]
 
 
 def _recording(folder: Path) -> list[Row]:
@@ -61,7 +64,7 @@ def _recording(folder: Path) -> list[Row]:
 
     def ours() -> str:
         analysis = a5.trajectory.analyse(a5.trajectory.read_motion(path))
-        return a5.trajectory.text(a5.trajectory.summary(analysis))
+        return a5.trajectory.text(analysis)
 
     def torques() -> None:
         for row, speed in zip(q, v, strict=True):
@@ -76,6 +79,24 @@ def _recording(folder: Path) -> list[Row]:
     }
     work = f"a recording of {SAMPLES} samples, read and analysed"
     return compare(work, candidates, rounds=3)
+
+
+def _long_file(folder: Path) -> list[Row]:
+    """A million rows of CSV, beside NumPy, which knows nothing of columns."""
+    t = 0.02 * np.arange(LONG)
+    q = 1.7 + np.sin(0.2 * t)[:, None] * np.array([1.0, 0.8, 0.9, 1.2])
+    header = ",".join(
+        ["time_secs", *(f"{a}_{x}" for x in ("pos", "vel") for a in AXES)]
+    )
+    path = folder / "million.csv"
+    np.savetxt(
+        path, np.column_stack([t, q, 0.1 * q]), "%.9g", ",", header=header, comments=""
+    )
+    candidates = {
+        "alpha5_model": partial(a5.trajectory.read_motion, path),
+        "numpy.loadtxt": partial(np.loadtxt, path, delimiter=",", skiprows=1),
+    }
+    return compare(f"a CSV of {LONG} rows, read", candidates, rounds=2)
 
 
 def _sweep(folder: Path) -> list[Row]:

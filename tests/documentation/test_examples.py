@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import runpy
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -151,6 +152,41 @@ def test_predictive_control(
     # Without the constraint, the quickest way leads through the mount.
     example["main"](clearance=-1.0)
     assert numbers(capsys.readouterr().out.splitlines()[-1])[0] < -5
+
+
+def test_motion_as_mcap(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """MCAP's own library reads the messages, and ours the motion."""
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    time = 1.7e9 + 0.1 * np.arange(30)
+    q = a5.named_pose("home") + 0.2 * np.sin(time - time[0])[:, None]
+    analysis = a5.trajectory.analyse(a5.trajectory.motion(time, q))
+    recording, target = tmp_path / "m.csv", tmp_path / "m.mcap"
+    a5.trajectory.write(analysis, recording)
+    monkeypatch.setattr(sys, "argv", ["", str(recording), str(target)])
+    assert "30 samples" in said("motion_as_mcap", capsys)
+
+    again = a5.trajectory.read_motion(target)
+    np.testing.assert_allclose(again.time, time, atol=1e-6)
+    np.testing.assert_allclose(again.position, q, atol=1e-3)
+    with target.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        found = {c.topic: m for _, c, _, m in reader.iter_decoded_messages()}
+    state = found["/joint_states"]
+    wrench = found["/mount_load"].wrench
+    expected = a5.load().base_wrench(state.position, state.velocity, np.zeros(4))
+    force = [wrench.force.x, wrench.force.y, wrench.force.z]
+    np.testing.assert_allclose(force, expected.linear, atol=0.05)
+    tip = found["/tcp"].point
+    pose = a5.load().forward_kinematics(np.array(state.position))
+    np.testing.assert_allclose([tip.x, tip.y, tip.z], pose.translation, atol=1e-9)
+    frames = [t.child_frame_id for t in found["/tf"].transforms]
+    assert len(frames) == len({*frames}) > 4
 
 
 @pytest.mark.slow

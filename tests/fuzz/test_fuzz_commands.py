@@ -80,7 +80,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     "--sensor": ("scales", "weight", "force_torque", "x"),
     "--show": ("bodies", "frames,com"),
     "--size": ("64x48",),
-    "--smoothing": ("spline", "savgol", "interpolate"),
+    "--smoothing": ("spline", "interpolate"),
     "--supply-voltage": ("24", "1e-3"),
     "--target": ("0.3,0,0.1",),
     "--topic": ("/x",),

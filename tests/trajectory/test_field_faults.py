@@ -286,6 +286,7 @@ def test_the_payload_is_in_the_answer() -> None:
     arm = a5.load()
     held = arm.with_payload(0.5, volume=1e-4).with_payload(0.25)
     for model, mass, words in ((arm, 0.0, "none"), (held, 0.75, "0.75 kg")):
-        record = a5.trajectory.summary(a5.trajectory.analyse(motion, model))
-        assert record["model"]["payload_kg"] == mass
-        assert f"payload: {words}" in a5.trajectory.text(record)
+        analysis = a5.trajectory.analyse(motion, model)
+        assert a5.trajectory.summary(analysis)["model"]["payload_kg"] == mass
+        assert model.payload_mass == mass
+        assert f"payload: {words}" in a5.trajectory.text(analysis)

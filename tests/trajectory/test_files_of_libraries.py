@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-import bz2
 import csv
-import gzip
-import json
-import lzma
-import pickle
-import zipfile
 from collections.abc import Callable
 from datetime import datetime, timedelta
 from functools import partial
@@ -20,7 +14,6 @@ import pytest
 from bag_writer import State, write_bag
 
 import alpha5_model as a5
-from alpha5_model.errors import FileFormatError
 
 JOINTS = [f"axis_{letter}" for letter in "edcb"]
 COLUMNS = ["time_secs", *(f"{joint}_pos" for joint in JOINTS)]
@@ -120,12 +113,6 @@ def of_parquet(tables: Tables) -> dict[str, tuple[str, Writer]]:
     without_time = tables.arrow.drop_columns("time_secs")
     seconds = pyarrow.array([timedelta(seconds=float(t)) for t in TIME])
     dates = pyarrow.array(MOMENTS, pyarrow.timestamp("ns"))
-    arrays = {
-        "timestamp": TIME,
-        "observation.state": [row.tolist() for row in POSITION],
-    }
-    features = {"features": {"observation.state": {"names": JOINTS}}}
-    names = {b"lerobot": json.dumps(features).encode()}
     return {
         "pandas, Parquet": (".parquet", tables.frame.to_parquet),
         "pandas, Parquet, time as index": (
@@ -167,12 +154,6 @@ def of_parquet(tables: Tables) -> dict[str, tuple[str, Writer]]:
             ".parquet",
             lambda path: parquet.write_table(
                 without_time.append_column("time", seconds), path
-            ),
-        ),
-        "PyArrow, Parquet, LeRobot's arrays": (
-            ".parquet",
-            lambda path: parquet.write_table(
-                pyarrow.table(arrays).replace_schema_metadata(names), path
             ),
         ),
     }
@@ -284,77 +265,3 @@ def test_bags_of_rosbags_give_the_numbers_back(
     ]
     path = write_bag(tmp_path, kind, states, compression)
     check(a5.trajectory.read_motion(path))
-
-
-def write_zip(tables: Tables, path: Path) -> None:
-    """An archive with a CSV in it."""
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("recording.csv", tables.frame.to_csv())
-
-
-def savez(path: Path) -> None:
-    with path.open("wb") as stream:
-        np.savez(stream, time=TIME, position=POSITION)
-
-
-def save(path: Path) -> None:
-    with path.open("wb") as stream:
-        np.save(stream, POSITION)
-
-
-def matlab(path: Path) -> None:
-    from scipy.io import savemat
-
-    with path.open("wb") as stream:
-        savemat(stream, {"time": TIME, "position": POSITION})
-
-
-def refused(tables: Tables) -> dict[str, tuple[Writer, str]]:
-    """Form -> what writes it, and a word of what the refusal says."""
-    from pyarrow import feather
-
-    text = tables.frame.to_csv(index=False).encode()
-    return {
-        "ZIP": (partial(write_zip, tables), "a ZIP archive"),
-        "NumPy, .npz": (savez, "a ZIP archive"),
-        "NumPy, .npy": (save, "a NumPy array"),
-        "MATLAB": (matlab, "a MATLAB file"),
-        "Feather": (
-            lambda path: feather.write_feather(
-                tables.arrow, path, compression="uncompressed"
-            ),
-            "an Arrow or Feather file",
-        ),
-        "pickle": (
-            lambda path: path.write_bytes(pickle.dumps(tables.frame.to_dict())),
-            "a pickle",
-        ),
-        "gzip": (lambda path: path.write_bytes(gzip.compress(text)), "gzip"),
-        "bzip2": (lambda path: path.write_bytes(bz2.compress(text)), "bzip2"),
-        "xz": (lambda path: path.write_bytes(lzma.compress(text)), "by xz"),
-        "Parquet without suffix": (tables.frame.to_parquet, "name it .parquet"),
-        "JSON": (tables.frame.to_json, "is JSON"),
-        "JSON lines": (
-            partial(tables.frame.to_json, orient="records", lines=True),
-            "is JSON",
-        ),
-        "HTML": (tables.frame.to_html, "is XML or HTML"),
-        "no names": (
-            lambda path: np.savetxt(path, tables.frame.to_numpy(), delimiter=","),
-            "expected column names",
-        ),
-        "bars": (partial(tables.frame.to_csv, sep="|"), "no column for the time"),
-    }
-
-
-def test_other_formats_are_named(tables: Tables, tmp_path: Path) -> None:
-    failures = []
-    for form, (write, words) in refused(tables).items():
-        path = tmp_path / "recording.csv"
-        write(path)
-        with pytest.raises(FileFormatError) as refusal:
-            a5.trajectory.read_motion(path)
-        message = str(refusal.value)
-        if words not in message or "\n" in message or len(message) > 400:
-            failures.append(f"{form}: {message}")
-    assert failures == []

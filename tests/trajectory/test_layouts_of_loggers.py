@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.errors import FileFormatError
 
 COUNT = 40
 TIME = 0.05 * np.arange(COUNT)[:, None]
@@ -174,36 +173,3 @@ def test_layouts_of_public_loggers_are_read(name: str, tmp_path: Path) -> None:
         assert (read is not None) == (quantity in layout.reads.split())
         if read is not None:
             np.testing.assert_array_equal(read, numbers)
-
-
-#: Layouts that lack something, and what the refusal says.
-INCOMPLETE = {
-    # a controller's log of numbers alone
-    "no time": (
-        Layout("joint*_pos joint*_vel", (POSITION, VELOCITY), "joint{}").text(),
-        "no column for the time",
-    ),
-    # RoboDK's macro and a subscriber that prints positions
-    "no names": (
-        "\n".join(",".join(map(str, row)) for row in POSITION),
-        "starts with numbers, expected column names",
-    ),
-    "no names, semicolons": (
-        "\n".join(";".join(f"{x:.9f}" for x in row) for row in POSITION),
-        "starts with numbers, expected column names",
-    ),
-    # poses of bodies instead of angles
-    "poses": (
-        "timestamp,joint_1_px,joint_1_qx\n0.0,0.1,0.2\n0.1,0.1,0.2\n",
-        "no column for the position",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", INCOMPLETE)
-def test_what_is_missing_is_named(name: str, tmp_path: Path) -> None:
-    text, words = INCOMPLETE[name]
-    path = tmp_path / "log.csv"
-    path.write_text(text)
-    with pytest.raises(FileFormatError, match=words):
-        a5.trajectory.read_motion(path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.cli.program import main
 from alpha5_model.errors import InputError, ShapeError
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
@@ -89,18 +87,6 @@ def test_currents_are_compared_with_those_computed(
         assert joint["correlation"] == pytest.approx(1.0)
 
 
-def test_small_currents_of_a_real_arm_in_milliamperes(
-    computed: a5.trajectory.Analysis, tmp_path: Path
-) -> None:
-    """A public driver's static currents: 43 mA at three joints, 10 at the wrist."""
-    static = np.sign(computed.smooth.velocity) * [43.0, 43.0, 43.0, 10.0]
-    for ending, kind in (("_current", "current_unit"), ("_effort", "effort_unit")):
-        analysis = analysed(table(tmp_path / "m.csv", ending, static))
-        assert kinds(analysis) == {kind}
-        assert analysis.recorded_current is not None
-        np.testing.assert_allclose(analysis.recorded_current, static * 1e-3)
-
-
 @pytest.mark.parametrize("scale", [0.1, 1.0, 1.9])
 def test_efforts_in_newton_metres_stay_so(
     computed: a5.trajectory.Analysis, scale: float, tmp_path: Path
@@ -111,17 +97,6 @@ def test_efforts_in_newton_metres_stay_so(
     assert kinds(analysis) == set()
     assert analysis.recorded_current is None
     np.testing.assert_allclose(analysis.effort, effort, rtol=1e-12)
-
-
-def test_efforts_beyond_any_current_are_no_milliamperes(
-    computed: a5.trajectory.Analysis, tmp_path: Path
-) -> None:
-    """The largest motor stalls with 7.5 A at 24 V."""
-    counts = 1e5 * computed.current
-    analysis = analysed(table(tmp_path / "m.csv", "_effort", counts))
-    assert kinds(analysis) == set()
-    assert analysis.recorded_current is None
-    assert analysis.effort is not None
 
 
 def test_recorded_currents_win_over_efforts_in_milliamperes(
@@ -191,24 +166,3 @@ def test_a_written_table_returns_what_was_recorded(
 
     a5.trajectory.write(computed, tmp_path / "computed.csv")
     assert a5.trajectory.read_motion(tmp_path / "computed.csv").current is None
-
-
-@pytest.mark.slow
-def test_the_command_prints_and_draws_recorded_currents(
-    computed: a5.trajectory.Analysis, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = table(tmp_path / "m.csv", "_effort", 1e3 * computed.current)
-    assert main(["trajectory", str(path), "--plot", str(tmp_path / "p.png")]) == 0
-    out = capsys.readouterr().out
-    title = "recorded current, and recorded minus computed"
-    rows = out.partition(title)[2].splitlines()[3:7]
-    assert [row.split()[0] for row in rows] == [*JOINTS]
-    assert [row.split()[-1] for row in rows] == ["1"] * 4
-    assert "efforts read in mA" in out
-    assert "recorded effort" not in out
-    assert (tmp_path / "p.png").stat().st_size > 10_000
-
-    assert main(["trajectory", str(path), "--json"]) == 0
-    record = json.loads(capsys.readouterr().out)
-    assert record["joints"]["axis_e"]["effort"] is None
-    assert record["joints"]["axis_e"]["recorded_current"]["samples"] == TIME.size

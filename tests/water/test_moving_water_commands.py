@@ -238,7 +238,7 @@ def test_summary_has_the_cause_on_the_mount(file, capsys):
 def test_without_a_current_nothing_is_said_of_moving_water(file):
     a = a5.trajectory.analyse(a5.trajectory.read_motion(file))
     assert a.moving_water is None
-    assert "water" not in a5.trajectory.text(a5.trajectory.summary(a))
+    assert "water" not in a5.trajectory.text(a)
     assert not any("water" in name for name in a5.trajectory.columns(a))
 
 

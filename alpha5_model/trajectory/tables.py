@@ -1,12 +1,11 @@
-"""The table of columns that every file of joint motion is read as.
+"""A recording as a table of numbers with names, as every reader of files returns it.
 
-One file of this package holds each kind: `CsvTable`, `ParquetTable` and `BagTable`.
-`alpha5_model.trajectory.roles` finds out what the columns mean.
+`alpha5_model.trajectory.csv_file`, `parquet_file` and `bags` read a `Table`;
+`alpha5_model.trajectory.columns` finds out what its columns mean.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple
@@ -16,17 +15,17 @@ import numpy as np
 from alpha5_model import errors
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike
-from alpha5_model.trajectory.warning import MotionWarning
+from alpha5_model.trajectory.motions import MotionWarning
 
 #: Units of time, and how many of each make a second.
 PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 #: A bag or Parquet file may expand to this many times its size. Joint states of an arm
 #: at rest, compressed by zstd, expand to 10 times.
 EXPANSION = 100
-#: Samples, rows or messages between two reports of progress.
-CHUNK = 10_000
 #: Called with a stage's name and the part done, 0 to 1.
 Progress = Callable[[str, float], None]
+#: The first line of a file that Git LFS has not fetched.
+_GIT_LFS = b"version https://git-lfs.github.com/spec/"
 
 
 class Problem(NamedTuple):
@@ -41,39 +40,31 @@ class Problem(NamedTuple):
     text: str
 
 
-class FileTable(ABC):
-    """Columns of a file of joint motion; their numbers are read when they are needed.
+class Table(NamedTuple):
+    """The numbers of a file.
 
     Attributes:
-        names: Names of all columns as in the file; see `read_motion`.
-        header: The same with the arm's joints for those of the file.
+        header: Names of the k columns.
+        values: (N, k) NaN where there is no finite number.
+        place: Where the number of a row and a column is in the file, for messages.
+        problem: Why a row has no number in one of some columns.
         head: Where the names are in the file, for messages.
-        warnings: Warnings about what was read so far.
-        ignored: Names in the file that are no columns and are not used.
+        in_seconds: Columns of time that are in seconds by their format.
+        warnings: About what was read.
+        ignored: Names in the file that are no columns.
+        every_row: Whether a row without positions is odd. Messages of other nodes are
+            not.
     """
 
-    names: Sequence[str]
-    header: Sequence[str]
+    header: list[str]
+    values: FloatArray
+    place: Callable[[int, int], str]
+    problem: Callable[[int, Sequence[int]], Problem]
     head: str = ""
+    in_seconds: frozenset[int] = frozenset()
     warnings: tuple[MotionWarning, ...] = ()
     ignored: tuple[str, ...] = ()
-
-    @abstractmethod
-    def read(self, columns: Sequence[int]) -> tuple[FloatArray, str | None]:
-        """The numbers of some columns, the time first.
-
-        Returns:
-            The numbers, (N, k), NaN for what is none, and the unit of the time if the
-            file's format defines it, else None.
-        """
-
-    @abstractmethod
-    def problem(self, row: int, columns: Sequence[int]) -> Problem:
-        """Why a row has no finite number in some of these columns, as read."""
-
-    @abstractmethod
-    def place(self, row: int, column: int) -> str:
-        """Where a number is in the file, for messages."""
+    every_row: bool = True
 
 
 def seconds(whole: Iterable[int | None], per_second: int) -> FloatArray:
@@ -85,6 +76,35 @@ def seconds(whole: Iterable[int | None], per_second: int) -> FloatArray:
     return np.array([np.nan if x is None else x / per_second for x in whole])
 
 
+def refuse_git_lfs_pointer(path: PathLike, content: bytes) -> None:
+    """Refuse the small text that stands for a file that Git LFS has not fetched.
+
+    Args:
+        path: The file, for the message.
+        content: Its bytes, or the first hundred of them.
+
+    Raises:
+        errors.FileFormatError: It is such a text.
+    """
+    if content.startswith(_GIT_LFS):
+        problem = "is a Git LFS pointer, not the recording: run git lfs pull first"
+        raise errors.FileFormatError(path, problem)
+
+
+def refuse_expansion(path: PathLike, expanded: int, most: int) -> None:
+    """Refuse a file that would take much more memory than it is large.
+
+    Raises:
+        errors.FileFormatError: It expands to more than `most` bytes.
+    """
+    if expanded > most:
+        problem = (
+            f"expands to more than {most / 1e6:.3g} MB, {EXPANSION} times its size; "
+            "write it without compression if it is yours"
+        )
+        raise errors.FileFormatError(path, problem)
+
+
 @contextmanager
 def library(path: PathLike, extra: str) -> Iterator[None]:
     """Turn whatever an optional library raises into an error about the file.
@@ -94,8 +114,8 @@ def library(path: PathLike, extra: str) -> Iterator[None]:
         extra: The extra of this package that installs the library.
 
     Raises:
-        MissingDependencyError: The library is not installed.
-        FileFormatError: The library cannot read the file.
+        errors.MissingDependencyError: The library is not installed.
+        errors.FileFormatError: The library cannot read the file.
     """
     remedy = f"python -m pip install 'alpha5-model[{extra}]'"
     try:
