@@ -119,7 +119,7 @@ def _digits(a: Analysis, joints: _Joints) -> list[str]:
         return []
     catalogue = is_catalogue(a.arm.parameters)
     source = "digits" if catalogue else "half widths of the arm file, else digits"
-    return [f"  {source} of Tables 2, 3: torque peaks ±({', '.join(halves)}) N m"]
+    return [f"  {source} of Tables 1 to 3: torque peaks ±({', '.join(halves)}) N m"]
 
 
 def _limits(joints: _Joints) -> list[str]:
