@@ -19,7 +19,7 @@ from alpha5_model.description.options import SimulationOptions
 from alpha5_model.description.srdf import named_poses
 from alpha5_model.description.xml import Value, add, document, provenance, serialized
 from alpha5_model.errors import InputError
-from alpha5_model.geometry.collision_capsules import collision_capsules
+from alpha5_model.geometry.collision_shapes import collision_capsules
 from alpha5_model.geometry.materials import MATERIALS
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.hydrodynamics import hydrodynamics

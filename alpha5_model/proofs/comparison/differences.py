@@ -14,7 +14,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, wrap
 from alpha5_model.description.urdf_robot import UrdfJoint, UrdfRobot
-from alpha5_model.geometry.exported_shapes import exported_primitives
+from alpha5_model.geometry.collision_shapes import exported_primitives
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
 from alpha5_model.numbers.pose import tool_of
