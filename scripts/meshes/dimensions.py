@@ -60,7 +60,8 @@ def dimensions_of(printed: Published) -> Dimensions:
         "drop": printed.elbow.opposite.value,
     }
     jaws = {
-        name: jaw.quantity.value for name, jaw in printed.supplementary.jaws.items()
+        name: float(jaw.quantity.value)
+        for name, jaw in printed.supplementary.jaws.items()
     }
     turned = _by_name(table["turned"])
     return Dimensions(
