@@ -331,7 +331,6 @@ class MissingDependencyError(Alpha5Error, ImportError):
     """An optional package or program that is not installed."""
 
     def __init__(self, dependency: str, needed_for: str, remedy: str) -> None:
-        self.dependency = dependency
         super().__init__(
             f"{needed_for} needs {dependency}, which is not installed: {remedy}"
         )

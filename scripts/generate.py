@@ -3,9 +3,10 @@
     python scripts/generate.py
     python scripts/generate.py --check    # status 1 if a file is out of date
 
-These are ``urdf/``, ``xacro/parameters.yaml``, ``meshes/``, ``mjcf/`` and the generated
-source code. A file that differs from a fresh one only in the last digits of computed
-numbers is left alone: these differ between processors.
+These are ``urdf/``, ``xacro/parameters.yaml``, ``meshes/``, ``mjcf/``, the collision
+shapes that the package compares, and the generated source code. A file that differs
+from a fresh one only in the last digits of computed numbers is left alone: these differ
+between processors.
 """
 
 from __future__ import annotations
@@ -15,13 +16,21 @@ import difflib
 import math
 import re
 import sys
-from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
+from typing import Any
 
-from alpha5_model._support.spatial import Placement
+import numpy as np
+import trimesh
+from meshes.compared_shapes import compared_shapes_text
+from meshes.drawing import bodies
+from meshes.glb import glb
+from meshes.triangles import surface
+from meshes.wavefront import MTL_NAME, mtl, obj
+
 from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.codegen.sources import generated_sources
-from alpha5_model.description.bodies import MESHES, arm_bodies
+from alpha5_model.description.bodies import MESHES
 from alpha5_model.description.mjcf import (
     MjcfOptions,
     mjcf,
@@ -29,13 +38,10 @@ from alpha5_model.description.mjcf import (
     mjcf_readme,
     mjcf_scene,
 )
-from alpha5_model.description.srdf import NAMED_POSES, srdf
+from alpha5_model.description.srdf import srdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro_parameters import parameter_yaml
-from alpha5_model.geometry.drawing import bodies
-from alpha5_model.geometry.gltf import Node, glb
-from alpha5_model.geometry.triangles import Surface, surface
-from alpha5_model.geometry.wavefront import MTL_NAME, mtl, obj
+from alpha5_model.geometry.collision_shapes import COMPARED_SHAPES_PATH
 from alpha5_model.numbers.parameters import parameters
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -53,6 +59,10 @@ PICTURE = "![The arm in its home pose](alpha5.png)\n\n"
 NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?!\w)")
 COMPUTED_DIGITS = 10
 SAME = 1e-9
+#: First bytes of a GLB.
+GLB = b"glTF"
+#: Difference of points of a GLB, in single precision, that is rounding [m].
+ROUNDED = 2e-7
 
 
 def generated_files() -> dict[str, bytes]:
@@ -60,6 +70,8 @@ def generated_files() -> dict[str, bytes]:
     meshes = mesh_files()
     texts = descriptions() | menagerie() | generated_sources()
     files = {path: text.encode() for path, text in texts.items()}
+    shapes = COMPARED_SHAPES_PATH.relative_to(REPOSITORY).as_posix()
+    files[shapes] = compared_shapes_text().encode()
     files["mjcf/LICENSE"] = mjcf_files()["LICENSE"]
     for name, content in meshes.items():
         files[f"meshes/{name}"] = content
@@ -95,23 +107,7 @@ def mesh_files() -> dict[str, bytes]:
     """Name -> content of every file in ``meshes/``: the drawn bodies."""
     surfaces = {name: surface(body.solid) for name, body in bodies().items()}
     objects = {f"{name}.obj": obj(name, drawn) for name, drawn in surfaces.items()}
-    return {**objects, MTL_NAME: mtl(), "alpha5.glb": glb(list(scene(surfaces)))}
-
-
-def scene(surfaces: dict[str, Surface]) -> Iterator[Node]:
-    """The arm in its home pose; ``link_i`` turns about z in the node of its joint."""
-    # glTF has y up, the base frame has z up.
-    yield Node("base_link", Placement("", rpy=(-math.pi / 2, 0.0, 0.0)))
-    angles = iter(NAMED_POSES["home"])
-    for body in arm_bodies(parameters(), "jaws"):
-        if not body.meshes:  # the rod
-            continue
-        placement = body.placement
-        if body.joint is not None:
-            yield Node(body.joint.name, placement)
-            angle = next(angles, 0.0)
-            placement = Placement(body.joint.name, rpy=(0.0, 0.0, angle))
-        yield Node(body.name, placement, surfaces[body.name])
+    return {**objects, MTL_NAME: mtl(), "alpha5.glb": glb(surfaces)}
 
 
 def stale_files(repository: Path, fresh: dict[str, bytes]) -> dict[str, str]:
@@ -129,6 +125,8 @@ def same_content(one: bytes, other: bytes) -> bool:
     """Whether two files are the same but for the last digits of computed numbers."""
     if one == other:
         return True
+    if one.startswith(GLB) and other.startswith(GLB):
+        return same_scene(one, other)
     try:
         texts = [one.decode("utf-8"), other.decode("utf-8")]
     except UnicodeDecodeError:
@@ -136,6 +134,36 @@ def same_content(one: bytes, other: bytes) -> bool:
     words, other_words = (NUMBER.split(text) for text in texts)
     numbers, other_numbers = (NUMBER.findall(text) for text in texts)
     return words == other_words and all(map(_same_number, numbers, other_numbers))
+
+
+def same_scene(one: bytes, other: bytes) -> bool:
+    """Whether two GLB files show the same; their bytes depend on trimesh's version."""
+    scene, other_scene = (
+        trimesh.load(BytesIO(data), file_type="glb", process=False)
+        for data in (one, other)
+    )
+    nodes = sorted(scene.graph.nodes_geometry)
+    if nodes != sorted(other_scene.graph.nodes_geometry):
+        return False
+    return all(_same_node(node, scene, other_scene) for node in nodes)
+
+
+def _same_node(node: str, scene: Any, other_scene: Any) -> bool:
+    """Whether both scenes draw the same body in a node."""
+    pose, name = scene.graph[node]
+    other_pose, other_name = other_scene.graph[node]
+    body = scene.geometry[name]
+    other = other_scene.geometry[other_name]
+    look = body.visual.material
+    other_look = other.visual.material
+    return (
+        np.allclose(pose, other_pose, rtol=0, atol=ROUNDED)
+        and np.array_equal(body.faces, other.faces)
+        and np.allclose(body.vertices, other.vertices, rtol=0, atol=ROUNDED)
+        and np.allclose(body.vertex_normals, other.vertex_normals, atol=2e-4)
+        and look.name == other_look.name
+        and np.array_equal(look.baseColorFactor, other_look.baseColorFactor)
+    )
 
 
 def _same_number(one: str, other: str) -> bool:

@@ -21,12 +21,12 @@ from alpha5_model.cli.quantities import ANGLE, LENGTH, Vector
 from alpha5_model.codegen.c_library import COptions, c_files
 from alpha5_model.description import mjcf, sdf
 from alpha5_model.description.assets import mesh_assets
-from alpha5_model.description.left_out import without_armature
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.usd import UsdOptions, usd_files
 from alpha5_model.description.water_table import WaterOptions, water_files
 from alpha5_model.description.xacro_parameters import parameter_yaml
+from alpha5_model.description.xml import without_armature
 from alpha5_model.errors import OutputError
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.parameters import chosen_arm

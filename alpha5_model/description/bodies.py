@@ -14,7 +14,7 @@ from alpha5_model._support.checks import choice
 from alpha5_model._support.spatial import Placement
 from alpha5_model.description.digits import rounded
 from alpha5_model.description.frames import base_placement, joint_placements
-from alpha5_model.geometry.exported_shapes import exported_primitives
+from alpha5_model.geometry.collision_shapes import exported_primitives
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.jaws import GRIPPERS, Jaws, loaded_links, split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange

@@ -8,15 +8,10 @@ to the next joint.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
-from numpy.typing import ArrayLike
-
-from alpha5_model._support.checks import array, plain_name
 from alpha5_model._support.spatial import (
     Placement,
     Triple,
-    rotation_from_rpy,
     rpy_from_rotation,
 )
 from alpha5_model.errors import InputError
@@ -27,49 +22,6 @@ from alpha5_model.numbers.pose import Pose
 def base_placement(parameters: Alpha5Parameters) -> Placement:
     """Pose of link_0 in base_link, DH frame {0}."""
     return Placement("base_link", rpy=(0.0, 0.0, parameters.base_yaw))
-
-
-def chosen_mount(
-    parameters: Alpha5Parameters, parent: str, xyz: ArrayLike, rpy: ArrayLike
-) -> Pose | None:
-    """The mount that options name, or the arm's own; None without one.
-
-    Args:
-        parameters: The arm's parameters.
-        parent: Name of the frame that carries the arm; empty for the arm's own mount.
-        xyz: Position of base_link in the parent, (3,) [m].
-        rpy: Its roll, pitch, yaw, (3,) [rad].
-
-    Raises:
-        InputError: A pose without a parent, or one that is not three numbers.
-    """
-    position = array("xyz", xyz, 3)
-    angles = array("rpy", rpy, 3)
-    if parent != "":
-        plain_name("parent", parent)
-        return Pose(position, rotation_from_rpy(angles), parent)
-    for name, values in (("xyz", position), ("rpy", angles)):
-        if values.any():
-            raise InputError(name, values.tolist(), "a parent link to mount on")
-    return parameters.mount
-
-
-def own_mount(mount: Pose | None, taken: Iterable[str]) -> Placement | None:
-    """Pose of base_link in the parent of a mount; None without one.
-
-    Args:
-        mount: The mount.
-        taken: Names that the parent cannot have beside the arm.
-
-    Raises:
-        InputError: The parent has one of these names.
-    """
-    if mount is None:
-        return None
-    if mount.parent in taken:
-        expected = "a name that no link of the arm has; a prefix renames the arm's"
-        raise InputError("mount.parent", mount.parent, expected)
-    return mount_placement(mount)
 
 
 def mount_placement(mount: Pose) -> Placement:

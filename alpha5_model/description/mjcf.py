@@ -8,29 +8,24 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from alpha5_model._support.checks import choice, flag
+from alpha5_model._support.checks import choice
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
-from alpha5_model.description.frames import (
-    chosen_mount,
-    own_mount,
-    tcp_placement,
-)
+from alpha5_model.description.frames import mount_placement, tcp_placement
 from alpha5_model.description.mjcf_bodies import BodyWriter, float_density
+from alpha5_model.description.options import SimulationOptions
 from alpha5_model.description.srdf import named_poses
 from alpha5_model.description.xml import Value, add, document, provenance, serialized
 from alpha5_model.errors import InputError
-from alpha5_model.geometry.collision_capsules import collision_capsules
+from alpha5_model.geometry.collision_shapes import collision_capsules
 from alpha5_model.geometry.materials import MATERIALS
-from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
+from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.hydrodynamics import hydrodynamics
-from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
+from alpha5_model.numbers.jaws import FingerJoint
 from alpha5_model.numbers.motors import joint_losses
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
-from alpha5_model.numbers.pose import Pose
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
 #: Capsules, one for each link, are for MJX.
 COLLISIONS = ("primitives", "capsules", "none")
@@ -55,59 +50,31 @@ _DEPTH = 0.6
 
 
 @dataclass(frozen=True)
-class MjcfOptions:
-    """Options of the MuJoCo model.
+class MjcfOptions(SimulationOptions):
+    """Options of the MuJoCo model, beside those of `SimulationOptions`.
+
+    The density can be changed at run time too, see the folder's README. The mount is a
+    body that carries base_link, or the pose of base_link if the parent is ``world``.
 
     Attributes:
-        gripper: ``locked`` or ``jaws``.
-        fluid_density: [kg/m^3]; 0 is air. Adjustable at run time too, see the folder's
-            README.
         actuators: ``position``, ``velocity`` or ``motor``.
         collision: ``primitives``, ``capsules`` or ``none``. One capsule stands
             for each link in MJX, which has no contact between cylinders and boxes;
             with locked jaws.
         buoyancy: ``bodies``, or ``none`` for tools without ``gravcomp``, such as brax.
-        corrections: Recorded corrections to apply.
-        hydrodynamics: Adds drag by strips, which is estimated, not published. The
-            strips are the catalogue's, in the frames of the links.
-        parent: Name of a new body that base_link is mounted on, or ``world``; empty
-            for the mount of ``arm``.
-        xyz: Position of base_link in the parent [m].
-        rpy: Its roll, pitch, yaw [rad].
-        arm: Record of an arm of your own, which has its corrections already; None for
-            the catalogue's. Its name is the model's, and its mount is a body that
-            carries ``base_link``, or the pose of ``base_link`` if the parent is
-            ``world``. What is attached to a link is part of its inertial and volume.
     """
 
-    gripper: str = "locked"
-    fluid_density: float = SEA_WATER
     actuators: str = "position"
     collision: str = "primitives"
     buoyancy: str = "bodies"
-    corrections: Iterable[str] = DEFAULT_CORRECTIONS
-    hydrodynamics: bool = False
-    parent: str = ""
-    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
-        flag("hydrodynamics", self.hydrodynamics)
-        choice("gripper", self.gripper, GRIPPERS)
+        super().__post_init__()
         choice("actuators", self.actuators, ACTUATORS)
         choice("collision", self.collision, COLLISIONS)
         if self.collision == "capsules" and self.gripper != "locked":
             raise InputError("collision", "capsules", "primitives or none, with jaws")
         choice("buoyancy", self.buoyancy, BUOYANCIES)
-        density_of(self.fluid_density)
-        object.__setattr__(self, "corrections", check_corrections(self.corrections))
-        self.mount()
-
-    def mount(self) -> Pose | None:
-        """Where the arm is mounted, by these options or its record."""
-        arm = chosen_arm(self.arm, self.corrections)
-        return chosen_mount(arm, self.parent, self.xyz, self.rpy)
 
 
 def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
@@ -133,11 +100,10 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
 
 def mjcf_scene(options: MjcfOptions, model_file: str = "alpha5.xml") -> str:
     """Text of a scene: the model's file with light, and a sea bed below base_link."""
-    arm = chosen_arm(options.arm, options.corrections)
-    mount = options.mount()
+    mount = options.mount
     height = 0.0 if mount is None else float(mount.position[2])
     return template("scene.xml").format(
-        name=arm.name, model_file=model_file, sea_bed=height - _DEPTH
+        name=options.record.name, model_file=model_file, sea_bed=height - _DEPTH
     )
 
 
@@ -152,7 +118,7 @@ def mjcf_readme(
         others: Options of other models in the folder. What a scene may set holds for
             all of them.
     """
-    arm = chosen_arm(options.arm, options.corrections)
+    arm = options.record
     density = float_density(arm_bodies(arm, options.gripper))
     moving_water = template("mjcf_moving_water.md") if options.hydrodynamics else ""
     models = [ET.fromstring(mjcf(one)) for one in (options, *others)]
@@ -191,7 +157,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
             out.
     """
     chosen = options or MjcfOptions()
-    arm = chosen_arm(chosen.arm, chosen.corrections)
+    arm = chosen.record
     bodies = arm_bodies(arm, chosen.gripper, meshes)
     joints = [body.joint for body in bodies if body.joint is not None]
     floats = float_density(bodies) if chosen.buoyancy == "bodies" else None
@@ -213,8 +179,8 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     root.append(visual)
     root.append(defaults)
     _add_assets(root, bodies)
-    taken = ["base_link", *(body.name for body in bodies)]
-    mount = own_mount(chosen.mount(), taken)
+    chosen.check_parent(["base_link", *(body.name for body in bodies)])
+    mount = mount_placement(chosen.mount) if chosen.mount else None
     writer.add_worldbody(root, bodies, tcp_placement(arm), mount)
     if chosen.collision != "none":
         _add_contact(root, arm, chosen.gripper)

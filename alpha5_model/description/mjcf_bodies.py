@@ -26,7 +26,7 @@ from alpha5_model.description.bodies import Body
 from alpha5_model.description.digits import DIGITS, quaternion, rounded
 from alpha5_model.description.mjcf_drag import ellipsoids
 from alpha5_model.description.xml import Value, add
-from alpha5_model.geometry.collision_capsules import Capsule
+from alpha5_model.geometry.collision_shapes import Capsule
 from alpha5_model.geometry.materials import material_of
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics

@@ -10,13 +10,11 @@ from __future__ import annotations
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.files import read_named
 from alpha5_model._support.spatial import cross_matrix, pose, transform
 from alpha5_model.description.urdf_remarks import floats, is_macro, remarks_of
 from alpha5_model.description.urdf_robot import (
@@ -53,18 +51,12 @@ _SIZES: dict[str, dict[str, int]] = {
 }
 
 
-def read_urdf(path: str | Path) -> UrdfRobot:
-    """Read a URDF file.
+def parse_urdf(text: str | bytes, origin: str = "URDF") -> UrdfRobot:
+    """Read the text of a URDF; ``origin`` names it in errors.
 
     Raises:
-        InputError, MissingFileError, FileFormatError: See `read_named`.
         FileFormatError: Not a URDF; the message names the line and what is wrong.
     """
-    return parse_urdf(read_named(path, "a URDF file"), str(path))
-
-
-def parse_urdf(text: str | bytes, origin: str = "URDF") -> UrdfRobot:
-    """Read the text of a URDF; ``origin`` names it in errors."""
     return _Reader(text, origin).robot()
 
 

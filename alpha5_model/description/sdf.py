@@ -29,12 +29,8 @@ from alpha5_model._support.spatial import Placement, rpy_from_rotation
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.digits import rounded
-from alpha5_model.description.frames import (
-    chosen_mount,
-    own_mount,
-    tcp_placement,
-)
-from alpha5_model.description.left_out import without_armature
+from alpha5_model.description.frames import mount_placement, tcp_placement
+from alpha5_model.description.options import SimulationOptions
 from alpha5_model.description.sdf_water import added_mass, drag
 from alpha5_model.description.srdf import named_poses
 from alpha5_model.description.xml import (
@@ -45,14 +41,13 @@ from alpha5_model.description.xml import (
     fill,
     serialized,
     text_of,
+    without_armature,
 )
 from alpha5_model.geometry.materials import material_of
-from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.numbers.fluids import SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import hydrodynamics
-from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
+from alpha5_model.numbers.jaws import FingerJoint
 from alpha5_model.numbers.motors import JointLosses, joint_losses
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 from alpha5_model.numbers.pose import Pose
 
 #: 1.9 is the newest version that Debian's libsdformat reads. 1.11 has ``mimic`` and
@@ -85,54 +80,27 @@ GAINS = {
 
 
 @dataclass(frozen=True)
-class SdfOptions:
-    """Options of the Gazebo model.
+class SdfOptions(SimulationOptions):
+    """Options of the Gazebo model, beside those of `SimulationOptions`.
+
+    ``hydrodynamics`` needs SDF 1.11. The parent of the mount is a frame, by which the
+    model is placed; if it is ``world``, the mount is the model's pose. Friction and
+    damping of an arm's joints are in the file, rotor inertia cannot be.
 
     Attributes:
-        gripper: ``locked`` or ``jaws``. The fingers move freely in SDF 1.9, which has
-            no mimic joints.
-        fluid_density: Of the world [kg/m^3]; 0 is air.
-        corrections: Recorded corrections to apply.
-        hydrodynamics: Adds drag and added mass, which are estimated, not published; in
-            SDF 1.11. They are the catalogue's, in the frames of the links.
-        sdf_version: ``1.9`` or ``1.11``, in which the fingers follow the rod.
+        sdf_version: ``1.9``, in which the fingers move freely, or ``1.11``, in which
+            they follow the rod.
         controllers: Adds a position controller for each driven joint, which holds
             ``home`` until a command comes, and the joint state publisher.
-        parent: Name of a new frame that base_link is mounted on, and by which the model
-            is placed; if it is ``world``, the mount is the model's pose. Empty for the
-            mount of ``arm``.
-        xyz: Position of base_link in the parent [m].
-        rpy: Its roll, pitch, yaw [rad].
-        arm: Record of an arm of your own, which has its corrections already; None for
-            the catalogue's. Its name is the model's. What is attached to a link is part
-            of its inertial and volume. Friction and damping of its joints are in the
-            file, rotor inertia cannot be.
     """
 
-    gripper: str = "locked"
-    fluid_density: float = SEA_WATER
-    corrections: Iterable[str] = DEFAULT_CORRECTIONS
-    hydrodynamics: bool = False
     sdf_version: str = SDF_VERSIONS[0]
     controllers: bool = False
-    parent: str = ""
-    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
-        flag("hydrodynamics", self.hydrodynamics)
+        super().__post_init__()
         flag("controllers", self.controllers)
-        choice("gripper", self.gripper, GRIPPERS)
         choice("SDF version", self.sdf_version, SDF_VERSIONS)
-        density_of(self.fluid_density)
-        object.__setattr__(self, "corrections", check_corrections(self.corrections))
-        self.mount()
-
-    def mount(self) -> Pose | None:
-        """Where the arm is mounted, by these options or its record."""
-        arm = chosen_arm(self.arm, self.corrections)
-        return chosen_mount(arm, self.parent, self.xyz, self.rpy)
 
     @property
     def version(self) -> str:
@@ -151,7 +119,7 @@ def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
     """
     chosen = options or SdfOptions()
     meshes = mesh_assets(".obj", ".mtl")
-    arm = chosen_arm(chosen.arm, chosen.corrections)
+    arm = chosen.record
     config = template("model.config").format(name=arm.name, version=chosen.version)
     return {
         "model.sdf": sdf(chosen, meshes).encode(),
@@ -170,7 +138,7 @@ def sdf(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
             out.
     """
     chosen = options or SdfOptions()
-    arm = chosen_arm(chosen.arm, chosen.corrections)
+    arm = chosen.record
     root = _empty_document(chosen, arm)
     root.append(_model(chosen, arm, meshes))
     return XML_HEAD + serialized(root)
@@ -183,7 +151,7 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
     `sdf`.
     """
     chosen = options or SdfOptions()
-    arm = chosen_arm(chosen.arm, chosen.corrections)
+    arm = chosen.record
     density = text_of(chosen.fluid_density)
     text = template("world.sdf").format(name=arm.name, density=density)
     world = ET.fromstring(text)
@@ -222,10 +190,10 @@ def _model(
     model = ET.Element(
         "model", name=arm.name, canonical_link="link_0", placement_frame="base_link"
     )
-    mount = options.mount()
-    placement = own_mount(mount, taken=_names(bodies))
-    if placement is not None and placement.parent == "world":
-        fill(model, pose=_pose(placement))
+    options.check_parent(_names(bodies))
+    mount = options.mount
+    if mount is not None and mount.parent == "world":
+        fill(model, pose=_pose(mount_placement(mount)))
     # Adding zero turns a negative zero into zero.
     base_yaw = -arm.base_yaw + 0.0
     _add_frame(model, "base_link", Placement("link_0", rpy=(0.0, 0.0, base_yaw)))

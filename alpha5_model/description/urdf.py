@@ -1,29 +1,28 @@
-"""Variants of the URDF: their options, and their text by xacro."""
+"""Variants of the URDF: their options, and their text by xacro.
+
+The layouts of ros2_control are in ``xacro/ros2_control_hardware.yaml``, which plain
+xacro reads, too.
+"""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.checks import choice, flag, float_array
+from alpha5_model._support.checks import choice, flag
+from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import XACRO_PATH
-from alpha5_model.description.ros2_control import (
-    MOCK,
-    hardware_argument,
-    parameter_argument,
-)
+from alpha5_model.description.options import MountedOptions
 from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.description.xml import text_of
-from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
+from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.numbers.tables import BODY_NAMES
 
 COLLISIONS = ("primitives", "capsules", "none")
@@ -31,18 +30,23 @@ VERSIONS = ("1.0", "1.1", "1.2")
 #: xacro would evaluate ``${...}`` and ``$(...)``; the others would need escapes in XML.
 _FORBIDDEN = set("${}<>&\"'")
 
+#: Layout of ros2_control that is used if none is named: mock hardware.
+MOCK = "mock"
+_LAYOUTS = Path(XACRO_PATH).with_name("ros2_control_hardware.yaml")
+_LAYOUT_SUFFIXES = (".yaml", ".yml")
+#: Largest file of a layout of the user's own [bytes].
+_MOST_BYTES = 256 * 1024
+#: Levels of a layout are three: its table, joint_parameters, those of a joint.
+_MOST_LEVELS = 8
+_LAYOUT = "a YAML file of a ros2_control layout"
+
 
 @dataclass(frozen=True)
-class Variant:
-    """Options of a generated URDF.
+class Variant(MountedOptions):
+    """Options of a generated URDF, beside those of `MountedOptions`.
 
     Attributes:
-        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a and two fingers that
-            follow it).
         prefix: Prefix of every link and joint name.
-        parent: Name of a new link that base_link is mounted on; empty for none.
-        xyz: Position of base_link in the parent [m].
-        rpy: Its roll, pitch, yaw [rad].
         mesh_prefix: Folder or URI of the meshes; empty for names without one.
         collision: ``primitives``, ``none``, or ``capsules``: one for each link, which
             URDF has since version 1.1, and only with locked jaws.
@@ -55,17 +59,9 @@ class Variant:
         ros2_control_parameters: Parameters of the hardware, such as ``serial_port``.
             They replace the layout's, or are added to them.
         ros2_control_plugin: Another plugin than the layout's; empty for that one.
-        corrections: Recorded corrections to apply.
-        arm: Record of an arm of your own, which has its corrections already; None for
-            the catalogue's. Its mount is used if ``parent`` is empty, its name is the
-            robot's. What is attached to a link is part of its inertial.
     """
 
-    gripper: str = "locked"
     prefix: str = ""
-    parent: str = ""
-    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
     mesh_prefix: str = "../meshes/"
     collision: str = "primitives"
     urdf_version: str = "1.0"
@@ -74,25 +70,19 @@ class Variant:
     ros2_control_hardware: str = MOCK
     ros2_control_parameters: Mapping[str, str] = field(default_factory=dict)
     ros2_control_plugin: str = ""
-    corrections: Iterable[str] = DEFAULT_CORRECTIONS
-    arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
-        choice("gripper", self.gripper, GRIPPERS)
+        _check_name("prefix", self.prefix)
+        _check_name("parent", self.parent)
+        super().__post_init__()
         choice("collision", self.collision, COLLISIONS)
         choice("urdf_version", self.urdf_version, VERSIONS)
         if self.collision == "capsules":
             self._check_capsules()
         flag("dh_frames", self.dh_frames)
         flag("ros2_control", self.ros2_control)
-        _check_name("prefix", self.prefix)
-        _check_name("parent", self.parent)
-        self._check_mount("xyz", self.xyz)
-        self._check_mount("rpy", self.rpy)
         _check_text("mesh_prefix", self.mesh_prefix)
         self._check_ros2_control()
-        if self.arm is not None:
-            chosen_arm(self.arm, self.corrections)
 
     def _check_capsules(self) -> None:
         if self.gripper == "jaws":
@@ -104,10 +94,10 @@ class Variant:
     def _check_ros2_control(self) -> None:
         _check_text("ros2_control_plugin", self.ros2_control_plugin)
         _check_text("ros2_control_hardware", self.ros2_control_hardware)
-        pairs = parameter_argument(self.ros2_control_parameters)
+        pairs = _parameter_argument(self.ros2_control_parameters)
         _check_text("ros2_control_parameters", pairs)
         if self.ros2_control:
-            hardware_argument(self.ros2_control_hardware)
+            _hardware_argument(self.ros2_control_hardware)
             return
         given = {
             "ros2_control_hardware": self.ros2_control_hardware != MOCK,
@@ -117,13 +107,6 @@ class Variant:
         for name, is_given in given.items():
             if is_given:
                 raise InputError(name, getattr(self, name), "ros2_control with it")
-
-    def _check_mount(self, name: str, value: tuple[float, float, float]) -> None:
-        mount = float_array(name, value, (3,))
-        if mount.ndim != 1:
-            raise ShapeError(name, mount.shape, "three numbers")
-        if self.parent == "" and mount.any():
-            raise InputError(name, value, "a parent link to mount on")
 
 
 def _check_text(name: str, text: Any) -> None:
@@ -147,18 +130,12 @@ def urdf(variant: Variant | None = None) -> str:
     """Text of the URDF of a variant, expanded by xacro from the published tables.
 
     Raises:
-        Alpha5Error: See `Variant`, `UnknownNameError` for unknown corrections, and
-            `InputError` for a parent with the name of one of the arm's own links.
+        Alpha5Error: See `Variant`, and `InputError` for a parent with the name of one
+            of the arm's own links.
     """
     chosen = variant or Variant()
-    arm = chosen_arm(chosen.arm, chosen.corrections)
-    mount = arm.mount
-    parent = chosen.parent or (mount.parent if mount is not None else "")
-    if parent in _link_names(chosen):
-        expected = "a name that no link of the arm has; a prefix renames the arm's"
-        raise InputError("parent", parent, expected)
-
-    numbers = parameter_yaml(arm)
+    chosen.check_parent(_link_names(chosen))
+    numbers = parameter_yaml(chosen.record)
     with tempfile.TemporaryDirectory() as folder:
         # The committed YAML may be stale, so a fresh one is written.
         file = Path(folder) / "parameters.yaml"
@@ -180,8 +157,8 @@ def _xacro_arguments(variant: Variant, parameter_file: Path) -> dict[str, str]:
     """Arguments of ``xacro/alpha5.urdf.xacro``, which have the names of the fields."""
     arguments = {
         "parameters": str(parameter_file),
-        "ros2_control_hardware": hardware_argument(variant.ros2_control_hardware),
-        "ros2_control_parameters": parameter_argument(variant.ros2_control_parameters),
+        "ros2_control_hardware": _hardware_argument(variant.ros2_control_hardware),
+        "ros2_control_parameters": _parameter_argument(variant.ros2_control_parameters),
     }
     for name, value in vars(variant).items():
         if name in arguments or name in ("corrections", "arm"):
@@ -189,3 +166,73 @@ def _xacro_arguments(variant: Variant, parameter_file: Path) -> dict[str, str]:
         is_flag = isinstance(value, bool | np.bool_)
         arguments[name] = str(value).lower() if is_flag else text_of(value)
     return arguments
+
+
+def _hardware_argument(hardware: str) -> str:
+    """What xacro receives for a layout: its name, or the absolute path of a file.
+
+    xacro checks what is in a layout, and whether it fits the gripper.
+
+    Args:
+        hardware: Name in ``xacro/ros2_control_hardware.yaml``, or a YAML file.
+
+    Raises:
+        UnknownNameError: No layout of this name.
+        MissingFileError, FileFormatError: The file is not there, or is no YAML.
+    """
+    if hardware.endswith(_LAYOUT_SUFFIXES):
+        _check_layout_file(hardware)
+        return str(Path(hardware).resolve())
+    if hardware != MOCK:
+        choice("ros2_control hardware", hardware, _layouts())
+    return hardware
+
+
+def _parameter_argument(parameters: Any) -> str:
+    """What xacro receives for parameters of the hardware: NAME=VALUE with spaces.
+
+    Raises:
+        InputError: No mapping of names to texts, or one with spaces.
+    """
+    expected = "a mapping of names to texts, both without spaces"
+    if not isinstance(parameters, Mapping):
+        raise InputError("ros2_control_parameters", parameters, expected)
+    pairs = []
+    for name, value in parameters.items():
+        texts = isinstance(name, str) and isinstance(value, str)
+        pair = f"{name}={value}"
+        if not texts or not name or "=" in name or " " in pair:
+            raise InputError("ros2_control_parameters", pair, expected)
+        pairs.append(pair)
+    return " ".join(pairs)
+
+
+@cache
+def _layouts() -> tuple[str, ...]:
+    """The names of the layouts."""
+    import yaml
+
+    return tuple(yaml.safe_load(_LAYOUTS.read_bytes()))
+
+
+def _check_layout_file(path: str) -> None:
+    """Check what xacro would not: that the file is YAML of a few levels, no aliases.
+
+    A few aliases of aliases stand for more text than a machine can hold, and deep
+    levels take the reader quadratic time.
+    """
+    import yaml
+
+    content = read_named(path, _LAYOUT, _MOST_BYTES)
+    level = 0
+    try:
+        for event in yaml.parse(content, yaml.SafeLoader):
+            if isinstance(event, yaml.AliasEvent):
+                raise FileFormatError(path, f"no alias such as *{event.anchor}")
+            level += isinstance(event, yaml.CollectionStartEvent)
+            level -= isinstance(event, yaml.CollectionEndEvent)
+            if level > _MOST_LEVELS:
+                raise FileFormatError(path, f"more than {_MOST_LEVELS} levels")
+    except yaml.YAMLError as error:
+        problem = " ".join(str(error).split())
+        raise FileFormatError(path, f"not YAML: {problem}") from None

@@ -11,7 +11,7 @@ no schema has, since Newton's wants two joints of one type; it is in attributes 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,47 +20,36 @@ from typing import Any
 from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.bodies import arm_bodies
+from alpha5_model.description.options import MountedOptions
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.water_table import WaterOptions, water_files
 from alpha5_model.description.xml import provenance
 from alpha5_model.errors import needing
-from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import SEA_WATER
 from alpha5_model.numbers.jaws import FingerJoint
 from alpha5_model.numbers.motors import JointLosses, joint_losses
-from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen_arm
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
 
 @dataclass(frozen=True)
-class UsdOptions:
+class UsdOptions(MountedOptions):
     """Options of the USD file and of the table of the water.
 
+    Beside those of `MountedOptions`, whose parent is a prim:
+
     Attributes:
-        gripper: ``locked`` or ``jaws``.
         collision: ``primitives`` or ``none``.
         fluid_density: Of the table [kg/m^3]; 0 is air.
-        parent: Name of a new prim that base_link is mounted on; empty for the mount of
-            ``arm``.
-        xyz: Position of base_link in the parent [m].
-        rpy: Its roll, pitch, yaw [rad].
-        corrections: Recorded corrections to apply.
-        arm: Record of an arm of your own, which has its corrections already; None for
-            the catalogue's.
 
     Raises:
         Alpha5Error: See `Variant` and `WaterOptions`.
     """
 
-    gripper: str = "locked"
     collision: str = "primitives"
     fluid_density: float = SEA_WATER
-    parent: str = ""
-    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    corrections: Iterable[str] = DEFAULT_CORRECTIONS
-    arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.variant()
         self.water()
 
@@ -95,7 +84,7 @@ def usd_files(options: UsdOptions | None = None) -> dict[str, bytes]:
         MissingDependencyError: urdf-usd-converter is not installed.
     """
     chosen = options or UsdOptions()
-    arm = chosen_arm(chosen.arm, chosen.corrections)
+    arm = chosen.record
     layer = _converted(urdf(chosen.variant()))
     source = provenance(arm)
     layer.documentation = (

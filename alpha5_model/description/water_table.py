@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, choice
+from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.digits import rounded
+from alpha5_model.description.options import ArmOptions
 from alpha5_model.description.xml import provenance
-from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import (
     LEVELS,
@@ -30,8 +30,6 @@ from alpha5_model.numbers.hydrodynamics import (
     gauss_points,
     hydrodynamics,
 )
-from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 #: Decimal places of a number in SI units; what is smaller is rounding.
 _PLACES = 15
@@ -54,28 +52,21 @@ _CONVENTIONS = {
 
 
 @dataclass(frozen=True)
-class WaterOptions:
-    """Options of the table.
+class WaterOptions(ArmOptions):
+    """Options of the table, beside those of `ArmOptions`.
+
+    What is attached to a link is part of its mass and volume; added mass and drag are
+    the catalogue's, in the frames of the links.
 
     Attributes:
-        gripper: ``locked`` or ``jaws``.
         fluid_density: [kg/m^3]; 0 is air.
-        corrections: Recorded corrections to apply.
-        arm: Record of an arm of your own, which has its corrections already; None for
-            the catalogue's. What is attached to a link is part of its mass and volume;
-            added mass and drag are the catalogue's, in the frames of the links.
     """
 
-    gripper: str = "locked"
     fluid_density: float = SEA_WATER
-    corrections: Iterable[str] = DEFAULT_CORRECTIONS
-    arm: Alpha5Parameters | None = None
 
     def __post_init__(self) -> None:
-        choice("gripper", self.gripper, GRIPPERS)
+        super().__post_init__()
         density_of(self.fluid_density)
-        object.__setattr__(self, "corrections", check_corrections(self.corrections))
-        chosen_arm(self.arm, self.corrections)
 
 
 def water_files(options: WaterOptions | None = None) -> dict[str, bytes]:
@@ -94,7 +85,7 @@ def water_table(options: WaterOptions | None = None) -> dict[str, Any]:
         Alpha5Error: See `WaterOptions`.
     """
     chosen = options or WaterOptions()
-    arm = chosen_arm(chosen.arm, chosen.corrections)
+    arm = chosen.record
     water = {level: hydrodynamics(chosen.gripper, level) for level in LEVELS}
     links = {}
     for body in arm_bodies(arm, chosen.gripper):

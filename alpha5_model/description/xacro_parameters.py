@@ -15,7 +15,7 @@ from alpha5_model.description.digits import rounded
 from alpha5_model.description.frames import fixed_frames, mount_placement
 from alpha5_model.description.srdf import named_poses
 from alpha5_model.description.xml import provenance
-from alpha5_model.geometry.collision_capsules import collision_capsules
+from alpha5_model.geometry.collision_shapes import collision_capsules
 from alpha5_model.geometry.materials import MATERIALS
 from alpha5_model.numbers.motors import joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, is_catalogue

@@ -1,4 +1,7 @@
-"""Writing XML: numbers as text, elements, documents with their sources."""
+"""Writing XML: numbers as text, elements, documents with their sources.
+
+Also the lines about what a format has no place for.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 
 from alpha5_model import __version__
+from alpha5_model.numbers.motors import joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue
 from alpha5_model.numbers.printed import published
 
@@ -87,6 +91,22 @@ def document(
     for line in lines:
         root.append(ET.Comment(f" {line} "))
     return root
+
+
+def without_armature(file_format: str, arm: Alpha5Parameters) -> list[str]:
+    """A line about rotor inertia, which URDF and SDF cannot hold; none without any.
+
+    Args:
+        file_format: Its name.
+        arm: Record of the arm.
+    """
+    rotors = []
+    for joint, losses in joint_losses(arm).items():
+        if losses.armature:
+            rotors.append(f"{joint} {losses.armature:.3g} kg m^2")
+    if not rotors:
+        return []
+    return [f"{file_format} has no rotor inertia; left out: {', '.join(rotors)}."]
 
 
 def serialized(root: ET.Element) -> str:

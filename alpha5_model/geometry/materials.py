@@ -33,13 +33,3 @@ MATERIALS = (ANODISED, BARE_METAL)
 def material_of(body: str) -> Material:
     """The material of a body: the fingers are bare metal, the others hard-anodised."""
     return BARE_METAL if body.startswith("finger") else ANODISED
-
-
-def linear_light(channel: float) -> float:
-    """Red, green or blue of sRGB in linear light (IEC 61966-2-1), each 0 to 1.
-
-    USD and glTF have colours in linear light.
-    """
-    if channel <= 0.04045:
-        return channel / 12.92
-    return float(((channel + 0.055) / 1.055) ** 2.4)

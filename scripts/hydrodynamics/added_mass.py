@@ -16,7 +16,7 @@ They go into ``numbers/estimated_hydrodynamics.toml``.
 First, the method is validated: a sphere and an ellipsoid against Lamb, and cylinders
 against rings of sources, an integral equation along the outline of a body of
 revolution, with DNV-RP-H103's figures beside it. Then come the drawn bodies of
-`alpha5_model.geometry`, each alone, with three sizes of panels, extrapolated to none.
+``scripts/meshes``, each alone, with three sizes of panels, extrapolated to none.
 Last, the whole arm in three poses is compared with its bodies alone. This shows how far
 a sum of bodies goes; it is written to ``hydrodynamics/whole_arm.toml``.
 
@@ -41,14 +41,6 @@ import numpy as np
 from alpha5_model._support.spatial import cross_matrix, pose, rotation_about, transform
 from alpha5_model.description.frames import joint_placements
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.geometry.dimensions import drawn_dimensions
-from alpha5_model.geometry.drawing import (
-    DrawnBody,
-    draw,
-    frames_in_links,
-    printed_volumes,
-)
-from alpha5_model.geometry.solid import cylinder, kernel, union
 from alpha5_model.numbers.hydrodynamics import centre_of_added_mass
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import parameters
@@ -66,6 +58,9 @@ from hydrodynamics.potential_flow import (
     rigid_motions,
 )
 from hydrodynamics.revolution import cylinder_across
+from meshes.dimensions import drawn_dimensions
+from meshes.drawing import DrawnBody, draw, frames_in_links, printed_volumes
+from meshes.solid import cylinder, kernel, union
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 FILE = REPOSITORY / "alpha5_model" / "numbers" / "estimated_hydrodynamics.toml"
@@ -685,7 +680,7 @@ def _list(entries: Iterable[str]) -> str:
 
 SOURCE = (
     "our own calculation (scripts/hydrodynamics/added_mass.py) "
-    "on our own bodies (alpha5_model/geometry)"
+    "on our own bodies (scripts/meshes)"
 )
 SOURCES = {
     "link_4": SOURCE + ", jaws closed",

@@ -14,9 +14,11 @@ runs again.
 
 from __future__ import annotations
 
+import hashlib
+import json
 import sys
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+import tomllib
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +28,10 @@ if __name__ == "__main__":
     # Scripts import each other from their parent folder.
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
+from meshes.compared_shapes import shapes_text
+from meshes.dimensions import drawn_dimensions
+from meshes.drawing import bodies, frames_in_links
+from meshes.solid import kernel, union
 from shapes.body_field import corners_of, field_of, inner_points, surface_points
 from shapes.grown_shapes import grown_shapes
 from shapes.smallest_cover import DEPTH, Cover, largest, tightened
@@ -33,16 +39,11 @@ from shapes.smallest_cover import DEPTH, Cover, largest, tightened
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model._support.writing import atomic_write_all
-from alpha5_model.geometry.collision_shapes import collision_primitives
-from alpha5_model.geometry.dimensions import drawn_dimensions
-from alpha5_model.geometry.drawing import bodies, frames_in_links
-from alpha5_model.geometry.exported_shapes import (
+from alpha5_model.geometry.collision_shapes import (
     EXPORTED_SHAPES_PATH,
-    digest,
-    made_for,
+    collision_primitives,
 )
 from alpha5_model.geometry.primitives import Primitive
-from alpha5_model.geometry.solid import kernel, union
 
 #: Link that is fitted -> the link that is the same part.
 _PARTS = {
@@ -62,9 +63,8 @@ _CELLS = 5
 _REST = 1e-3
 #: Rounds in which points that stick out are added.
 _ROUNDS = 20
-#: Decimals of lengths [mm] and of angles [rad].
+#: Decimals of lengths [mm].
 _DECIMALS = 2
-_ANGLE_DECIMALS = 12
 _SEED = 0
 #: First lines of the file.
 _HEAD = (
@@ -188,25 +188,18 @@ def _all_links() -> dict[str, list[Primitive]]:
     return {link: found[link] for link in collision_primitives()}
 
 
-def _text(links: Mapping[str, Iterable[Primitive]]) -> str:
-    """The file."""
-    lines = [*_HEAD, f'made_for = "{digest()}"']
-    for link, shapes in links.items():
-        lines += ["", f"{link} = ["]
-        for shape in shapes:
-            size = _list(shape.size, _DECIMALS)
-            xyz = _list(shape.xyz, _DECIMALS)
-            rpy = _list(shape.rpy, _ANGLE_DECIMALS)
-            turned = f", rpy = {rpy}" if any(shape.rpy) else ""
-            lines.append(
-                f'  {{ kind = "{shape.kind}", size = {size}, xyz = {xyz}{turned} }},'
-            )
-        lines.append("]")
-    return "\n".join(lines) + "\n"
+def made_for() -> str:
+    """Digest of the package's own shapes around which the file was fitted."""
+    return str(tomllib.loads(EXPORTED_SHAPES_PATH.read_text("utf-8"))["made_for"])
 
 
-def _list(numbers: Iterable[float], decimals: int) -> str:
-    return str([round(float(number), decimals) + 0.0 for number in numbers])
+def digest() -> str:
+    """Digest of the package's own shapes as they are now."""
+    shapes = {
+        link: [asdict(shape) for shape in items]
+        for link, items in collision_primitives().items()
+    }
+    return hashlib.sha256(json.dumps(shapes).encode()).hexdigest()
 
 
 def main(arguments: list[str]) -> int:
@@ -215,7 +208,8 @@ def main(arguments: list[str]) -> int:
         print(__doc__)
         return 2
     if arguments:
-        text = _text(_all_links())
+        head = (*_HEAD, f'made_for = "{digest()}"', "")
+        text = shapes_text(_all_links(), head, _DECIMALS)
         atomic_write_all({EXPORTED_SHAPES_PATH: text.encode()})
     agrees = made_for() == digest()
     verdict = (

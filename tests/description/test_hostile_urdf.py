@@ -18,7 +18,7 @@ from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.description.reading import parse_urdf, read_urdf
+from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.xml_reading import parse_xml
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 
@@ -35,7 +35,7 @@ PROGRAMS = {
 }
 READERS: dict[str, Callable[[Path], object]] = {
     "compare": lambda path: a5.compare(path, samples=2),
-    "urdf": read_urdf,
+    "urdf": lambda path: parse_urdf(path.read_bytes(), str(path)),
     "dh": a5.dh.DHChain.from_urdf,
 }
 
@@ -298,7 +298,7 @@ def test_a_file_beyond_the_largest_size_is_refused_unread(tmp_path):
     path.touch()
     os.truncate(path, 65 * 2**20)
     with pytest.raises(FileFormatError):
-        read_urdf(path)
+        parse_urdf(path.read_bytes())
 
 
 @pytest.mark.parametrize("end", ["&#10;", "&#x2028;"])

@@ -12,10 +12,10 @@ from lazily import Lazy
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.description.left_out import without_armature
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
 from alpha5_model.description.sdf import SdfOptions, sdf
 from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.description.xml import without_armature
 from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.parameters import Alpha5Parameters
 

@@ -14,7 +14,6 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.description.reading import read_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError
@@ -22,7 +21,6 @@ from alpha5_model.errors import FileFormatError, InputError, MissingFileError
 READERS = {
     "compare": a5.compare,
     "dh": a5.dh.DHChain.from_urdf,
-    "urdf": read_urdf,
     "xacro": expand_xacro,
 }
 COMMANDS = (("dh", "--urdf"), ("compare",))

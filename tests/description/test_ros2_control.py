@@ -18,7 +18,6 @@ import yaml
 
 from alpha5_model._support.paths import XACRO_PATH
 from alpha5_model.cli import main
-from alpha5_model.description.ros2_control import hardware_argument
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro import expand_xacro
@@ -315,7 +314,7 @@ def test_a_hostile_layout_is_refused(tmp_path, content):
     path = tmp_path / "own.yaml"
     path.write_text(content, encoding="utf-8")
     with pytest.raises(FileFormatError) as caught:
-        hardware_argument(str(path))
+        Variant(ros2_control=True, ros2_control_hardware=str(path))
     assert caught.value.path == str(path)
 
 

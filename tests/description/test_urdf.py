@@ -21,7 +21,7 @@ from alpha5_model._support.paths import JAWS_URDF_PATH, XACRO_PATH
 from alpha5_model.cli import main
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError, UnknownNameError
-from alpha5_model.geometry.collision_capsules import collision_capsules
+from alpha5_model.geometry.collision_shapes import collision_capsules
 from alpha5_model.numbers.parameters import parameters
 
 mujoco = Lazy("mujoco")

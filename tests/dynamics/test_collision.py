@@ -36,8 +36,10 @@ from alpha5_model.collision.link_pairs import (
 )
 from alpha5_model.description.srdf import NAMED_POSES, named_pose, srdf
 from alpha5_model.errors import NonFiniteError, ShapeError, UnknownNameError
-from alpha5_model.geometry.collision_shapes import collision_primitives
-from alpha5_model.geometry.exported_shapes import exported_primitives
+from alpha5_model.geometry.collision_shapes import (
+    collision_primitives,
+    exported_primitives,
+)
 
 RNG_SEED = 5
 
@@ -141,9 +143,8 @@ def test_primitives_stay_within_three_millimetres_of_the_outside(name):
     """The outside is the drawn body with its recesses, slots and shaft holes closed."""
     pytest.importorskip("manifold3d")
     import trimesh
-
-    from alpha5_model.geometry.drawing import bodies
-    from alpha5_model.geometry.triangles import surface
+    from meshes.drawing import bodies
+    from meshes.triangles import surface
 
     outside = surface(bodies()[name].outside)
     mesh = trimesh.Trimesh(outside.vertices, outside.faces, process=False)

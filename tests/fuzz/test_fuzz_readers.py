@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 import alpha5_model as a5
 from alpha5_model._support.text import plain
-from alpha5_model.description.reading import read_urdf
+from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import Alpha5Error
 from alpha5_model.planning.obstacle_file import read_obstacles
@@ -79,13 +79,17 @@ def chain(path: Path) -> Any:
     return found.frames(found.home)
 
 
+def robot_of(path: Path) -> Any:
+    return parse_urdf(path.read_bytes(), str(path))
+
+
 @oracle.fuzzed
 @given(
     text=st.builds(robot, st.booleans(), st.booleans()).flatmap(
         lambda text: damaged(text, "xml")
     ),
     suffix=st.sampled_from((".urdf", ".urdf", ".xacro", ".xml")),
-    call=st.sampled_from((read_urdf, read_urdf, chain, compared)),
+    call=st.sampled_from((robot_of, robot_of, chain, compared)),
 )
 def test_robots(folder: Path, text: bytes, suffix: str, call: Any) -> None:
     # A volume of no digits is NaN.

@@ -21,11 +21,9 @@ import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
 from alpha5_model._support.spatial import pose
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.geometry.collision_shapes import collision_primitives
-from alpha5_model.geometry.exported_shapes import (
-    digest,
+from alpha5_model.geometry.collision_shapes import (
+    collision_primitives,
     exported_primitives,
-    made_for,
 )
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.jaws import split_link_4
@@ -55,8 +53,8 @@ def outside(link: str) -> trimesh.Trimesh:
     import trimesh
 
     pytest.importorskip("manifold3d")
-    from alpha5_model.geometry.drawing import bodies
-    from alpha5_model.geometry.triangles import surface
+    from meshes.drawing import bodies
+    from meshes.triangles import surface
 
     closed = surface(bodies()[link].outside)
     return trimesh.Trimesh(closed.vertices, closed.faces, process=False)
@@ -173,6 +171,9 @@ def count(shapes: dict[str, tuple[Primitive, ...]]) -> int:
 
 
 def test_the_file_is_for_the_present_shapes() -> None:
+    pytest.importorskip("manifold3d")
+    from shapes.fit_collision_shapes import digest, made_for
+
     stale = "run scripts/shapes/fit_collision_shapes.py --update"
     assert made_for() == digest(), stale
 

@@ -11,7 +11,6 @@ import json
 import math
 import re
 import struct
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +21,7 @@ from reference import COB, VOLUME, inertial_frames, rotation_z
 import alpha5_model as a5
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.errors import Alpha5Error, InputError, MissingDependencyError
+from alpha5_model.errors import Alpha5Error, InputError
 
 #: Table 3: volume [L], centre of buoyancy [mm].
 TABLE_3 = dict(zip(LINKS, zip(VOLUME, COB, strict=True), strict=True))
@@ -180,8 +179,9 @@ def test_outside_stays_within_two_millimetres_of_the_measured_bounds(meshes, nam
 
 
 def test_measured_dimensions_agree_with_the_recorded_bounds():
+    from meshes.dimensions import drawn_dimensions
+
     from alpha5_model import parameters
-    from alpha5_model.geometry.dimensions import SOURCES, drawn_dimensions
 
     d = drawn_dimensions()
     bounds = [link.bounds * 1e3 for link in parameters().links]
@@ -191,9 +191,6 @@ def test_measured_dimensions_agree_with_the_recorded_bounds():
     assert pytest.approx(-bounds[3][1, 0], abs=2.0) == d.shell.collar_face
     assert pytest.approx(-bounds[4][2, 1]) == d.wrist.tube_start
     assert pytest.approx(bounds[1][1, 1]) == d.radius
-    for record in (d.base, d.shell, d.wrist):
-        for value in vars(record).values():
-            assert isinstance(value, tuple) or value.source in SOURCES
 
 
 def test_link_2_tube_is_slanted_as_its_product_of_inertia_says(meshes):
@@ -411,106 +408,70 @@ def test_materials(meshes):
 
 
 @pytest.fixture(scope="module")
-def glb():
-    """The scene of alpha5.glb, and the bytes that it refers to."""
+def glb() -> dict:
+    """The scene of alpha5.glb, as its JSON says it: nothing of trimesh."""
     data = (MESHES / "alpha5.glb").read_bytes()
     magic, version, length = struct.unpack_from("<4sII", data)
     assert (magic, version, length) == (b"glTF", 2, len(data))
     size, kind = struct.unpack_from("<I4s", data, 12)
     assert kind == b"JSON"
-    scene = json.loads(data[20 : 20 + size])
-    binary = data[20 + size + 8 :]
-    assert scene["buffers"][0]["byteLength"] <= len(binary)
-    return scene, binary
+    return {**json.loads(data[20 : 20 + size]), "binary": data[20 + size + 8 :]}
 
 
 def world_pose(scene, node):
     """The product of the matrices from the root to the node with this number."""
-    pose = _node_matrix(scene["nodes"][node])
+    matrix = scene["nodes"][node].get("matrix", np.eye(4).ravel())
+    pose = np.reshape(matrix, (4, 4)).T
     for number, other in enumerate(scene["nodes"]):
         if node in other.get("children", []):
             return world_pose(scene, number) @ pose
     return pose
 
 
-def test_glb_has_all_bodies(glb):
-    scene, _ = glb
-    names = [node["name"] for node in scene["nodes"] if "mesh" in node]
-    assert set(names) == set(BODIES)
-
-
 def test_glb_shows_the_home_pose_with_y_up(meshes, glb):
-    scene, binary = glb
     poses = link_poses(np.array(NAMED_POSES["home"]))
     for name in ("finger_1", "finger_2"):
         poses[name] = poses["link_4"] @ finger_pose(name)
-    for number, node in enumerate(scene["nodes"]):
-        if "mesh" not in node:
-            continue
-        attributes = scene["meshes"][node["mesh"]]["primitives"][0]["attributes"]
-        points = _accessor(scene, binary, attributes["POSITION"])
-        pose = world_pose(scene, number)
+    drawn = {node["name"]: n for n, node in enumerate(glb["nodes"]) if "mesh" in node}
+    assert set(drawn) == set(BODIES)
+    for name, number in drawn.items():
+        mesh = glb["meshes"][glb["nodes"][number]["mesh"]]["primitives"][0]
+        points = _accessor(glb, mesh["attributes"]["POSITION"])
+        pose = world_pose(glb, number)
         world = points @ pose[:3, :3].T + pose[:3, 3]
         z_up = np.column_stack([world[:, 0], -world[:, 2], world[:, 1]])
-        expected_pose = poses[node["name"]]
-        in_body = (z_up - expected_pose[:3, 3]) @ expected_pose[:3, :3]
-        wanted = meshes[node["name"]].v
+        in_body = (z_up - poses[name][:3, 3]) @ poses[name][:3, :3]
+        wanted = meshes[name].v
         assert in_body.min(0) == pytest.approx(wanted.min(0), abs=1e-6)
         assert in_body.max(0) == pytest.approx(wanted.max(0), abs=1e-6)
         some = in_body[::7]
         assert some == pytest.approx(_nearest(wanted, some), abs=1e-6)
 
 
-def test_glb_has_the_triangles_of_the_bodies_and_unit_normals(meshes, glb):
-    scene, binary = glb
-    for node in scene["nodes"]:
+def test_glb_has_the_triangles_of_the_bodies_with_normals_and_colours(meshes, glb):
+    for node in glb["nodes"]:
         if "mesh" not in node:
             continue
-        primitive = scene["meshes"][node["mesh"]]["primitives"][0]
-        triangles = _accessor(scene, binary, primitive["indices"]).reshape(-1, 3)
+        mesh = glb["meshes"][node["mesh"]]["primitives"][0]
+        triangles = _accessor(glb, mesh["indices"]).reshape(-1, 3)
         assert len(triangles) == len(meshes[node["name"]].f)
-        normals = _accessor(scene, binary, primitive["attributes"]["NORMAL"])
+        normals = _accessor(glb, mesh["attributes"]["NORMAL"])
         assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-5)
+        is_finger = node["name"].startswith("finger")
+        material = glb["materials"][mesh["material"]]
+        assert material["name"] == ("bare_metal" if is_finger else "anodised")
+        # 0.72 and 0.17 in sRGB, in linear light, to 1/255.
+        red = material["pbrMetallicRoughness"]["baseColorFactor"][0]
+        assert red == pytest.approx(0.477 if is_finger else 0.0245, abs=2.5e-3)
 
 
-@pytest.mark.parametrize(("count", "kind"), [(65534, 5123), (65535, 5125)])
-def test_many_vertices_take_long_indices(count, kind):
-    """glTF 2.0, 3.7.2.1: the largest number of a component type is no index."""
-    from alpha5_model.geometry.gltf import Node, glb
-    from alpha5_model.geometry.triangles import Surface
-
-    vertices = np.random.default_rng(1).normal(size=(count, 3))
-    faces = np.resize(np.arange(count), (count // 3 + 1, 3))
-    data = glb(
-        [Node("part", surface=Surface(vertices, faces, np.eye(3)[:1], 0 * faces))]
-    )
-    size = struct.unpack_from("<I", data, 12)[0]
-    scene = json.loads(data[20 : 20 + size])
-    assert set(scene["nodes"][0]) == {"name", "mesh"}  # neither moved nor turned
-    primitive = scene["meshes"][0]["primitives"][0]
-    assert scene["accessors"][primitive["attributes"]["POSITION"]]["count"] == count
-    assert scene["accessors"][primitive["indices"]]["componentType"] == kind
-    assert _accessor(scene, data[28 + size :], primitive["indices"]).max() == count - 1
-
-
-def _node_matrix(node: dict) -> np.ndarray:
-    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
-    out = np.eye(4)
-    out[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    out[:3, 3] = node.get("translation", (0, 0, 0))
-    return out
-
-
-def _accessor(scene: dict, binary: bytes, index: int) -> np.ndarray:
+def _accessor(scene: dict, index: int) -> np.ndarray:
     accessor = scene["accessors"][index]
     view = scene["bufferViews"][accessor["bufferView"]]
     width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
     kind = {5126: "<f4", 5123: "<u2", 5125: "<u4"}[accessor["componentType"]]
-    flat = np.frombuffer(binary, kind, accessor["count"] * width, view["byteOffset"])
+    start = view["byteOffset"] + accessor.get("byteOffset", 0)
+    flat = np.frombuffer(scene["binary"], kind, accessor["count"] * width, start)
     return flat.reshape(-1, width) if width > 1 else flat
 
 
@@ -584,18 +545,10 @@ def test_mujoco_loads_the_meshes_and_measures_the_same_volume(meshes):
 # What goes wrong.
 
 
-def test_without_manifold3d_drawing_ends_with_a_clear_line(monkeypatch):
-    from alpha5_model.geometry import solid
-
-    monkeypatch.setitem(sys.modules, "manifold3d", None)
-    with pytest.raises(MissingDependencyError, match="manifold3d"):
-        solid.kernel()
-
-
 def test_a_volume_out_of_reach_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.geometry.drawing import solve_volume
-    from alpha5_model.geometry.solid import cylinder
+    from meshes.drawing import solve_volume
+    from meshes.solid import cylinder
 
     found, height = solve_volume(lambda h: cylinder(10.0, 0.0, h), 5000.0, 1.0, 100.0)
     # A regular 56-gon inscribed in the circle.
@@ -612,7 +565,7 @@ def test_a_volume_out_of_reach_is_refused():
 
 def test_a_surface_that_rounding_would_fold_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.geometry.triangles import check_closed
+    from meshes.triangles import check_closed
 
     closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     check_closed(closed)
@@ -620,16 +573,3 @@ def test_a_surface_that_rounding_would_fold_is_refused():
         check_closed(closed[1:])
     with pytest.raises(Alpha5Error, match="closed"):
         check_closed(np.vstack([closed, closed[:1]]))
-
-
-def test_a_triangle_without_area_is_refused():
-    """It has no normal. A point on an edge makes one."""
-    from alpha5_model.geometry.triangles import _flat_normals_and_angles
-
-    vertices = np.array([[0, 0, 0], [2, 0, 0], [1, 0, 0], [0, 1, 0]], float)
-    normals, angles = _flat_normals_and_angles(vertices, np.array([[0, 1, 3]]))
-    assert normals.tolist() == [[0.0, 0.0, 1.0]]
-    expected = [math.pi / 2, math.atan(0.5), math.atan(2.0)]
-    assert angles[0] == pytest.approx(expected)
-    with pytest.raises(Alpha5Error, match="without area"):
-        _flat_normals_and_angles(vertices, np.array([[0, 1, 3], [0, 1, 2]]))

@@ -22,7 +22,6 @@ ENTRY_POINTS = {
     "dynamics.arm_model": "Arm without a record",
     "dynamics.dimensions": "for which arm kernels and drawn bodies were made",
     "geometry.collision_shapes": "bodies that are drawn for the catalogue's arm",
-    "geometry.drawing": "bodies that are drawn for the catalogue's arm",
     "numbers.arm_file": "arm_file; what a file leaves out is the catalogue's",
     "numbers.arm_writing": "a file says what differs from the catalogue's arm",
     "proofs.audit.printed_inverse_kinematics": "the published formulas",

@@ -102,7 +102,7 @@ def by_sources(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 @pytest.mark.slow
 def test_a_sphere_by_sources(script: ModuleType) -> None:
     pytest.importorskip("pymeshlab", exc_type=ImportError)
-    from alpha5_model.geometry.solid import kernel
+    from meshes.solid import kernel
 
     ball = kernel().Manifold.sphere(20.0, 96)
     matrix = by_sources(*script.panels(ball, 5.0)) / (1000.0 * ball.volume() * 1e-9)

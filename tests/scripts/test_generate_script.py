@@ -58,6 +58,29 @@ def test_a_stale_file_is_named_and_written(
     assert generate.main(["--check"], tmp_path) == 0
 
 
+def test_a_glb_is_stale_if_it_shows_something_else() -> None:
+    """Other bytes of JSON do not count, as another trimesh may write them."""
+    import trimesh
+    from generate import same_content
+
+    def glb(shift: float = 0.0, color: float = 0.5, pose: float = 0.0) -> bytes:
+        box = trimesh.creation.box((1.0, 2.0, 3.0))
+        box.vertices[0] += shift
+        material = trimesh.visual.material.PBRMaterial(
+            name="grey", baseColorFactor=[color, color, color, 1.0]
+        )
+        box.visual = trimesh.visual.TextureVisuals(material=material)
+        scene = trimesh.Scene()
+        at = trimesh.transformations.translation_matrix((pose, 0.0, 0.0))
+        scene.add_geometry(box, node_name="link_0", geom_name="link_0", transform=at)
+        return bytes(scene.export(file_type="glb", include_normals=True))
+
+    ours = glb()
+    assert same_content(ours, ours.replace(b"mikedh/trimesh", b"mikedh/another"))
+    for other in (glb(shift=1e-3), glb(color=0.6), glb(pose=1e-3)):
+        assert not same_content(ours, other)
+
+
 #: Two texts -> whether they are the same content.
 PAIRS = {
     ("a 0.0043523456789012", "a 0.0043523456789013"): True,

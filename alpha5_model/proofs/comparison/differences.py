@@ -628,7 +628,7 @@ def _volume(evidence: Evidence) -> Iterator[Finding]:
 def _own_shapes(record: Alpha5Parameters) -> float:
     """Volume of our own collision shapes [m^3]."""
     # Imported late: most other models have no primitives.
-    from alpha5_model.geometry.exported_shapes import exported_primitives
+    from alpha5_model.geometry.collision_shapes import exported_primitives
 
     volume = 0.0
     for shapes in exported_primitives("locked", record.spacer).values():

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from alpha5_model.geometry.dimensions import Dimensions
-from alpha5_model.geometry.parts import Part, ring_groove
-from alpha5_model.geometry.solid import (
+from meshes.dimensions import Dimensions
+from meshes.parts import Part, ring_groove
+from meshes.solid import (
     FAR,
     Groove,
     Solid,

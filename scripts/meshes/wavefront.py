@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+from meshes.triangles import DECIMALS, Surface
 
 from alpha5_model.geometry.materials import MATERIALS, Material, material_of
-from alpha5_model.geometry.triangles import DECIMALS, Surface
 
 MTL_NAME = "alpha5.mtl"
 

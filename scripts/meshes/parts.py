@@ -1,7 +1,7 @@
 """The drawn parts of the arm. Lengths in mm.
 
 Each part has one free dimension. It is solved for so that the part has the volume
-that Table 3 prints (`alpha5_model.geometry.drawing`).
+that Table 3 prints (`meshes.drawing`).
 """
 
 from __future__ import annotations
@@ -10,9 +10,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-
-from alpha5_model.geometry.dimensions import Dimensions
-from alpha5_model.geometry.solid import (
+from meshes.dimensions import Dimensions
+from meshes.solid import (
     FAR,
     Groove,
     Solid,

@@ -5,11 +5,9 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
-
-from alpha5_model._support.checks import FloatArray
-from alpha5_model.geometry.dimensions import Dimensions
-from alpha5_model.geometry.parts import Part
-from alpha5_model.geometry.solid import (
+from meshes.dimensions import Dimensions
+from meshes.parts import Part
+from meshes.solid import (
     FAR,
     Solid,
     box,
@@ -18,7 +16,9 @@ from alpha5_model.geometry.solid import (
     loft,
     union,
 )
-from alpha5_model.geometry.spline import cubic_spline
+from scipy.interpolate import CubicSpline
+
+from alpha5_model._support.checks import FloatArray
 
 #: Points on either side of a finger's blade.
 STATIONS = 33
@@ -144,7 +144,7 @@ def ribbon(
     knots = lengths / lengths[-1]
 
     shares = np.linspace(start, stop, STATIONS)
-    points = cubic_spline(knots, np.column_stack([x, y]), shares)
+    points = CubicSpline(knots, np.column_stack([x, y]))(shares)
     half = share * np.interp(shares, knots, half_thickness)
 
     tangent = np.gradient(points, axis=0)

@@ -9,17 +9,17 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from meshes.dimensions import Dimensions, drawn_dimensions
+from meshes.finger_part import finger
+from meshes.solid import Solid
+from meshes.wrist_part import wrist
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose, transform
 from alpha5_model.errors import InputError
-from alpha5_model.geometry import parts
-from alpha5_model.geometry.dimensions import Dimensions, drawn_dimensions
-from alpha5_model.geometry.finger_part import finger
-from alpha5_model.geometry.solid import Solid
-from alpha5_model.geometry.wrist_part import wrist
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from meshes import parts
 
 
 class _Drawn(NamedTuple):

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from meshes.solid import Solid
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.errors import Alpha5Error
-from alpha5_model.geometry.solid import Solid
 
 Indices = NDArray[np.int64]
 #: Details below this size [mm] are merged, so that rounding cannot fold a triangle.

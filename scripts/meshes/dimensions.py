@@ -1,9 +1,8 @@
-"""The lengths that the bodies are drawn from, each with the kind of its source [mm]."""
+"""The lengths that the bodies are drawn from [mm]."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,28 +11,13 @@ from typing import Any
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.tables import Published
 
-#: Kinds of sources; see ``dimensions.toml``.
-SOURCES = ("measured", "printed", "chosen")
 #: Kind of its source -> name -> length, or list of lengths.
 _Table = dict[str, dict[str, Any]]
-
-
-class Dimension(float):
-    """A length in mm with the kind of its source: of `SOURCES`, or a jaw's status."""
-
-    source: str
-
-    def __new__(cls, value: float, source: str) -> Dimension:
-        number = super().__new__(cls, value)
-        number.source = source
-        return number
 
 
 @dataclass(frozen=True, eq=False)
 class Dimensions:
     """Lengths of the drawn parts [mm], by the names of ``dimensions.toml``.
-
-    Each is a `Dimension`, or a tuple of numbers.
 
     Attributes:
         radius: Of every turned part.
@@ -47,7 +31,7 @@ class Dimensions:
         jaws: Supplementary lengths of the jaws.
     """
 
-    radius: Dimension
+    radius: float
     end_slabs: tuple[float, ...]
     base: SimpleNamespace
     shell: SimpleNamespace
@@ -75,6 +59,10 @@ def dimensions_of(printed: Published) -> Dimensions:
         "reach": printed.elbow.adjacent.value,
         "drop": printed.elbow.opposite.value,
     }
+    jaws = {
+        name: float(jaw.quantity.value)
+        for name, jaw in printed.supplementary.jaws.items()
+    }
     turned = _by_name(table["turned"])
     return Dimensions(
         radius=turned.radius,
@@ -84,23 +72,15 @@ def dimensions_of(printed: Published) -> Dimensions:
         upper_arm=_by_name(table["upper_arm"]),
         wrist=_by_name(table["wrist"]),
         finger=_by_name(table["finger"]),
-        jaws=_by_name(_jaws(printed.supplementary.jaws)),
+        jaws=SimpleNamespace(**jaws),
     )
-
-
-def _jaws(jaws: Mapping[str, Any]) -> _Table:
-    """The jaws' numbers, which have a status in place of a source."""
-    table: _Table = {}
-    for name, jaw in jaws.items():
-        table.setdefault(jaw.status, {})[name] = jaw.quantity.value
-    return table
 
 
 def _by_name(table: _Table) -> SimpleNamespace:
     """The dimensions of one part as attributes."""
     part = SimpleNamespace()
-    for source, lengths in table.items():
+    for lengths in table.values():
         for name, value in lengths.items():
             is_list = isinstance(value, list)
-            setattr(part, name, tuple(value) if is_list else Dimension(value, source))
+            setattr(part, name, tuple(value) if is_list else float(value))
     return part
