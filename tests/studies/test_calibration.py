@@ -101,7 +101,7 @@ def predicted(session: calibrate.Session, record: Any, others: dict[str, float])
 
 @pytest.mark.slow
 def test_a_fit_is_the_most_probable_arm() -> None:
-    """By Pinocchio's slopes of all numbers, and a dense inverse of their information."""
+    """By Pinocchio's slopes of all numbers, and a dense inverse."""
     planned = calibrate.plan_poses(CELL, 10, fluid_density=a5.FRESH_WATER)
     session = weighed(planned, other_arm(5), 5)
     found = calibrate.fit(session)
@@ -178,7 +178,7 @@ def torque_deviation(found: calibrate.Calibration, q: Any, density: float) -> An
 def test_a_known_arm_in_air_and_in_water(
     sensor: calibrate.Sensor, prior: str, tmp_path: Path
 ) -> None:
-    """Torques that nobody measured lie in their intervals; the file has the same arm."""
+    """Torques that nobody measured lie in their intervals; so the file says."""
     truth = other_arm(1, size=0.05 if prior == "loose" else 0.002, zeros=1.5)
     sessions = []
     for seed, density in enumerate((a5.AIR, a5.FRESH_WATER)):

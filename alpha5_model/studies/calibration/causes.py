@@ -413,7 +413,7 @@ class _Score:
         tests: int = 1,
         free: int = 1,
     ) -> None:
-        """A problem; chance explains as much as free numbers, the best of some tests."""
+        """A problem, less what free numbers explain by chance in the best of tests."""
         chance = free * np.log(len(self._rest)) + 2.0 * np.log(tests)
         session = "" if number is None else self._equations.sessions[number].name
         self.problems.append(Problem(name, words, session, float(gain - chance)))

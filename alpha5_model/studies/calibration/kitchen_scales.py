@@ -150,8 +150,8 @@ def scales(
 ) -> Scales:
     """Three scales under the mount plate. They read masses [kg].
 
-    They stand on one table, and the plate rests on one point of each. Each of ``noise``,
-    ``gain`` and ``placement`` is one number, or one for each scale.
+    They stand on one table, and the plate rests on one point of each. ``noise``,
+    ``gain`` and ``placement`` are one number each, or one for each scale.
 
     Args:
         positions: Of these points in base_link, (3, 3) [m].
@@ -182,7 +182,7 @@ def scales(
 
 def weight(
     *, noise: ArrayLike = 0.0003, gain: ArrayLike = 0.001, zeroed: bool = True
-) -> Weight:
+) -> Sensor:
     """One scale that carries the whole arm. It reads a mass [kg].
 
     Args:

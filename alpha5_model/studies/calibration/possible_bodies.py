@@ -30,7 +30,7 @@ _ROWS, _COLUMNS = np.transpose([*UPPER.values()])
 def possible_values(
     arm: Alpha5Parameters, middle: FloatArray, deviation: FloatArray, free: FloatArray
 ) -> FloatArray:
-    """Values (K,) that free numbers (K,) stand for: near 0, ``middle + deviation free``.
+    """Values (K,) of free numbers (K,); near 0 they are ``middle + deviation free``.
 
     Args:
         arm: Record, whose bounds hold the centres of mass.

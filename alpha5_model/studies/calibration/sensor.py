@@ -1,4 +1,4 @@
-"""What a sensor is: it reads the loads of an arm, and says what it does not know itself.
+"""What a sensor is: it reads the loads of an arm, and names its own unknowns.
 
 To add a sensor, write a file with a subclass of `Sensor` and the function that makes
 it, and add this function to `alpha5_model.studies.calibration.sensors`.
@@ -133,6 +133,7 @@ class Sensor(ABC):
         Raises:
             InputError: Names the argument.
         """
+        return
 
     def check_readings(self, readings: FloatArray) -> None:
         """Refuse readings (N, k) that cannot be, NaN apart.
@@ -140,6 +141,7 @@ class Sensor(ABC):
         Raises:
             InputError: Names the reading.
         """
+        return
 
     def obstacles(self) -> Sequence[Obstacle]:
         """What the arm must not touch beside itself."""

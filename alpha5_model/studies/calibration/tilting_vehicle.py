@@ -134,7 +134,7 @@ def vehicle_tilt(
     gain: ArrayLike = 0.02,
     offset: ArrayLike = 0.2,
     yaw: float = 0.035,
-) -> VehicleTilt:
+) -> Sensor:
     """Roll and pitch [rad] of a vehicle that floats at rest, without thrust.
 
     Args:

@@ -109,7 +109,7 @@ def force_torque(
     force_noise: ArrayLike = 0.03,
     torque_noise: ArrayLike = 0.003,
     gain: ArrayLike = 0.01,
-) -> ForceTorque:
+) -> Sensor:
     """A force-torque sensor under the mount, with unknown offsets.
 
     It reads the load of the arm at the origin and in the axes of base_link [N, N m].
@@ -131,7 +131,7 @@ def force_torque(
 
 def efforts(
     *, noise: ArrayLike = 0.003, gain: ArrayLike = 0.01, offset: ArrayLike = 0.0
-) -> Efforts:
+) -> Sensor:
     """Torques of the four joints [N m], which hold the arm without friction.
 
     Coulomb and viscous friction of joints that move are unknown. Each argument is one
