@@ -181,6 +181,7 @@ def test_causes_that_cannot_be_are_not_listed() -> None:
                 assert abs(float(one.message.split()[2])) <= 45.0
 
 
+@pytest.mark.slow
 def test_sessions_have_their_own_causes() -> None:
     """A wrong reading of one session is named with the session's name."""
     cell = calibrate.force_torque()
