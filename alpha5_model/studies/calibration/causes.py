@@ -339,8 +339,8 @@ class _Score:
         # One reading before or after is a wrong reading, not a step.
         inner = slice(2, len(read) - 1)
         size, gain = (part[inner] for part in _alone(*steps))
-        if not gain.size:
-            return
+        if not gain.size or sensor.by_joint:
+            return  # nobody zeroes the efforts of joints
         pose, channel = divmod(int(gain.argmax()), sensor.size)
         if gain[pose, channel] > _limit(gain.size):
             jump = size[pose, channel] * sensor.deviation[channel]
