@@ -55,7 +55,6 @@ if TYPE_CHECKING:
     from alpha5_model.studies import calibration as calibrate
     from alpha5_model.studies import uncertainty
     from alpha5_model.studies.sweep import sweep
-    from alpha5_model.studies.uncertainty import identify
     from alpha5_model.theory import dh, planar
     from alpha5_model.viewer import view
     from alpha5_model.water.vehicle import Vehicle
@@ -88,7 +87,6 @@ __all__ = [
     "dh",
     "distance_to_reach",
     "gravity_in_base",
-    "identify",
     "inverse_kinematics",
     "inverse_kinematics_path",
     "inverse_kinematics_pose",
@@ -153,7 +151,6 @@ _NAMES = {
     "plan": "planning.planner",
     # Studies and proofs.
     "sweep": "studies.sweep",
-    "identify": "studies.uncertainty",
     "audit": "proofs.audit",
     "compare": "proofs.comparison",
     # For the eye.

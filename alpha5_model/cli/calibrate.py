@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,8 @@ _FORMATS = (".toml",)
 
 HELP = """
 plan writes a file with the poses in which a sensor tells the most. Fill in
-the readings. fit makes an arm file of one or several such files, for example
+the readings. The tilt of a floating vehicle is a sensor, too: --vehicle names
+a file with its mass, buoyancy and centres. fit makes an arm file of one or several such files, for example
 one in air and one in water, and names what is wrong with them. motors
 estimates friction and torque per ampere from recorded currents.
 
@@ -54,8 +56,7 @@ def _of_plan(parser: Parser) -> None:
         "file",
         type=Path,
         metavar="FILE",
-        help="the file to write; .csv for a motion instead of poses, for a "
-        "force-torque sensor or efforts",
+        help="the file to write",
     )
     parser.add_argument(
         "--sensor",
@@ -118,6 +119,11 @@ def _of_fit(parser: Parser) -> None:
         default="0.5deg",
         help="standard deviation of the mount's tilt (rad). Default: %(default)s",
     )
+    parser.add_argument(
+        "--correlated",
+        action="store_true",
+        help="the readings are a recording whose noise drifts; estimate it",
+    )
     _output(parser)
     common.arm_file(parser)
     common.as_json(parser)
@@ -173,9 +179,6 @@ def _plan(given: Namespace, own: Alpha5Parameters | None) -> int:
     from alpha5_model.studies.calibration import plan_poses, session_text
 
     sensor = _sensor(given)
-    if file.suffix == ".csv":
-        _plan_motion(given, sensor, own)
-        return 0
     planned = plan_poses(
         sensor,
         given.poses,
@@ -186,39 +189,14 @@ def _plan(given: Namespace, own: Alpha5Parameters | None) -> int:
         ballast=given.ballast,
     )
     atomic_write(file, session_text(planned, own))
-    degrees = np.degrees(planned.motion.q)
+    degrees = np.degrees(planned.q)
     record = {
         "sensor": planned.sensor.kind,
         "channels": planned.sensor.channels,
-        "q": planned.motion.q,
+        "q": planned.q,
     }
     printing.show(given.json, record, _plan_text(planned, degrees), file)
     return 0
-
-
-def _plan_motion(
-    given: Namespace, sensor: Sensor, own: Alpha5Parameters | None
-) -> None:
-    """Plan a motion instead of poses, and write it."""
-    from alpha5_model.studies.calibration import plan_excitation
-
-    with printing.spinner("planning"):
-        motion = plan_excitation(
-            sensor,
-            arm=own,
-            fluid_density=given.fluid,
-            gravity=given.gravity,
-            prior=given.prior,
-        )
-    motion.write(given.file)
-    record = {
-        "sensor": sensor.kind,
-        "duration": motion.time[-1],
-        "samples": motion.time.size,
-        "evaluations": motion.evaluations,
-    }
-    words = f"a motion of {motion.time[-1]:g} s, the best of {motion.evaluations}"
-    printing.show(given.json, record, [words], given.file)
 
 
 def _motors(given: Namespace, own: Alpha5Parameters | None) -> int:
@@ -252,28 +230,26 @@ def _motors(given: Namespace, own: Alpha5Parameters | None) -> int:
 
 def _sensor(given: Namespace) -> Sensor:
     """The sensor that the options of ``plan`` describe."""
-    from alpha5_model.studies.calibration.plan_file import SENSORS
+    from alpha5_model.studies.calibration.sensors import SENSORS
 
     kind = given.sensor
-    make, names = SENSORS[choice("sensor", kind, tuple(SENSORS))]
+    make = SENSORS[choice("sensor", kind, tuple(SENSORS))]
+    arguments = signature(make).parameters
     settings: dict[str, Any] = {}
     if given.positions is not None:
         settings["positions"] = np.reshape(given.positions, (3, 3))
     if given.noise is not None:
-        name = "torque_noise" if kind == "force-torque" else "noise"
+        name = "torque_noise" if "torque_noise" in arguments else "noise"
         settings[name] = given.noise
     if given.zeroed:
         settings["zeroed"] = True
     if given.vehicle is not None:
         settings["vehicle"] = _tables(given.vehicle)
-    elif "vehicle" in names:
+    for name, value in settings.items():
+        if name not in arguments:
+            raise InputError(name, value, f"nothing: {kind} has no such option")
+    if "vehicle" in arguments and given.vehicle is None:
         raise InputError("vehicle", None, f"--vehicle FILE, which {kind} needs")
-    for name in settings:
-        if name not in names:
-            expected = f"nothing: {kind} has no such option"
-            raise InputError(name, settings[name], expected)
-    if kind == "weight" and given.gravity is not None:
-        settings["gravity"] = given.gravity
     return make(**settings)
 
 
@@ -305,7 +281,12 @@ def _fit(given: Namespace, own: Alpha5Parameters | None) -> int:
     sessions = [read_session(file, own) for file in given.files]
     with printing.spinner("fitting"):
         found = fit(
-            sessions, arm=own, prior=given.prior, zeros=given.zeros, tilt=given.tilt
+            sessions,
+            arm=own,
+            prior=given.prior,
+            zeros=given.zeros,
+            tilt=given.tilt,
+            correlated=given.correlated,
         )
     if given.output is not None:
         found.write(given.output)

@@ -6,7 +6,7 @@
 
 ``write`` simulates arms in air whose numbers round to the printed ones: a sway of 12 s
 within the rated speeds, with 3 mN m of white noise in the efforts. It also fits them
-with `alpha5_model.identify`. ``fit`` needs NumPy, figaroh and mujoco only. Both print
+with `a5.calibrate.fit`. ``fit`` needs NumPy, figaroh and mujoco only. Both print
 the error of the static torque at 2000 random positions, root mean square over positions
 and arms [mN m], for axis_d and axis_c. The others carry no such torque in air, or
 hardly any.
@@ -22,7 +22,6 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -68,7 +67,9 @@ def write(folder: Path) -> None:
     """Simulate arms, fit them with this package, and write what the others need."""
     import alpha5_model as a5
 
+    c = a5.calibrate
     u = a5.uncertainty
+    efforts = c.efforts(noise=NOISE, gain=0.0)
     motion = sway()
     s = a5.trajectory.smooth(motion, "interpolate")
     state = (s.position, s.velocity, s.acceleration)
@@ -88,16 +89,17 @@ def write(folder: Path) -> None:
         effort = arm.inverse_dynamics_batch(*state)
         effort += rng.normal(scale=NOISE, size=effort.shape)
         truth = arm.inverse_dynamics_batch(positions, rest, rest)
-        recorded = replace(motion, effort=effort)
-        found = a5.identify(recorded, in_air, method="interpolate")
+        read = c.session(efforts, s.position, effort, v=s.velocity, a=s.acceleration)
+        found = c.fit(read, zeros=0.0, tilt=0.0)
+        fitted = u.arm(found.arm, a5.AIR)
         of_tables.append(printed - truth)
-        ours.append(found.fitted.torque(positions, rest, rest).torque - truth)
+        ours.append(fitted.inverse_dynamics_batch(positions, rest, rest) - truth)
         values = zip(NAMES, (*state, effort, positions, truth), strict=True)
         np.savez(folder / f"{k}.npz", **dict(values))
     (folder / MODEL).write_text(_bare_urdf(a5.URDF_PATH), encoding="utf-8")
     print(f"{'':24}{'axis_d':>8}{'axis_c':>8}")
     report("printed tables", of_tables)
-    report("alpha5_model.identify", ours, time.perf_counter() - start)
+    report("alpha5_model.calibrate", ours, time.perf_counter() - start)
 
 
 def sway() -> Any:

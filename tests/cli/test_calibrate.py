@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.studies import calibration
 
 
 def filled(path: Path, factor: float = 1.0) -> None:
@@ -21,7 +19,7 @@ def filled(path: Path, factor: float = 1.0) -> None:
     planned = a5.calibrate.read_session(path)
     arm = a5.load(planned.density)
     still = np.zeros(4)
-    wrenches = [arm.base_wrench(q, still, still).vector for q in planned.motion.q]
+    wrenches = [arm.base_wrench(q, still, still).vector for q in planned.q]
     rows = factor * 1e3 * np.array(wrenches) @ planned.sensor.matrix[:, 4:].T
     texts = iter([f"readings = {np.round(row).tolist()}" for row in rows])
     text = re.sub(r"readings = \[\]", lambda _: next(texts), path.read_text("utf-8"))
@@ -80,10 +78,12 @@ def test_a_problem_is_said_first(
         (["plan", "new.toml", "--positions", "1 2 3"], "positions"),
         (["plan", "new.toml", "--sensor", "efforts", "--zeroed"], "no such option"),
         (["plan", "new.toml", "--fluid", ""], "expected sea, fresh, air or a density"),
+        (["plan", "new.toml", "--poses", "5001"], "poses"),
+        (["plan", "new.toml", "--sensor", "vehicle-tilt"], "--vehicle FILE"),
         (["plan", "new.toml", "--prior", "tight"], "choose from digits, loose"),
         (["plan", "new.toml", "--gravity", "0 -9.81 0"], "right angle"),
         (["fit", "missing.toml"], "missing.toml"),
-        (["fit", "there.toml"], "there.toml, format: missing"),
+        (["fit", "there.toml"], "there.toml: format"),
         (["fit", "there.toml", "--output", "arm.txt"], "choose from .toml"),
     ],
 )
@@ -113,7 +113,7 @@ def test_a_plan_without_options_is_the_function_without(
     planned = a5.calibrate.plan_poses(a5.calibrate.scales())
     assert written.out == a5.calibrate.session_text(planned)
 
-    degrees = np.degrees(planned.motion.q)
+    degrees = np.degrees(planned.q)
     title, head, *rows, blank, fill_in, wrote = written.err.splitlines()
     assert title == f"{len(degrees)} poses for scales (deg)"
     assert head.split() == ["axis_e", "axis_d", "axis_c", "axis_b"]
@@ -135,7 +135,7 @@ PLANS: dict[str, Any] = {
         {},
     ),
     "--sensor weight --gravity 0,0,-9.7": (
-        lambda: c.weight((0, 0, -9.7)),
+        c.weight,
         {"gravity": (0, 0, -9.7)},
     ),
     "--zeroed --ballast 2.5 --prior loose": (
@@ -157,36 +157,6 @@ def test_options_of_a_plan_are_arguments_of_the_function(
     planned = a5.calibrate.plan_poses(make(), 1, **more)
     assert path.read_text("utf-8") == a5.calibrate.session_text(planned)
     assert capsys.readouterr().out.startswith(f"one pose for {planned.sensor.kind} (")
-
-
-def test_a_planned_motion_is_told(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    path = tmp_path / "motion.csv"
-    asked: list[Any] = []
-
-    def plan_excitation(sensor: Any, **options: Any) -> Any:
-        asked.append((sensor.kind, options))
-        time = np.array([0.0, 0.25, 12.5])
-        return SimpleNamespace(time=time, evaluations=7, write=Path.touch)
-
-    monkeypatch.setattr(calibration, "plan_excitation", plan_excitation)
-    words = ["calibrate", "plan", str(path), "--sensor", "efforts"]
-    assert main([*words, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == {
-        "sensor": "efforts",
-        "duration": 12.5,
-        "samples": 3,
-        "evaluations": 7,
-    }
-    path.unlink()
-    assert main(words) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert told[0] == "a motion of 12.5 s, the best of 7"
-    expected = {"arm": None, "fluid_density": a5.AIR, "gravity": None}
-    assert asked == [("efforts", expected | {"prior": "digits"})] * 2
 
 
 @pytest.mark.parametrize("poses", ["0", "-3"])

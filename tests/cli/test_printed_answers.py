@@ -116,7 +116,7 @@ def weighed_arm() -> str:
     """A plan whose readings, whole grams, are filled in."""
     planned = a5.calibrate.plan_poses(a5.calibrate.scales(), 6)
     still = np.zeros((6, 4))
-    loads = a5.load(a5.AIR).base_wrench_batch(planned.motion.q, still, still)
+    loads = a5.load(a5.AIR).base_wrench_batch(planned.q, still, still)
     readings = np.round(loads @ planned.sensor.matrix[:, 4:].T, 3)
     return a5.calibrate.session_text(a5.calibrate.with_readings(planned, readings))
 

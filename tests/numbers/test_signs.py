@@ -89,8 +89,8 @@ def test_sessions_of_a_calibration(tmp_path: Path) -> None:
     file = tmp_path / "session.toml"
     file.write_text(a5.calibrate.session_text(session, turned()), "utf-8")
     theirs = a5.calibrate.read_session(file)
-    np.testing.assert_allclose(theirs.motion.q, SIGNS[:4] * q, atol=1e-4)
+    np.testing.assert_allclose(theirs.q, SIGNS[:4] * q, atol=1e-4)
     np.testing.assert_allclose(theirs.readings, SIGNS[:4] * readings)
     ours = a5.calibrate.read_session(file, turned())
-    np.testing.assert_allclose(ours.motion.q, q, atol=1e-4)
+    np.testing.assert_allclose(ours.q, q, atol=1e-4)
     np.testing.assert_allclose(ours.readings, readings)

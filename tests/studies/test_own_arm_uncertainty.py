@@ -13,7 +13,6 @@ import own_arm_dynamics as own
 import pytest
 
 import alpha5_model as a5
-from alpha5_model import trajectory
 from alpha5_model import uncertainty as u
 from alpha5_model.cli import main
 from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
@@ -273,29 +272,6 @@ def test_sensitivity_turns_a_measured_orientation(key: str) -> None:
     for axis in "xyz":
         turn = by_name[f"{key}.{axis}"] @ rotation(record).T
         assert np.linalg.norm(turn) == pytest.approx(2**0.5 * 1e-3, rel=1e-4)
-
-
-def test_identification_finds_a_measured_mass_within_its_half_width() -> None:
-    """A recording of an arm whose link 2 weighs 8 g more than was measured."""
-    record = exact(own.random_record(0), links__link_2__mass=0.01)
-    heavier = dataclasses.replace(record.links[2], mass=record.links[2].mass + 0.008)
-    true = dataclasses.replace(
-        record, links=(*record.links[:2], heavier, *record.links[3:])
-    )
-    time = np.linspace(0.0, 10.0, 201)
-    middle = np.array([(j.lower + j.upper) / 2 for j in record.joints[:4]])
-    q = middle + 0.2 * np.sin(np.outer(time, [0.5, 0.9, 1.3, 1.7]))
-    motion = trajectory.motion(time, q, arm=record)
-    smooth = trajectory.smooth(motion, "interpolate", arm=record)
-    states = smooth.position, smooth.velocity, smooth.acceleration
-    effort, _ = own.inverse_dynamics(true, *states, a5.SEA_WATER, DOWN)
-    motion = trajectory.motion(time, q, effort=effort, arm=record)
-
-    found = u.identify(motion, a5.load(arm=record), method="interpolate")
-    assert found.parameters.links[2].mass == pytest.approx(heavier.mass, abs=1e-6)
-    assert found.parameters.links[3].mass == record.links[3].mass
-    assert found.parameters.dh[1].a == pytest.approx(record.dh[1].a, rel=1e-9)
-    assert found.noise.max() < 1e-6
 
 
 def test_the_margin_of_any_gripper_and_mount_is_that_of_the_record() -> None:

@@ -25,7 +25,6 @@ from alpha5_model.dynamics.regression import regressor_rows
 from alpha5_model.errors import Alpha5Error, InputError
 from alpha5_model.numbers.inertia import pseudo_inertia
 from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.parameters import RigidBody
 from alpha5_model.studies.uncertainty import linear_maps, printed
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
@@ -228,10 +227,7 @@ def test_impossible_bodies_are_recognised() -> None:
 
 
 def test_every_body_of_the_intervals_is_possible() -> None:
-    """No digit moves an eigenvalue of the second moments below 0 (Weyl's inequality).
-
-    `identify` relies on it.
-    """
+    """No digit moves an eigenvalue of the second moments below 0 (Weyl)."""
     numbers = u.printed_numbers()
     for i, link in enumerate(a5.parameters().links):
         off = np.zeros((3, 3))
@@ -744,111 +740,6 @@ def swing(n: int, seed: int = 0) -> tuple[Any, np.ndarray]:
     return a5.trajectory.motion(time, q), np.array([q, v, a])
 
 
-def check_that_links_are_as_printed(links: Sequence[RigidBody]) -> None:
-    """Each identified number lies within the interval of its printed digits."""
-    numbers = u.printed_numbers()
-    for i, link in enumerate(links):
-        identified = {"mass": link.mass, "com.x": link.com[0], "volume": link.volume}
-        for name, value in identified.items():
-            number = numbers[f"link_{i}.{name}"]
-            assert number.lower - 1e-12 <= value <= number.upper + 1e-12
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["effort", "wrench"])
-def test_identification_finds_the_truth(
-    kind: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Intervals hold the numbers that the tests' Newton-Euler made the recording of."""
-    moved, (q, v, a) = swing(300)
-    truth = u.sample(6, 21)
-    rng = np.random.default_rng(3)
-    hits = []
-    near = []
-    for k in range(6):
-        values = dict(zip(truth.names, truth.values[k], strict=True))
-        take_lengths(values, monkeypatch)
-        exact = sum(of_link(i, values, q, v, a, 1025.0) for i in range(5))
-        arm = a5.load(gravity=TILTED)
-        if kind == "effort":
-            y = exact[:, :4] + rng.normal(scale=0.002, size=(300, 4))
-            y[::17, 2] = np.nan
-            found = u.identify(replace(moved, effort=y), arm, method="interpolate")
-            assert found.noise == pytest.approx(0.002, rel=0.2)
-        else:
-            y = exact[:, 4:] + rng.normal(scale=0.005, size=(300, 6))
-            found = u.identify(moved, arm, wrench=y, method="interpolate")
-            assert found.noise == pytest.approx(0.005, rel=0.2)
-        record = truth.parameters(k)
-        real = base_parameters(record.links, parameters=record)[:38]
-        hit = (found.lower <= real) & (real <= found.upper)
-        hits.append(hit[found.supported])
-        deviation = np.sqrt(np.diag(found.covariance))
-        off = np.abs(found.estimate - real) / deviation
-        near.append(off[found.supported] < 1.0)
-        assert found.supported.sum() > 5
-        check_that_links_are_as_printed(found.parameters.links)
-    share = np.concatenate(hits).mean()
-    assert share > 0.8
-    # The hits are correlated: 68 % are expected within a standard deviation.
-    assert 0.4 < np.concatenate(near).mean() < 0.9
-    assert found.gains[0] > 5
-    assert (np.diff(found.gains) <= 0).all()
-    assert found.combinations.shape == (found.gains.size, 38)
-
-
-@pytest.mark.slow
-def test_identification_of_an_arm_with_a_correction() -> None:
-    """The correction counts once, even if it is among the alternatives."""
-    moved, (q, v, a) = swing(300)
-    corrections = ("base_frame", "link3_cob")
-    arm = a5.load(gravity=TILTED, corrections=corrections)
-    wrench = arm.base_wrench_batch(q, v, a)
-    fits = [
-        u.identify(moved, arm, wrench=wrench, alternatives=x, method="interpolate")
-        for x in ((), ("link3_cob",))
-    ]
-    fits.append(
-        u.identify(
-            moved,
-            a5.load(gravity=TILTED),
-            wrench=wrench,
-            alternatives=("link3_cob",),
-            method="interpolate",
-        )
-    )
-    real = a5.parameters(corrections).links[3].cob
-    for found in fits:
-        assert found.parameters.corrections == corrections
-        np.testing.assert_allclose(found.parameters.links[3].cob, real, atol=1.1e-3)
-        # Without noise, rounding decides what lengths and bodies explain alike.
-        near = {"rtol": 1e-3, "atol": 1e-7}
-        np.testing.assert_allclose(found.estimate, fits[0].estimate, **near)
-        np.testing.assert_allclose(found.lower, fits[0].lower, **near)
-
-
-def test_identification_does_not_see_what_no_data_show() -> None:
-    """At rest no inertia is identified; without noise, the weight's load is exact."""
-    still = a5.trajectory.motion(np.arange(40) * 0.1, states(40, 3)[0])
-    at_rest = replace(still, position=np.repeat(states(1, 3)[0], 40, axis=0))
-    values = u.sample(1, 5)
-    arm = u.arm(values.parameters(0))
-    y = np.repeat([arm.hydrostatic_torque(at_rest.position[0])], 40, axis=0)
-    found = u.identify(replace(at_rest, effort=y), method="interpolate")
-    known = dict(zip(found.names, found.supported, strict=True))
-    assert len(found.gains) <= 4, "no more than four torques are seen"
-    assert not any(known[f"link_4.{name}"] for name in ("xx", "yy", "xy", "xz", "yz"))
-    predicted = found.fitted.torque(at_rest.position[0], Z, Z)
-    np.testing.assert_allclose(predicted.torque, y[:1], atol=1e-9)
-    assert predicted.deviation.max() < 1e-9
-    heavy = a5.load().with_payload(**PAYLOAD)
-    position = at_rest.position[0]
-    more = heavy.hydrostatic_torque(position) - a5.load().hydrostatic_torque(position)
-    same = u.identify(replace(at_rest, effort=y + more), heavy, method="interpolate")
-    held = same.fitted.torque(position, Z, Z).torque
-    np.testing.assert_allclose(held, y[:1] + more, atol=1e-9)
-
-
 WRONG: dict[str, Callable[[], Any]] = {
     "n: expected a whole number of at least 1, got 0": lambda: u.sample(0),
     "seed: expected a whole number": lambda: u.sample(1, -1),
@@ -866,14 +757,6 @@ WRONG: dict[str, Callable[[], Any]] = {
     "unknown alternative 'x'": lambda: u.torque_bounds(Z, Z, Z, alternatives=["x"]),
     "n: expected at least 2 sets, got 1": lambda: u.spread(u.reach, 1),
     "result": lambda: u.sensitivity(lambda p: np.nan),
-    "one with recorded efforts, or a wrench": lambda: u.identify(swing(50)[0]),
-    "wrench: expected shape (50, 6), got (50, 3)": lambda: u.identify(
-        swing(50)[0], wrench=np.zeros((50, 3))
-    ),
-    "motion: expected a Motion": lambda: u.identify(np.zeros((5, 4))),
-    "got Arm(axis_e, axis_d, axis_c, axis_b; floating": lambda: u.identify(
-        swing(50)[0], a5.load(floating_base=True), wrench=np.zeros((50, 6))
-    ),
     "fluid_density: expected": lambda: u.sample(1).base_parameters(-1.0),
     "gravity: expected": lambda: u.sample(1).base_parameters(1.0, [1, 2]),
     "arm: expected one on a fixed base": lambda: a5.load(gripper="jaws").regressor(

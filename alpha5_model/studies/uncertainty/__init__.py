@@ -2,7 +2,6 @@
 
 `printed_numbers` gives the interval of each number. `bounds` are limits that no numbers
 in these intervals can exceed. `sample`, `spread` and `sensitivity` work for any result.
-`identify` is for recordings.
 
 A torque, load or energy is a sum over the links of
 
@@ -30,9 +29,6 @@ from alpha5_model.studies.uncertainty.effects import (
     sensitivity,
     spread,
 )
-from alpha5_model.studies.uncertainty.fitted_numbers import FittedNumbers, Prediction
-from alpha5_model.studies.uncertainty.identification import Identification, identify
-from alpha5_model.studies.uncertainty.misfit import Problem
 from alpha5_model.studies.uncertainty.printed import (
     ALTERNATIVES,
     PrintedNumber,
@@ -43,17 +39,12 @@ from alpha5_model.studies.uncertainty.sampling import Sample, sample
 __all__ = [
     "ALTERNATIVES",
     "Bounds",
-    "FittedNumbers",
-    "Identification",
-    "Prediction",
     "PrintedNumber",
-    "Problem",
     "Sample",
     "Sensitivity",
     "Spread",
     "arm",
     "bounds",
-    "identify",
     "printed_numbers",
     "reach",
     "sample",
