@@ -28,6 +28,7 @@ ENTRY_POINTS = {
     "proofs.audit.printed_inverse_kinematics": "the published formulas",
     "proofs.audit.printed_workspace": "the published region",
     "proofs.audit.run": "audit",
+    "studies.arm_numbers": "arm_numbers; zeros count from Table 1's angles",
     "studies.sweep.arms": "a study that names corrections",
     "studies.uncertainty.arm_numbers": "arm_numbers; which values are the printed ones",
     "viewer.build": "which URDF is drawn",
