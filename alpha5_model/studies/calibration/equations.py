@@ -1,67 +1,117 @@
 """Readings as a function of all unknowns: the arm's, and those of each session.
 
-The unknowns of a session are the tilt of its mount, the sensor's gains and offsets, the
-places of its scales or the yaw of an arm on a vehicle, and, for efforts of joints that
-move, friction.
+The unknowns of a session are the tilt of its mount, and what its sensor declares.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import FloatArray, choice, real
+from alpha5_model._support.spatial import rotation_about
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.arm_schema import NUMBERS
+from alpha5_model.numbers.covariance import WIDTH
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.studies.calibration.floating import (
-    Placement,
-    tilt_angles,
-    tilt_slopes,
-)
-from alpha5_model.studies.calibration.loads import (
-    Motion,
-    gravity_slopes,
+from alpha5_model.studies.arm_numbers import (
+    OF_BODIES,
+    ArmNumbers,
+    arm_numbers,
+    by_body,
     load_slopes,
     loads,
 )
-from alpha5_model.studies.calibration.sensors import placement_matrices
-from alpha5_model.studies.calibration.sessions import Session
-from alpha5_model.studies.calibration.unknowns import NAMES, ArmUnknowns
+from alpha5_model.studies.calibration.ar1 import whitened
+from alpha5_model.studies.calibration.sensor import Loads, Own
+from alpha5_model.studies.calibration.session import Session
 
-#: Prior of friction that is not known at all [N m, N m s/rad].
-_ANY_FRICTION = 10.0
-#: A joint that is slower rests: what is left is rounding, whose sign says nothing
-#: [rad/s].
-_AT_REST = 1e-12
+#: What is known of the bodies before a calibration.
+PRIORS = ("digits", "loose")
+#: Standard deviations of the loose prior: relative ones, and of centres [m].
+_LOOSE = 0.10
+_LOOSE_CENTRE = 0.005
+#: What is known of the zeros and of the mount [rad].
+ZEROS = np.radians(1.0)
+TILT = np.radians(0.5)
+#: Step of central differences, in standard deviations before the readings.
+_STEP = 1e-3
 
 
-class OfSession(NamedTuple):
-    """The unknowns of one session, all 0 if nothing is wrong.
+class Noise(NamedTuple):
+    """Of a session's readings.
 
     Attributes:
-        tilt: Turn of gravity about two axes across it, (2,) [rad].
-        gain: Of each channel, less 1, (k,).
-        offset: Of each channel, (k,).
-        placement: Of the scales along two axes, (6,) [m]; the yaw of an arm on a
-            vehicle that tilts, (1,) [rad]; of other sensors, (0,).
-        friction: Coulomb, then viscous, of joints that move, (8,); otherwise (0,).
+        deviation: Standard deviation of each channel, (k,).
+        correlation: Of one reading and the next, (k,).
     """
 
-    tilt: FloatArray
-    gain: FloatArray
-    offset: FloatArray
-    placement: FloatArray
-    friction: FloatArray
+    deviation: FloatArray
+    correlation: FloatArray
+
+
+def prior_numbers(
+    arm: Alpha5Parameters, prior: str, zeros: float, moves: bool
+) -> ArmNumbers:
+    """What is known of an arm before its calibration; half widths are deviations.
+
+    Args:
+        arm: Its record. Half widths of its file replace those of the digits.
+        prior: ``digits``: each number is as good as its printed digits. ``loose``: the
+            standard deviation of masses and volumes is 10 %, that of centres 5 mm, and
+            that of moments of inertia 10 % of the largest.
+        zeros: Standard deviation of the joints' zeros [rad].
+        moves: Whether the arm moves in the data. If not, nothing is learnt of the
+            moments of inertia, which are left out.
+
+    Raises:
+        UnknownNameError: No such prior.
+        InputError: A deviation below 0, or an arm that has been calibrated.
+    """
+    if arm.covariance is not None:
+        expected = "one before any calibration; fit all sessions together"
+        raise InputError("arm", f"{arm.name}, calibrated", expected)
+    choice("prior", prior, PRIORS)
+    zeros = real("zeros", zeros, minimum=0.0)
+    # Here the corrected centre of buoyancy is a number of its own.
+    alone = tuple(name for name in arm.corrections if name != "link3_cob")
+    numbers = arm_numbers(replace(arm, corrections=alone))
+    known = dict(zip(numbers.names, numbers.half_width / WIDTH, strict=True))
+    # Loads do not depend on the last one, d_3.
+    names = NUMBERS[:-1]
+    deviation = np.array([known[name] for name in names])
+    for k, name in enumerate(names):
+        if name.startswith("zeros.") and not deviation[k]:
+            deviation[k] = zeros
+        elif name == "lengths.a_1" and not deviation[k]:
+            # The hypotenuse of two printed lengths.
+            slopes = np.array([np.sin(arm.theta_c), np.cos(arm.theta_c)])
+            sides = [known["elbow.opposite"], known["elbow.adjacent"]]
+            deviation[k] = np.linalg.norm(slopes * sides)
+        elif ".inertia." in name and not moves:
+            deviation[k] = 0.0
+    if prior == "loose":
+        bodies = by_body(numbers.middle)
+        loose = np.full(bodies.shape, _LOOSE_CENTRE)
+        loose[:, [0, 10]] = _LOOSE * bodies[:, [0, 10]]
+        loose[:, 4:10] = _LOOSE * np.abs(bodies[:, 4:10]).max(axis=1, keepdims=True)
+        if not moves:
+            loose[:, 4:10] = 0.0
+        deviation[:OF_BODIES] = loose.ravel()
+    return numbers.leading(deviation)
 
 
 class Equations:
-    """Readings of sessions, divided by their noise, in terms of all unknowns.
+    """Readings of sessions in terms of all unknowns.
 
-    Unknowns are the arm's `NAMES`, then those of each session.
+    Unknowns are the arm's numbers, then those of each session.
 
     Attributes:
+        numbers: Of the arm, see `prior_numbers`.
         sessions: What was measured.
         names: Of all unknowns, (K,).
         middle: Their values beforehand, (K,).
@@ -69,206 +119,187 @@ class Equations:
     """
 
     def __init__(
-        self, unknowns: ArmUnknowns, sessions: Sequence[Session], tilt: float
+        self, numbers: ArmNumbers, sessions: Sequence[Session], tilt: float = TILT
     ) -> None:
-        self.unknowns = unknowns
+        self.numbers = numbers
         self.sessions = tuple(sessions)
-        own = [_prior(session, tilt) for session in sessions]
-        self._places = _places([sum(map(len, part)) for part in own])
-        own_names = []
+        names = [*numbers.names]
+        deviation = [numbers.half_width]
+        #: Of each session: name of some unknowns -> their place.
+        self._places: list[dict[str, slice]] = []
         for number, session in enumerate(self.sessions):
-            own_names += [f"{number}.{name}" for name in _names(session)]
-        self.names = (*NAMES, *own_names)
-        parts = [part for prior in own for part in prior]
-        self.deviation = np.concatenate([unknowns.deviation, *parts])
-        self.middle = np.zeros(len(self.names))
-        self.middle[: len(NAMES)] = unknowns.middle
+            own = (
+                Own("tilt", ("1", "2"), np.full(2, tilt)),
+                *session.sensor.own(session.moves),
+            )
+            places = {}
+            for one in own:
+                places[one.name] = slice(len(names), len(names) + len(one.labels))
+                for label in one.labels:
+                    names.append(f"{number}.{one.name}.{label}".rstrip("."))
+                deviation.append(one.deviation)
+            self._places.append(places)
+        self.names = tuple(names)
+        self.deviation = np.concatenate(deviation)
+        self.middle = np.zeros(len(names))
+        self.middle[: self.of_arm] = numbers.middle
 
-    def predicted(self, values: FloatArray, number: int) -> FloatArray:
-        """Readings of a session by unknowns (K,), (N, k), in the sensor's units."""
+    @property
+    def of_arm(self) -> int:
+        """How many unknowns are the arm's."""
+        return len(self.numbers.names)
+
+    def stated_noise(self) -> list[Noise]:
+        """The noise that each sensor states: white."""
+        return [
+            Noise(one.sensor.deviation.copy(), np.zeros(one.sensor.size))
+            for one in self.sessions
+        ]
+
+    def loads(
+        self, values: FloatArray, number: int, density: float | None = None
+    ) -> Loads:
+        """What the arm does in a session.
+
+        Args:
+            values: Of all unknowns, (K,).
+            number: Of the session.
+            density: Of another fluid than the session's.
+        """
         session = self.sessions[number]
-        own = self._own(values, number)
-        arm = self.unknowns.record(values[: len(NAMES)])
-        clean = _clean(session, own, arm, session.density)
-        read = (1.0 + own.gain) * clean + own.offset
-        if own.friction.size:
-            read = read + _friction_columns(session.motion) @ own.friction
-        return np.asarray(read)
+        fluid = session.density if density is None else density
+        record = self.numbers.record(values[: self.of_arm])
+        q = session.q
+        rest = np.zeros_like(q)
+        still = [loads(record, fluid, unit, q, rest, rest) for unit in np.eye(3)]
+        moving = np.zeros((len(q), still[0].shape[1]))
+        if session.moves:
+            moving = loads(record, fluid, np.zeros(3), q, session.v, session.a)
+        return self._tilted(
+            Loads(
+                still=np.stack(still, axis=-1),
+                moving=moving,
+                turn=np.eye(3),
+                gravity=session.gravity,
+                velocity=session.v,
+                density=fluid,
+            ),
+            values,
+            number,
+        )
 
-    def slopes(self, values: FloatArray, number: int) -> FloatArray:
-        """Derivative of `predicted` by the unknowns, (N, k, K)."""
+    def predicted(
+        self, values: FloatArray, number: int, density: float | None = None
+    ) -> FloatArray:
+        """Readings of a session, in the sensor's units, (N, k)."""
+        return self._read(self.loads(values, number, density), values, number)
+
+    def slopes(self, values: FloatArray) -> list[FloatArray]:
+        """Derivatives of `predicted` by all unknowns, (N, k, K) of each session."""
+        numbers = self.numbers.at(values[: self.of_arm])
+        return [self._slopes(values, k, numbers) for k in range(len(self.sessions))]
+
+    def _slopes(
+        self, values: FloatArray, number: int, numbers: ArmNumbers
+    ) -> FloatArray:
+        """Derivatives of one session's readings, (N, k, K)."""
         session = self.sessions[number]
-        own = self._own(values, number)
-        of_arm = values[: len(NAMES)]
-        by = _clean_slopes(session, own, self.unknowns, of_arm)
+        density, q = session.density, session.q
+        rest = np.zeros_like(q)
+        by_gravity = [
+            load_slopes(numbers, density, unit, q, rest, rest) for unit in np.eye(3)
+        ]
+        still = np.stack(by_gravity, axis=2)
+        moving = np.zeros_like(by_gravity[0])
+        if session.moves:
+            weightless = np.zeros(3)
+            moving = load_slopes(numbers, density, weightless, q, session.v, session.a)
 
-        count, size = by.clean.shape
-        out = np.zeros((count, size, len(self.names)))
-        gains = (1.0 + own.gain)[:, None]
-        out[..., : len(NAMES)] = gains * by.arm
-        ones = np.broadcast_to(np.eye(size), (count, size, size))
-        parts = [gains * by.tilt, by.clean[..., None] * ones, ones]
-        if own.placement.size:
-            parts.append(gains * by.placement)
-        if own.friction.size:
-            parts.append(_friction_columns(session.motion))
-        out[..., self._places[number]] = np.concatenate(parts, axis=-1)
+        at = self.loads(values, number)
+        out = np.zeros((*session.readings.shape, len(self.names)))
+        for k in np.flatnonzero(self.deviation[: self.of_arm]):
+            step = _STEP * self.deviation[k]
+            ends = []
+            for by in (step, -step):
+                moved = replace(
+                    at,
+                    still=at.still + by * still[..., k],
+                    moving=at.moving + by * moving[..., k],
+                )
+                ends.append(self._read(moved, values, number))
+            out[..., k] = (ends[0] - ends[1]) / (2 * step)
+        for place in self._places[number].values():
+            for k in range(place.start, place.stop):
+                step = _STEP * self.deviation[k]
+                if not step:
+                    continue
+                ends = []
+                for by in (step, -step):
+                    other = values.copy()
+                    other[k] += by
+                    moved = self._tilted(at, other, number)
+                    ends.append(self._read(moved, other, number))
+                out[..., k] = (ends[0] - ends[1]) / (2 * step)
         return out
 
-    def by_density(self, values: FloatArray, number: int) -> FloatArray:
-        """Change of `predicted` with the fluid's density, (N, k) for each kg/m^3."""
-        session = self.sessions[number]
-        own = self._own(values, number)
-        arm = self.unknowns.record(values[: len(NAMES)])
-        denser = _clean(session, own, arm, session.density + 1.0)
-        return np.asarray(
-            (1.0 + own.gain) * (denser - _clean(session, own, arm, session.density))
-        )
+    def places(self, number: int) -> tuple[NDArray[Any], NDArray[Any]]:
+        """State and channel of each reading of a session, channel after channel."""
+        channels, states = np.nonzero(np.isfinite(self.sessions[number].readings.T))
+        return states, channels
 
-    def residuals(self, values: FloatArray) -> FloatArray:
-        """Read minus predicted, in standard deviations of the noise, (m,)."""
+    def rows_of(self, number: int) -> slice:
+        """The readings of a session in `rows`."""
+        counts = [len(self.places(k)[0]) for k in range(number + 1)]
+        return slice(sum(counts[:-1]), sum(counts))
+
+    def rows(
+        self, by_session: Sequence[FloatArray], noise: Sequence[Noise]
+    ) -> FloatArray:
+        """What belongs to readings, one below the other, their noise white and of 1.
+
+        Args:
+            by_session: (N, k, ...) each.
+            noise: Of each session.
+
+        Returns:
+            (m, ...), in the order of `places`.
+        """
         rows = []
-        for number, session in enumerate(self.sessions):
-            left = session.readings - self.predicted(values, number)
-            rows.append((left / session.sensor.noise)[np.isfinite(session.readings)])
+        for number, values in enumerate(by_session):
+            states, channels = self.places(number)
+            for channel, (deviation, correlation) in enumerate(
+                zip(*noise[number], strict=True)
+            ):
+                steps = states[channels == channel]
+                if steps.size:
+                    chance = deviation * np.sqrt(1.0 - correlation**2)
+                    read = values[steps, channel]
+                    rows.append(whitened(read, correlation, steps) / chance)
         return np.concatenate(rows)
 
-    def matrix(self, values: FloatArray) -> FloatArray:
-        """Derivative of what is predicted, in standard deviations, (m, K)."""
-        rows = []
-        for number, session in enumerate(self.sessions):
-            slopes = self.slopes(values, number) / session.sensor.noise[:, None]
-            rows.append(slopes[np.isfinite(session.readings)])
-        return np.concatenate(rows)
+    def residuals(self, values: FloatArray) -> list[FloatArray]:
+        """Read minus predicted, of each session, (N, k); NaN for what is not read."""
+        return [
+            session.readings - self.predicted(values, number)
+            for number, session in enumerate(self.sessions)
+        ]
 
-    def _own(self, values: FloatArray, number: int) -> OfSession:
-        """The unknowns of a session."""
-        prior = _prior(self.sessions[number], 0.0)
-        ends = np.cumsum([len(part) for part in prior])[:-1]
-        parts = np.split(values[self._places[number]], ends)
-        return OfSession(
-            tilt=parts[0],
-            gain=parts[1],
-            offset=parts[2],
-            placement=parts[3],
-            friction=parts[4],
-        )
+    def _read(self, at: Loads, values: FloatArray, number: int) -> FloatArray:
+        own = {name: values[place] for name, place in self._places[number].items()}
+        return self.sessions[number].sensor.read(at, own)
 
-
-class _CleanSlopes(NamedTuple):
-    """Readings without gain and offset, and their derivatives.
-
-    Attributes:
-        clean: (N, k).
-        arm: By the arm's numbers, (N, k, 78).
-        tilt: By the mount's tilt, (N, k, 2).
-        placement: By `OfSession.placement`, (N, k, ...).
-    """
-
-    clean: FloatArray
-    arm: FloatArray
-    tilt: FloatArray
-    placement: FloatArray
+    def _tilted(self, at: Loads, values: FloatArray, number: int) -> Loads:
+        """The loads of an arm whose mount is tilted about two axes across gravity."""
+        gravity = self.sessions[number].gravity
+        about = values[self._places[number]["tilt"]] @ _across(gravity)
+        angle = np.linalg.norm(about)
+        if not angle:
+            return replace(at, turn=np.eye(3), gravity=gravity)
+        turn = rotation_about(about / angle, angle)
+        return replace(at, turn=turn.T, gravity=turn @ gravity)
 
 
-def _clean(
-    session: Session, own: OfSession, arm: Alpha5Parameters, density: float
-) -> FloatArray:
-    """What a sensor without gain and offset reads, (N, k)."""
-    carrier = session.sensor.carrier
-    if carrier is not None:
-        return tilt_angles(arm, density, session.motion.q, carrier, _on_vehicle(own))
-    load = loads(arm, density, _tilted(session, own.tilt))
-    return np.asarray(load @ _placed_matrix(session, own).T)
-
-
-def _clean_slopes(
-    session: Session, own: OfSession, unknowns: ArmUnknowns, of_arm: FloatArray
-) -> _CleanSlopes:
-    """The same with its derivatives."""
-    carrier = session.sensor.carrier
-    density = session.density
-    if carrier is not None:
-        by = tilt_slopes(
-            unknowns, of_arm, density, session.motion.q, carrier, _on_vehicle(own)
-        )
-        return _CleanSlopes(
-            clean=by.angles, arm=by.by_arm, tilt=by.by_tilt, placement=by.by_yaw
-        )
-    matrix = _placed_matrix(session, own)
-    arm = unknowns.record(of_arm)
-    motion = _tilted(session, own.tilt)
-    load = loads(arm, density, motion)
-    turns = _tilt_slopes(session, own.tilt)
-    by_tilt = gravity_slopes(arm, density, motion.q, turns)
-    by_place = np.zeros((*load.shape[:1], session.sensor.size, 0))
-    if own.placement.size:
-        moved = load @ placement_matrices(session.sensor).swapaxes(1, 2)
-        by_place = np.moveaxis(moved, 0, -1)
-    return _CleanSlopes(
-        clean=load @ matrix.T,
-        arm=matrix @ load_slopes(unknowns, of_arm, density, motion),
-        tilt=matrix @ by_tilt,
-        placement=by_place,
-    )
-
-
-def _on_vehicle(own: OfSession) -> Placement:
-    """How the arm stands on the vehicle that tilts."""
-    return Placement(tilt=own.tilt, yaw=own.placement.item())
-
-
-def _placed_matrix(session: Session, own: OfSession) -> FloatArray:
-    """The sensor's matrix, its scales moved to their places."""
-    matrix = session.sensor.matrix
-    if not own.placement.size:
-        return matrix
-    moved = np.tensordot(own.placement, placement_matrices(session.sensor), 1)
-    return np.asarray(matrix + moved)
-
-
-def _prior(session: Session, tilt: float) -> OfSession:
-    """Standard deviations of the unknowns of a session."""
-    sensor = session.sensor
-    placed = 0 if sensor.positions is None else 6
-    if sensor.carrier is not None:
-        placed = 1
-    rubs = sensor.kind == "efforts" and not session.motion.rests
-    return OfSession(
-        tilt=np.full(2, tilt),
-        gain=sensor.gain,
-        offset=sensor.offset,
-        placement=np.full(placed, sensor.placement),
-        friction=np.full(8 if rubs else 0, _ANY_FRICTION),
-    )
-
-
-def _names(session: Session) -> list[str]:
-    """Names of the unknowns of a session, in order."""
-    prior = _prior(session, 0.0)
-    channels = session.sensor.channels
-    names = ["tilt.1", "tilt.2"]
-    names += [f"gain.{channel}" for channel in channels]
-    names += [f"offset.{channel}" for channel in channels]
-    if session.sensor.carrier is not None:
-        names.append("yaw")
-    elif prior.placement.size:
-        names += [f"placement.{channel}.{k}" for channel in channels for k in (1, 2)]
-    if prior.friction.size:
-        names += [f"Coulomb.{joint}" for joint in JOINT_NAMES[:4]]
-        names += [f"viscous.{joint}" for joint in JOINT_NAMES[:4]]
-    return names
-
-
-def _places(sizes: Sequence[int]) -> list[slice]:
-    """Where the unknowns of each session are."""
-    ends = len(NAMES) + np.cumsum(sizes)
-    return [
-        slice(int(end) - size, int(end)) for end, size in zip(ends, sizes, strict=True)
-    ]
-
-
-def across(gravity: FloatArray) -> FloatArray:
+def _across(gravity: FloatArray) -> FloatArray:
     """Two unit vectors at right angles to gravity, (2, 3); zeros without gravity."""
     size = np.linalg.norm(gravity)
     if not size:
@@ -277,40 +308,3 @@ def across(gravity: FloatArray) -> FloatArray:
     first = np.cross(gravity / size, helper)
     first /= np.linalg.norm(first)
     return np.array([first, np.cross(gravity / size, first)])
-
-
-def _tilted(session: Session, tilt: FloatArray) -> Motion:
-    """The motion with gravity turned, its strength kept."""
-    motion = session.motion
-    return Motion(
-        q=motion.q, v=motion.v, a=motion.a, gravity=_turned(motion.gravity, tilt)
-    )
-
-
-def _turned(gravity: FloatArray, tilt: FloatArray) -> FloatArray:
-    turned = gravity + np.cross(tilt @ across(gravity), gravity)
-    size = np.linalg.norm(turned)
-    return turned * (np.linalg.norm(gravity) / size) if size else turned
-
-
-def _tilt_slopes(session: Session, tilt: FloatArray) -> FloatArray:
-    """Derivative of the turned gravity by the tilt, (2, 3)."""
-    gravity = session.motion.gravity
-    size = np.linalg.norm(gravity)
-    if not size:
-        return np.zeros((2, 3))
-    axes = across(gravity)
-    turned = gravity + np.cross(tilt @ axes, gravity)
-    length = np.linalg.norm(turned)
-    unit = turned / length
-    change = np.cross(axes, gravity)
-    return np.asarray(size / length * (change - np.outer(change @ unit, unit)))
-
-
-def _friction_columns(motion: Motion) -> FloatArray:
-    """Coulomb and viscous friction of size 1, (N, 4, 8)."""
-    unit = np.eye(4)
-    moving = np.abs(motion.v) > _AT_REST
-    coulomb = np.where(moving, np.sign(motion.v), 0.0)[..., None] * unit
-    viscous = motion.v[..., None] * unit
-    return np.concatenate([coulomb, viscous], axis=-1)

@@ -13,31 +13,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, count, generator, instance, real
-from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import AIR
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
-from alpha5_model.planning.obstacles import Obstacle
 from alpha5_model.planning.surroundings import Surroundings
-from alpha5_model.studies.calibration.equations import Equations
-from alpha5_model.studies.calibration.loads import Motion, loads
-from alpha5_model.studies.calibration.sensors import Sensor, plane
-from alpha5_model.studies.calibration.sessions import Session, session
-from alpha5_model.studies.calibration.unknowns import arm_unknowns
+from alpha5_model.studies.calibration.equations import ZEROS, Equations, prior_numbers
+from alpha5_model.studies.calibration.sensor import Sensor
+from alpha5_model.studies.calibration.session import MOST_STATES, Session, session
 
 #: Poses that are looked at.
 _CANDIDATES = 800
 #: Draws for one candidate before the search is given up.
 _DRAWS = 50
-#: Kept to the ends of the joints' ranges [rad], and to the scales' table [m].
-FROM_LIMITS = np.radians(3.0)
+#: Kept to the ends of the joints' ranges: 3 deg, and what angles are rounded by [deg].
+_FROM_LIMITS = 3.01
+#: Kept to what stands around the arm [m].
 _CLEARANCE = 0.01
-#: A scale carries at least this [kg].
-_LEAST_LOAD = 0.02
-#: The table that the scales stand on reaches beyond the arm [m].
-_TABLE = (1.6, 1.6, 0.1)
-#: What is known of the mount [rad].
-TILT = np.radians(0.5)
 
 
 def plan_poses(
@@ -74,75 +65,48 @@ def plan_poses(
         The poses, without readings.
 
     Raises:
-        InputError: Not such numbers, or no poses in which every scale is pressed on.
+        InputError: Not such numbers, more than 5000 poses, or no poses in which every
+            scale is pressed on.
     """
     size = count("poses", poses)
-    if not size:
-        raise InputError("poses", poses, "at least 1")
+    if size > MOST_STATES:
+        raise InputError("poses", poses, f"at most {MOST_STATES}")
     rng = generator(seed)
     record = chosen_arm(arm)
     ballast = real("ballast", ballast, minimum=0.0)
     chosen = instance("sensor", sensor, Sensor)
     options: dict[str, Any] = {"fluid_density": fluid_density, "gravity": gravity}
-    start = session(chosen, np.zeros((1, 4)), **options)
+    numbers = prior_numbers(record, prior, ZEROS, moves=False)
 
-    unknowns = arm_unknowns(record, prior)
-    q = _candidates(record, start, max(_CANDIDATES, 4 * size), ballast, rng)
-    equations = Equations(
-        unknowns=unknowns, sessions=[session(chosen, q, **options)], tilt=TILT
-    )
-    slopes = equations.slopes(equations.middle, 0) * equations.deviation
-    slopes /= chosen.noise[:, None]
-    best = _greedy(slopes[..., equations.deviation > 0], size)
-    return session(chosen, q[_short_way(q[best], best)], **options)
-
-
-def _candidates(
-    arm: Alpha5Parameters,
-    start: Session,
-    number: int,
-    ballast: float,
-    rng: np.random.Generator,
-) -> FloatArray:
-    """Random poses that can be taken, (number, 4)."""
-    lower = np.array([joint.lower for joint in arm.joints[:4]]) + FROM_LIMITS
-    upper = np.array([joint.upper for joint in arm.joints[:4]]) - FROM_LIMITS
+    joints = record.joints[:4]
+    lower = np.degrees([joint.lower for joint in joints]) + _FROM_LIMITS
+    upper = np.degrees([joint.upper for joint in joints]) - _FROM_LIMITS
     middle = (lower + upper) / 2
     half = np.maximum(upper - lower, 0.0) / 2
-    surroundings = Surroundings(arm, _table(start.sensor), _CLEARANCE)
-    found = np.empty((0, 4))
+    surroundings = Surroundings(record, chosen.obstacles(), _CLEARANCE)
+    wanted = max(_CANDIDATES, 4 * size)
+    q = np.empty((0, 4))
     for _ in range(_DRAWS):
-        q = middle + half * rng.uniform(-1.0, 1.0, (number, 4))
-        free = q[~surroundings.touches(q)]
-        found = np.concatenate([found, free[_presses(arm, start, free, ballast)]])
-        if len(found) >= number:
-            return found[:number]
-    expected = "scales further apart, or more ballast: in few poses all are pressed on"
-    if start.sensor.kind != "scales":
-        expected = "an arm with poses free of collision within its limits"
-    raise InputError("sensor", start.sensor.kind, expected)
+        degrees = middle + half * rng.uniform(-1.0, 1.0, (_CANDIDATES, 4))
+        drawn = np.radians(np.round(degrees, 2))
+        drawn = drawn[~surroundings.touches(drawn)]
+        if len(drawn):
+            tried = Equations(numbers, [session(chosen, drawn, **options)])
+            readings = tried.predicted(tried.middle, 0)
+            q = np.concatenate([q, drawn[chosen.holds(readings, ballast)]])
+        if len(q) >= wanted:
+            break
+    else:
+        expected = "one that can be read in many poses: scales further apart, or more "
+        expected += "ballast; or an arm with poses free of collision"
+        raise InputError("sensor", chosen.kind, expected)
 
-
-def _table(sensor: Sensor) -> tuple[Obstacle, ...]:
-    """The table under scales, as an obstacle."""
-    if sensor.positions is None:
-        return ()
-    along, beside, normal = plane(sensor.positions)
-    rotation = np.column_stack([along, beside, normal])
-    centre = sensor.positions.mean(axis=0) - normal * _TABLE[2] / 2
-    return (Obstacle.box("table", _TABLE, centre, rpy_from_rotation(rotation)),)
-
-
-def _presses(
-    arm: Alpha5Parameters, start: Session, q: FloatArray, ballast: float
-) -> Any:
-    """Whether every scale carries something at q (N, 4), (N,) bool."""
-    if start.sensor.kind != "scales" or not len(q):
-        return np.ones(len(q), np.bool_)
-    still = np.zeros_like(q)
-    motion = Motion(q=q, v=still, a=still, gravity=start.motion.gravity)
-    carried = loads(arm, start.density, motion) @ start.sensor.matrix.T
-    return ((carried + ballast / 3) > _LEAST_LOAD).all(axis=1)
+    q = q[:wanted]
+    equations = Equations(numbers, [session(chosen, q, **options)])
+    (slopes,) = equations.slopes(equations.middle)
+    slopes = slopes * equations.deviation / chosen.deviation[:, None]
+    best = _greedy(slopes[..., equations.deviation > 0], size)
+    return session(chosen, q[_short_way(q[best], best)], **options)
 
 
 def _greedy(slopes: FloatArray, size: int) -> list[int]:
