@@ -55,7 +55,6 @@ if TYPE_CHECKING:
     from alpha5_model.studies import calibration as calibrate
     from alpha5_model.studies import uncertainty
     from alpha5_model.studies.sweep import sweep
-    from alpha5_model.studies.uncertainty import identify
     from alpha5_model.studies.vehicle_tilt import TiltFit, TiltRecording, fit_tilt
     from alpha5_model.theory import dh, planar
     from alpha5_model.viewer import view
@@ -92,7 +91,6 @@ __all__ = [
     "distance_to_reach",
     "fit_tilt",
     "gravity_in_base",
-    "identify",
     "inverse_kinematics",
     "inverse_kinematics_path",
     "inverse_kinematics_pose",
@@ -157,7 +155,6 @@ _NAMES = {
     "plan": "planning.planner",
     # Studies and proofs.
     "sweep": "studies.sweep",
-    "identify": "studies.uncertainty",
     "TiltFit": "studies.vehicle_tilt",
     "TiltRecording": "studies.vehicle_tilt",
     "fit_tilt": "studies.vehicle_tilt",

@@ -4,11 +4,11 @@
 replaces that of the digits. `bounds` says how far all these numbers together can move
 torques, loads and energies, to first order. `sensitivity` has the effect of each number
 on any result, `sample` draws arms, and `spread` evaluates a result for them.
-`identify` is for recordings.
 """
 
 from alpha5_model.dynamics.load import arm_of as arm
 from alpha5_model.studies.printed_digits import PrintedNumber, printed_numbers
+from alpha5_model.studies.uncertainty.digit_bounds import Bounds, bounds
 from alpha5_model.studies.uncertainty.effects import (
     Sensitivity,
     Spread,
@@ -16,25 +16,16 @@ from alpha5_model.studies.uncertainty.effects import (
     sensitivity,
     spread,
 )
-from alpha5_model.studies.uncertainty.first_order import Bounds, bounds
-from alpha5_model.studies.uncertainty.fitted_numbers import FittedNumbers, Prediction
-from alpha5_model.studies.uncertainty.identification import Identification, identify
-from alpha5_model.studies.uncertainty.misfit import Problem
 from alpha5_model.studies.uncertainty.sampling import Sample, sample
 
 __all__ = [
     "Bounds",
-    "FittedNumbers",
-    "Identification",
-    "Prediction",
     "PrintedNumber",
-    "Problem",
     "Sample",
     "Sensitivity",
     "Spread",
     "arm",
     "bounds",
-    "identify",
     "printed_numbers",
     "reach",
     "sample",
