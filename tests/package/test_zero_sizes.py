@@ -38,48 +38,6 @@ def with_link(number: int, **numbers: Any) -> Any:
     return replace(record, links=tuple(links))
 
 
-def test_a_cause_that_only_the_likeliest_noise_shows() -> None:
-    """Loads of zeros: by other noise, no unknown and no suspect changes anything.
-
-    Which causes are left depends on the processor's last bits, so the equations are
-    made by hand.
-    """
-    from alpha5_model.studies.uncertainty.misfit import (
-        Equations,
-        Suspect,
-        contradiction,
-        named_causes,
-    )
-
-    def equations(suspected: float, rank: int) -> Equations:
-        return Equations(
-            restricted=np.eye(8, 2),
-            of_suspects=suspected * np.eye(8)[:, 2:3],
-            rest=1e3 * np.eye(8)[2],
-            squared=1e6 * rank,
-            rank=rank,
-            samples=50,
-            independent=1e3,
-        )
-
-    nothing = np.zeros((0, 0, 0))
-    cause = Suspect(name="offset", of=("axis_e",), unit="N m", columns=nothing)
-    seen = equations(suspected=1.0, rank=1)
-    unseen = equations(suspected=0.0, rank=0)
-    assert len(list(named_causes([seen], (cause,)))) == 1
-    assert list(named_causes([seen, unseen], (cause,))) == []
-    assert len(list(contradiction([seen]))) == 1
-    assert list(contradiction([seen, unseen])) == []
-
-
-@pytest.mark.slow
-def test_identify_from_loads_of_an_arm_that_rests() -> None:
-    still = np.tile(a5.named_pose("home"), (TIME.size, 1))
-    motion = a5.trajectory.motion(TIME, still)
-    found = a5.identify(motion, wrench=np.zeros((TIME.size, 6)))
-    assert np.isfinite(found.estimate).all()
-
-
 def test_a_vehicle_that_does_not_tilt() -> None:
     motion = a5.trajectory.motion(TIME, swaying())
     recording = a5.TiltRecording(motion, TIME, level(TIME.size))
