@@ -47,7 +47,7 @@ def main() -> None:
     # The plate is 0.3 deg off the level.
     arm = a5.load(a5.AIR, gravity=np.array([0.05, -0.03, -9.81]), arm=truth)
     shown = []
-    for q in plan.motion.q:
+    for q in plan.q:
         wrench = arm.base_wrench(q, STILL, STILL).vector
         shown.append(np.round(1e3 * plan.sensor.matrix[:, 4:] @ wrench + PLATE))
     weighed = a5.calibrate.with_readings(plan, 1e-3 * np.array(shown))
@@ -57,7 +57,7 @@ def main() -> None:
     path = Path(tempfile.mkdtemp()) / "my_arm.toml"
     found.write(path)
 
-    poses = plan.motion.q + rng.uniform(-0.5, 0.5, (12, 4))
+    poses = plan.q + rng.uniform(-0.5, 0.5, (12, 4))
     true_torque = a5.load(a5.AIR, arm=truth).inverse_dynamics_batch(poses, STILL, STILL)
     for name, own in (("printed", a5.parameters()), ("calibrated", a5.arm_file(path))):
         torque = a5.load(a5.AIR, arm=own).inverse_dynamics_batch(poses, STILL, STILL)

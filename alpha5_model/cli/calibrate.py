@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -83,6 +84,13 @@ _Zeros = Annotated[
 _Tilt = Annotated[
     str, Option(help="fit: standard deviation of the mount's tilt (rad).")
 ]
+_Correlated = Annotated[
+    bool,
+    Option(
+        "--correlated",
+        help="fit: the readings are a recording whose noise drifts; estimate it.",
+    ),
+]
 _Payload = Annotated[
     bool, Option("--payload", help="motors: weigh what the tool point carries.")
 ]
@@ -106,6 +114,7 @@ def calibrate(
     prior: _Prior = "digits",
     zeros: _Zeros = "1deg",
     tilt: _Tilt = "0.5deg",
+    correlated: _Correlated = False,
     payload: _Payload = False,
     output: _Output = None,
     arm_file: options.Arm = None,
@@ -114,9 +123,8 @@ def calibrate(
     """Weigh your own arm: poses to take, and an arm file of what you read.
 
     plan writes a file with the poses in which a sensor tells the most. Fill in
-    the readings. If the file's name ends in .csv, plan writes a motion instead,
-    for a force-torque sensor or efforts. The tilt of a floating vehicle is a
-    sensor, too: --vehicle names a file with its mass, buoyancy and centres.
+    the readings. The tilt of a floating vehicle is a sensor, too: --vehicle
+    names a file with its mass, buoyancy and centres.
 
     fit makes an arm file of one or several such files, for example one in air
     and one in water, and names what is wrong with them. motors estimates
@@ -135,7 +143,7 @@ def calibrate(
     own = values.arm_record(arm_file)
     if action == "fit":
         check_outputs([*files, arm_file], output=(output, _FORMATS))
-        return _fit(files, prior, zeros, tilt, output, own, as_json)
+        return _fit(files, prior, zeros, tilt, correlated, output, own, as_json)
 
     if action == "motors":
         check_outputs([*files, arm_file], output=(output, _FORMATS))
@@ -147,11 +155,8 @@ def calibrate(
         raise OutputError(file, "it exists; name another file")
     from alpha5_model.studies.calibration import plan_poses, session_text
 
-    chosen = _sensor(sensor, positions, noise, zeroed, vehicle, down)
+    chosen = _sensor(sensor, positions, noise, zeroed, vehicle)
     density = values.fluid_density("air" if fluid is None else fluid)
-    if file.suffix == ".csv":
-        _plan_motion(file, chosen, as_json, own, density, down, prior)
-        return 0
     planned = plan_poses(
         chosen,
         poses,
@@ -162,11 +167,11 @@ def calibrate(
         ballast=ballast,
     )
     atomic_write(file, session_text(planned, own))
-    degrees = np.degrees(planned.motion.q)
+    degrees = np.degrees(planned.q)
     record = {
         "sensor": planned.sensor.kind,
         "channels": planned.sensor.channels,
-        "q": planned.motion.q,
+        "q": planned.q,
     }
     printing.show(as_json, record, _plan_text(planned, degrees), file)
     return 0
@@ -178,33 +183,6 @@ def _only(files: list[Path], expected: str) -> Path:
     if others:
         raise InputError("files", " ".join(map(str, files)), expected)
     return first
-
-
-def _plan_motion(
-    file: Path,
-    sensor: Sensor,
-    as_json: bool,
-    own: Any,
-    density: float,
-    gravity: Any,
-    prior: str,
-) -> None:
-    """Plan a motion instead of poses, and write it."""
-    from alpha5_model.studies.calibration import plan_excitation
-
-    with printing.spinner("planning"):
-        motion = plan_excitation(
-            sensor, arm=own, fluid_density=density, gravity=gravity, prior=prior
-        )
-    motion.write(file)
-    record = {
-        "sensor": sensor.kind,
-        "duration": motion.time[-1],
-        "samples": motion.time.size,
-        "evaluations": motion.evaluations,
-    }
-    words = f"a motion of {motion.time[-1]:g} s, the best of {motion.evaluations}"
-    printing.show(as_json, record, [words], file)
 
 
 def _motors(
@@ -244,30 +222,28 @@ def _sensor(
     noise: float | None,
     zeroed: bool,
     vehicle: Path | None,
-    gravity: Any,
 ) -> Sensor:
     """The sensor that the options describe."""
-    from alpha5_model.studies.calibration.plan_file import SENSORS
+    from alpha5_model.studies.calibration.sensors import SENSORS
 
-    make, names = SENSORS[choice("sensor", kind, tuple(SENSORS))]
+    make = SENSORS[choice("sensor", kind, tuple(SENSORS))]
+    arguments = signature(make).parameters
     given: dict[str, Any] = {}
     if positions is not None:
         points = values.numbers("positions", positions, (9,), "m")
         given["positions"] = np.reshape(points, (3, 3))
     if noise is not None:
-        given["torque_noise" if kind == "force-torque" else "noise"] = noise
+        name = "torque_noise" if "torque_noise" in arguments else "noise"
+        given[name] = noise
     if zeroed:
         given["zeroed"] = True
     if vehicle is not None:
         given["vehicle"] = _tables(vehicle)
-    elif "vehicle" in names:
+    for name, value in given.items():
+        if name not in arguments:
+            raise InputError(name, value, f"nothing: {kind} has no such option")
+    if "vehicle" in arguments and vehicle is None:
         raise InputError("vehicle", None, f"--vehicle FILE, which {kind} needs")
-    for name in given:
-        if name not in names:
-            expected = f"nothing: {kind} has no such option"
-            raise InputError(name, given[name], expected)
-    if kind == "weight" and gravity is not None:
-        given["gravity"] = gravity
     return make(**given)
 
 
@@ -297,6 +273,7 @@ def _fit(
     prior: str,
     zeros: str,
     tilt: str,
+    correlated: bool,
     output: Path | None,
     own: Any,
     as_json: bool,
@@ -308,7 +285,14 @@ def _fit(
     (of_zeros,) = values.numbers("zeros", zeros, (1,), "rad")
     (of_tilt,) = values.numbers("tilt", tilt, (1,), "rad")
     with printing.spinner("fitting"):
-        found = fit(sessions, arm=own, prior=prior, zeros=of_zeros, tilt=of_tilt)
+        found = fit(
+            sessions,
+            arm=own,
+            prior=prior,
+            zeros=of_zeros,
+            tilt=of_tilt,
+            correlated=correlated,
+        )
     if output is not None:
         found.write(output)
     printing.show(as_json, _record(found), str(found).split("\n"), output)

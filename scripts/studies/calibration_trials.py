@@ -325,16 +325,16 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--prior", choices=("digits", "loose"), default="digits")
-    parser.add_argument("--noise", choices=("white", "ar", "quantised"), default="white")
+    parser.add_argument(
+        "--noise", choices=("white", "ar", "quantised"), default="white"
+    )
     parser.add_argument("--moving", action="store_true")
     given = parser.parse_args(words)
     if given.task == "faults":
         faults(given.trials, given.seed)
         return
     for name in given.names:
-        coverage(
-            name, given.prior, given.trials, given.seed, given.noise, given.moving
-        )
+        coverage(name, given.prior, given.trials, given.seed, given.noise, given.moving)
 
 
 if __name__ == "__main__":

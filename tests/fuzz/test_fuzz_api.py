@@ -53,7 +53,7 @@ UNCHECKED = (
     *("water_terms", "Arc.", "Segment."),
 )
 #: Functions that take long; they are drawn less often.
-SLOW = ("plan", "identify", "analyse", "FittedNumbers", "without_self_collision")
+SLOW = ("plan", "analyse", "without_self_collision")
 #: Function -> parts of its answer that may be NaN or infinite, as documented: branches
 #: that do not exist, absent limits, what the motor cannot do, missing readings.
 INFINITE = {
@@ -62,7 +62,6 @@ INFINITE = {
     "published_inverse_kinematics": {"answer"},
     "approach_directions": {"directions"},
     "torque_limits": {"lower", "upper"},
-    "identify": {"lower", "upper", "gains", "deviation", "gain"},
     "plan": {"limit"},
     "plan_poses": {"readings"},
     "session": {"readings"},

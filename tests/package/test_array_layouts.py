@@ -181,7 +181,7 @@ def test_all_functions_of_kinematics(tmp_path: Path) -> None:
 
 
 #: Searches from sampled starts: last digits of their input may lead elsewhere.
-SEARCHES = ("plan_excitation", "plan_poses", "plan")
+SEARCHES = ("plan_poses", "plan")
 
 
 @pytest.mark.slow

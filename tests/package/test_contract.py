@@ -363,7 +363,7 @@ def labs() -> list[Case]:
     return [
         (u.sample, {"n": 2, "seed": 0}),
         (u.bounds, {**state, "arm": a5.load(0.0)}),
-        (c.weight, {"gravity": (0, 0, -9.81), "noise": 1e-3, "gain": 1e-3}),
+        (c.weight, {"noise": 1e-3, "gain": 1e-3}),
         (c.efforts, {"noise": 1e-3, "gain": 1e-3, "offset": 0.0}),
         (c.force_torque, {"force_noise": 1e-2, "torque_noise": 1e-3, "gain": 1e-3}),
         (c.session, {"sensor": c.efforts(), "q": q, "fluid_density": 0.0}),

@@ -57,16 +57,6 @@ def test_motors_of_a_joint_without_a_rated_speed() -> None:
         a5.calibrate.motors(motion, arm)
 
 
-def test_excitation_of_a_joint_that_can_hardly_move() -> None:
-    record = a5.parameters()
-    narrow = replace(record.joints[1], lower=1.0, upper=1.01)
-    joints = (record.joints[0], narrow, *record.joints[2:])
-    with pytest.raises(InputError, match="axis_d"):
-        a5.calibrate.plan_excitation(
-            a5.calibrate.efforts(), arm=replace(record, joints=joints)
-        )
-
-
 def test_a_link_4_of_which_the_jaws_leave_no_volume() -> None:
     jaws = a5.parameters().jaws
     fingers = jaws.finger_volume + jaws.second_finger_volume

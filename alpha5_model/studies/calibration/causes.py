@@ -54,6 +54,10 @@ _DELAY = 1e-3
 _LONGEST_DELAY = 1.0
 #: A cause of which the unknowns leave less than this share cannot be told.
 _UNSEEN = 1e-4
+#: Causes that are listed at most: all but the first often explain a part of it.
+_MOST = 5
+#: A link of a third or of three times its mass is another link.
+_OTHER_MASS = 3.0
 #: Correlated noise of this many times the stated one is a misfit.
 _NOISY = 3.0
 
@@ -189,7 +193,7 @@ def problems(
     if misfit and not named:
         message = f"the best numbers leave {words}, and no known cause does"
         named = [Problem("unexplained", message, session="", gain=0.0)]
-    order = sorted(named, key=lambda problem: -problem.gain)
+    order = sorted(named, key=lambda problem: -problem.gain)[:_MOST]
     return tuple(replace(one, rank=rank) for rank, one in enumerate(order, 1))
 
 
@@ -230,7 +234,9 @@ class _Score:
         parts = [("the readings are", "all readings are", np.ones(session.sensor.size))]
         if session.sensor.size > 1:
             for channel, one in zip(session.sensor.channels, channels, strict=True):
-                parts.append((f"those of {channel} are", f"those of {channel} are", one))
+                parts.append(
+                    (f"those of {channel} are", f"those of {channel} are", one)
+                )
         for of_unit, of_scale, part in parts:
             size, gain = self._explained(self._rows(number, predicted * part))
             factor = 1.0 + size
@@ -310,10 +316,12 @@ class _Score:
         by = np.zeros((*read.shape, len(linear.singular)))
         by[poses, channels] = linear.left[rows] * np.sqrt(linear.share)
         # From each pose on: sums over the later ones.
-        steps = [np.cumsum(x[::-1], axis=0)[::-1] for x in (along, by, read.astype(float))]
+        steps = [
+            np.cumsum(x[::-1], axis=0)[::-1] for x in (along, by, read.astype(float))
+        ]
 
         size, gain = _alone(along, by, read.astype(float))
-        pose, channel = np.unravel_index(gain.argmax(), gain.shape)
+        pose, channel = divmod(int(gain.argmax()), sensor.size)
         if gain[pose, channel] > _limit(gain.size):
             off = size[pose, channel] * sensor.deviation[channel]
             words = f"{sensor.channels[channel]} in pose {pose + 1} is off by "
@@ -333,7 +341,7 @@ class _Score:
         size, gain = (part[inner] for part in _alone(*steps))
         if not gain.size:
             return
-        pose, channel = np.unravel_index(gain.argmax(), gain.shape)
+        pose, channel = divmod(int(gain.argmax()), sensor.size)
         if gain[pose, channel] > _limit(gain.size):
             jump = size[pose, channel] * sensor.deviation[channel]
             words = f"{sensor.channels[channel]} was zeroed again from pose {pose + 3} "
@@ -357,7 +365,8 @@ class _Score:
             row = link * PER_BODY
             size, gain = self._explained(slopes[:, row])
             mass = middle[row] + size
-            if gain > _limit(len(BODY_NAMES)) and mass > 0.0:
+            likely = 1.0 / _OTHER_MASS < mass / middle[row] < _OTHER_MASS
+            if gain > _limit(len(BODY_NAMES)) and likely:
                 words = f"{mass:.4g} kg instead of {middle[row]:.4g}"
                 self._add(f"mass of {name}", words, gain)
         for joint, name in enumerate(JOINT_NAMES[:4]):

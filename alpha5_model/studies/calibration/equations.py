@@ -195,7 +195,12 @@ class Equations:
         return self._read(self.loads(values, number, density), values, number)
 
     def slopes(self, values: FloatArray) -> list[FloatArray]:
-        """Derivatives of `predicted` by all unknowns, (N, k, K) of each session."""
+        """Derivatives of `predicted` by all unknowns, (N, k, K) of each session.
+
+        Raises:
+            InputError: Values so near to an impossible body that their slopes are not
+                possible.
+        """
         numbers = self.numbers.at(values[: self.of_arm])
         return [self._slopes(values, k, numbers) for k in range(len(self.sessions))]
 
@@ -217,7 +222,7 @@ class Equations:
 
         at = self.loads(values, number)
         out = np.zeros((*session.readings.shape, len(self.names)))
-        for k in np.flatnonzero(self.deviation[: self.of_arm]):
+        for k in np.flatnonzero(self.deviation[: self.of_arm]).tolist():
             step = _STEP * self.deviation[k]
             ends = []
             for by in (step, -step):

@@ -33,7 +33,7 @@ from alpha5_model.numbers.parameters import (
     chosen_arm,
 )
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.studies.arm_numbers import load_slopes
+from alpha5_model.studies.arm_numbers import OF_BODIES, PER_BODY, load_slopes
 from alpha5_model.studies.calibration.ar1 import ROUNDS, correlation, whitened
 from alpha5_model.studies.calibration.causes import Linear, Problem, problems
 from alpha5_model.studies.calibration.equations import (
@@ -290,7 +290,10 @@ def estimated(equations: Equations, correlated: bool = False) -> Estimate:
         values = values_of(z)
         if turn and moved < _SETTLED and not correlated:
             break
-        slopes = equations.slopes(values)
+        try:
+            slopes = equations.slopes(values)
+        except InputError:
+            break  # wild readings lead to the edge of what is possible
         if correlated:
             noise = _estimated_noise(equations, values, slopes, noise)
 
@@ -302,8 +305,12 @@ def estimated(equations: Equations, correlated: bool = False) -> Estimate:
     share = linear[1].share
     kept = share > _LEAST_GAIN
     factor = linear[1].directions[:, kept] * np.sqrt(share[kept])
-    untold = ~_is_told(factor)
-    values[untold] = middle[untold]
+    told = _is_told(factor)
+    for first in range(0, OF_BODIES, PER_BODY):
+        # Moments of inertia are possible together only.
+        inertia = slice(first + 4, first + 10)
+        told[inertia] = told[inertia].any()
+    values = np.where(told, values, middle)
     return Estimate(
         values=values,
         squared=squared,
@@ -395,7 +402,7 @@ def _torques(
 ) -> tuple[FloatArray, FloatArray]:
     """Standard deviations of static torques, root mean square over poses, (4,) each."""
     of_arm = equations.of_arm
-    numbers = equations.numbers.at(found.values[:of_arm])
+    numbers = equations.numbers
     joints = numbers.arm.joints[:4]
     lower = [joint.lower for joint in joints]
     upper = [joint.upper for joint in joints]

@@ -135,7 +135,9 @@ class Weight(Sensor):
 
     def check(self, gravity: FloatArray, density: float, moves: bool) -> None:
         if not gravity.any():
-            raise InputError("gravity", gravity.tolist(), "gravity that pulls somewhere")
+            raise InputError(
+                "gravity", gravity.tolist(), "gravity that pulls somewhere"
+            )
 
 
 def scales(

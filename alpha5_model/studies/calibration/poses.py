@@ -74,7 +74,7 @@ def plan_poses(
     rng = generator(seed)
     record = chosen_arm(arm)
     ballast = real("ballast", ballast, minimum=0.0)
-    chosen = instance("sensor", sensor, Sensor)
+    chosen = instance("sensor", sensor, Sensor)  # type: ignore[type-abstract]
     options: dict[str, Any] = {"fluid_density": fluid_density, "gravity": gravity}
     numbers = prior_numbers(record, prior, ZEROS, moves=False)
 

@@ -123,7 +123,7 @@ def session(
         InputError: Not such numbers, more than 5000 states, scales that do not lie
             level, or an arm that moves on a vehicle whose tilt is read.
     """
-    chosen = instance("sensor", sensor, Sensor)
+    chosen = instance("sensor", sensor, Sensor)  # type: ignore[type-abstract]
     positions = float_array("q", q, (4,))
     if positions.ndim != 2 or not 0 < len(positions) <= MOST_STATES:
         expected = f"1 to {MOST_STATES} states, (N, 4)"
@@ -285,7 +285,6 @@ def _session_of(given: Mapping[str, Any], name: str, signs: FloatArray) -> Sessi
         named(f"key of {place}", pose, (*_OF_JOINTS, "readings"))
         if "angles" not in pose:
             raise InputError(f"{place}: angles", None, "a value")
-        rest = [0.0] * 4
         of_joints = []
         for key in _OF_JOINTS:
             of_one = pose.get(key, [0.0] * 4)

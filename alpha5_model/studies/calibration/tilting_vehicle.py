@@ -34,6 +34,8 @@ from alpha5_model.water.vehicle import Vehicle, trim_angles
 
 #: Share of its weight that buoyancy must carry: the tilt of thrust is not known.
 _LEAST_BUOYANCY = 0.8
+#: Units of angles in files.
+_ANGLES = {"deg": np.pi / 180, "rad": 1.0}
 #: Where the force along x and the moments about x and y are in `Loads`.
 _FORCE_X = 4
 _MOMENT_X = 7
@@ -47,7 +49,7 @@ class VehicleTilt(Sensor):
     kind = "vehicle-tilt"
     channels = ("roll", "pitch")
     unit = ("rad", "rad")
-    units = {"deg": np.pi / 180, "rad": 1.0}  # noqa: RUF012
+    units = _ANGLES
     guide = (
         "Let the vehicle float without thrust. Move to each pose, wait until it is",
         "still, and write its roll and pitch: turns about fixed axes, x forward, y to",

@@ -22,6 +22,9 @@ from alpha5_model.studies.calibration.sensor import (
 _ANY_OFFSET = np.repeat([10.0, 1.0], 3)
 #: Prior of friction of which nothing is known [N m, N m s/rad].
 _ANY_FRICTION = 10.0
+#: Units in files.
+_FORCES = {"N, N m": 1.0}
+_TORQUES = {"N m": 1.0, "mN m": 1e-3}
 #: A joint that is slower rests: what is left is rounding, whose sign says nothing
 #: [rad/s].
 _AT_REST = 1e-12
@@ -34,7 +37,7 @@ class ForceTorque(Sensor):
     kind = "force-torque"
     channels = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
     unit = ("N",) * 3 + ("N m",) * 3
-    units = {"N, N m": 1.0}  # noqa: RUF012
+    units = _FORCES
     guide = (
         "Mount the arm on the sensor. Write its readings in the axes and about the",
         "origin of base_link in each pose, averaged over a second or more.",
@@ -64,7 +67,7 @@ class Efforts(Sensor):
     kind = "efforts"
     channels = JOINT_NAMES[:4]
     unit = ("N m",) * 4
-    units = {"N m": 1.0, "mN m": 1e-3}  # noqa: RUF012
+    units = _TORQUES
     guide = (
         "Write the torques of the joints, without friction: the mean of those after",
         "coming from above and from below.",
