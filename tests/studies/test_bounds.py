@@ -228,6 +228,11 @@ def test_bounds_are_of_the_fluid_of_the_arm(density: float) -> None:
     found = u.bounds(*states, a5.load(density, arm=record)).torque
     tau, _ = own.inverse_dynamics(record, *states, density, DOWN)
     np.testing.assert_allclose((found.lower + found.upper) / 2, tau, atol=1e-9)
+    expected = u.sensitivity(
+        lambda p: u.arm(p, density).inverse_dynamics_batch(*states), record
+    )
+    half = (found.upper - found.lower) / 2
+    np.testing.assert_allclose(half, expected.half_width, rtol=1e-2, atol=1e-6)
 
 
 def test_bounds_with_jaws_are_about_the_arm_with_jaws() -> None:
