@@ -180,6 +180,7 @@ def loads(
     q: FloatArray,
     v: FloatArray,
     a: FloatArray,
+    carried: FloatArray | None = None,
 ) -> FloatArray:
     """Joint torques, then force and moment on the mount in base_link, (N, 10).
 
@@ -188,8 +189,13 @@ def loads(
         density: Of the fluid [kg/m^3].
         gravity: In base_link, (3,) [m/s^2].
         q, v, a: (N, 4) each.
+        carried: Moments of what the links carry beyond the record, (5, 2, 4, 4), see
+            `alpha5_model.codegen.regrouping.moments`; it stays where it is on its link.
     """
-    at = _kernel_numbers(record, _moments_of_links(record, density))
+    bodies = moments_of_record(record, density)
+    if carried is not None:
+        bodies = bodies + carried
+    at = _kernel_numbers(record, bodies)
     return _rows(at, gravity, q, v, a)
 
 
@@ -208,12 +214,10 @@ def load_slopes(
 
     Args:
         numbers: Of the arm. `ArmNumbers.at` moves them to where the slopes are wanted.
-        density, gravity, q, v, a: As of `loads`.
-        carried: Moments of what the links carry beyond the record, (5, 2, 4, 4), see
-            `alpha5_model.codegen.regrouping.moments`; it stays where it is on its link.
+        density, gravity, q, v, a, carried: As of `loads`.
     """
     slopes = base_slopes(numbers, density)
-    bodies = _moments_of_links(numbers.arm, density)
+    bodies = moments_of_record(numbers.arm, density)
     if carried is not None:
         bodies = bodies + carried
         slopes = slopes + _slopes_of_carried(numbers, carried)
@@ -228,19 +232,22 @@ def load_slopes(
         change = _rows(longer, gravity, q, v, a) - _rows(shorter, gravity, q, v, a)
         by_dimensions.append(change / (2 * _DIMENSION_STEP))
     by_numbers = np.concatenate([by_base, np.stack(by_dimensions, axis=-1)], axis=-1)
-    out = by_numbers @ slopes[:, : _BASE + _DIMENSIONS].T
+    return by_numbers @ slopes[:, : _BASE + _DIMENSIONS].T
 
-    mount = numbers.arm.mount
-    turns = [k for k in _rows_of(numbers, "mount") if ".rpy." in numbers.names[k]]
-    if mount is not None and turns:
-        by_mount = _differences(
-            numbers, lambda arm: arm.mount.rotation.T @ mount.rotation @ gravity, turns
-        )
-        still = np.zeros_like(q)
-        for k in turns:
-            # Loads are linear in gravity.
-            out[..., k] = _rows(at, by_mount[k], q, still, still)
-    return np.asarray(out)
+
+def gravity_slopes(numbers: ArmNumbers, gravity: FloatArray) -> FloatArray:
+    """Derivatives of gravity in base_link, (3,) [m/s^2], by the numbers, (K, 3).
+
+    They are of the turn of the mount, which all other slopes take as known.
+    """
+    own = numbers.arm.mount
+    if own is None:
+        return np.zeros((len(numbers.names), 3))
+    return _differences(
+        numbers,
+        lambda arm: arm.mount.rotation.T @ own.rotation @ gravity,
+        [k for k in _rows_of(numbers, "mount") if ".rpy." in numbers.names[k]],
+    )
 
 
 @lru_cache(maxsize=64)
@@ -251,12 +258,12 @@ def base_slopes(numbers: ArmNumbers, density: float) -> FloatArray:
     that no load depends on, have zeros. See `alpha5_model.dynamics.regression.NAMES`
     and `alpha5_model.kinematics.geometry.Geometry.dimensions`.
     """
-    bodies = _moments_of_links(numbers.arm, density)
+    bodies = moments_of_record(numbers.arm, density)
 
     def moved(arm: Any) -> FloatArray:
         # Lengths and zeros leave the bodies as they are.
         same = (arm.links, arm.attached) == (numbers.arm.links, numbers.arm.attached)
-        own = bodies if same else _moments_of_links(arm, density)
+        own = bodies if same else moments_of_record(arm, density)
         return _kernel_numbers(arm, own)
 
     others = _rows_of(numbers, "zeros", "lengths", "elbow", "attached")
@@ -320,7 +327,7 @@ def _moments(body: FloatArray, density: float) -> tuple[FloatArray, FloatArray]:
     return moments(body[0], body[1:4], inertia, body[10], body[11:], density)
 
 
-def _moments_of_links(record: Alpha5Parameters, density: float) -> FloatArray:
+def moments_of_record(record: Alpha5Parameters, density: float) -> FloatArray:
     """Moments of the links with all that is attached, (5, 2, 4, 4)."""
     return np.array(
         [

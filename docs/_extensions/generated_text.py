@@ -45,22 +45,18 @@ def torque_intervals() -> str:
     for name in SHOWN_POSES:
         q = a5.named_pose(name)
         found = u.sensitivity(lambda p, q=q: u.arm(p).hydrostatic_torque(q))
-        lower, upper = u.torque_bounds(q, still, still)
+        lower, upper = u.bounds(q, still, still).torque
         for k, joint in enumerate(a5.load().joint_names):
             most = [(of, x) for of, x in found.most(k) if abs(x) >= LEAST_EFFECT]
             digits = ", ".join(f"`{of}` {1e3 * abs(x):.2f}" for of, x in most)
-            torque, low, high, worst = (
-                f"{1e3 * x:z.2f}"
-                for x in (found.nominal[k], lower[k], upper[k], found.half_width[k])
-            )
+            torque = f"{1e3 * found.nominal[k]:z.2f}"
+            half = f"{5e2 * (upper[k] - lower[k]):z.2f}"
             lines.append(
                 [
                     f"`{name}`",
                     joint,
                     torque,
-                    low,
-                    high,
-                    worst,
+                    half,
                     digits or "none",
                 ]
             )
@@ -68,9 +64,7 @@ def torque_intervals() -> str:
         "pose",
         "joint",
         "torque [mN·m]",
-        "at least [mN·m]",
-        "at most [mN·m]",
-        "by all digits [± mN·m]",
+        "± [mN·m]",
         "digits that matter most [± mN·m]",
     ]
     return table(head, lines)

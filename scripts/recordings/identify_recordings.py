@@ -34,11 +34,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import alpha5_model as a5
+from alpha5_model.codegen.regrouping import base_parameters
 from alpha5_model.dynamics.kernel_numbers import arm_dimensions
 from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
-from alpha5_model.studies.uncertainty import linear_maps, printed
-from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
+from alpha5_model.studies.arm_numbers import arm_numbers, base_slopes
 
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
@@ -58,25 +58,18 @@ SHOWN = 0.2
 UNSEEN = 100.0
 
 
-def moments(sets: np.ndarray, alternatives: tuple[str, ...] = ()) -> np.ndarray:
-    """The eight net first moments in fresh water of printed numbers, (..., 8)."""
-    of_arm = arm_numbers(a5.parameters(), alternatives)
-    by_moments = of_arm.grouping(a5.FRESH_WATER)
-    return linear_maps.groups(of_arm.bodies(sets), by_moments)[..., COLUMNS]
-
-
 def numbers(corrections: tuple[str, ...] = ()) -> np.ndarray:
     """The eight net first moments in fresh water, (8,) [kg m]."""
-    middle, _ = printed.intervals(corrections)
-    return moments(middle, corrections)
+    record = a5.parameters(("base_frame", *corrections))
+    return base_parameters(record.links, a5.FRESH_WATER, parameters=record)[COLUMNS]
 
 
 def by_digits() -> np.ndarray:
     """Change of the eight by one standard deviation of each printed number, (K, 8)."""
-    middle, half = printed.intervals(())
+    of_arm = arm_numbers(a5.parameters())
     # The standard deviation of an even distribution over the digits' interval.
-    sets = middle + np.diag(half) * 3**-0.5
-    return moments(sets) - numbers()
+    deviation = of_arm.half_width * 3**-0.5
+    return base_slopes(of_arm, a5.FRESH_WATER)[:, COLUMNS] * deviation[:, None]
 
 
 def linear(

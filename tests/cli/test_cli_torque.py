@@ -63,7 +63,7 @@ def test_json_equals_own_newton_euler(capsys, fluid, density):
     for name, expected in terms.items():
         ours = [joint[name] for joint in result["joints"]]
         assert np.abs(ours - expected[0]).max() < 1e-12
-    ends = a5.uncertainty.torque_bounds(Q, V, A, density)
+    ends = a5.uncertainty.bounds(Q, V, A, a5.load(density)).torque
     for joint, low, high in zip(result["joints"], *ends, strict=True):
         assert joint["torque_range"] == pytest.approx([low, high], rel=1e-9, abs=1e-12)
         assert low < joint["torque"] < high

@@ -359,11 +359,10 @@ def labs() -> list[Case]:
     c = a5.calibrate
     q = np.ones((2, 4))
     still = np.zeros(4)
-    state = {"q": still, "v": still, "a": still, "fluid_density": 0.0}
+    state = {"q": still, "v": still, "a": still}
     return [
-        (u.printed_numbers, {"alternatives": ()}),
         (u.sample, {"n": 2, "seed": 0}),
-        (u.torque_bounds, {**state, "alternatives": ()}),
+        (u.bounds, {**state, "arm": a5.load(0.0)}),
         (c.weight, {"noise": 1e-3, "gain": 1e-3}),
         (c.efforts, {"noise": 1e-3, "gain": 1e-3, "offset": 0.0}),
         (c.force_torque, {"force_noise": 1e-2, "torque_noise": 1e-3, "gain": 1e-3}),

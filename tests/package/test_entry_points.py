@@ -29,7 +29,6 @@ ENTRY_POINTS = {
     "proofs.audit.run": "audit",
     "studies.arm_numbers": "arm_numbers; zeros count from Table 1's angles",
     "studies.sweep.cases": "a study that names corrections",
-    "studies.uncertainty.arm_numbers": "arm_numbers; which values are the printed ones",
     "viewer.build": "which URDF is drawn",
     "viewer.own_arm": "what the page says of the differences",
     "viewer.self_collision_plot": "self_collision_figure",

@@ -12,8 +12,7 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.numbers.motors import Motors
 from alpha5_model.numbers.parameters import Alpha5Parameters, Measurement
-from alpha5_model.studies.uncertainty.arm_numbers import arm_numbers
-from alpha5_model.studies.uncertainty.measured import other_numbers, with_changes
+from alpha5_model.studies.arm_numbers import arm_numbers
 
 u = a5.uncertainty
 MOTORS = Motors(
@@ -96,7 +95,6 @@ PLACES = {
     "tool.xyz.y": [".tool.position[1]"],
     "mount.xyz.z": [".mount.position[2]"],
     "motors.supply_voltage": [".motors.supply_voltage[]"],
-    "motors.current_limit": [f".motors.current_limits.{k}[]" for k in range(5)],
     "motors.current_limit.axis_c": [".motors.current_limits.2[]"],
     "motors.rotor_inertia.axis_d": [".motors.rotor_inertias.1[]"],
     "motors.viscous_friction.axis_a": [".motors.viscous_frictions.4[]"],
@@ -109,27 +107,59 @@ def key_of(name: str) -> str:
     return stem if set(axes) <= {*"xyz"} else name
 
 
-@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+def changed(record: Alpha5Parameters, name: str, by: float) -> Alpha5Parameters:
+    """The record with one of its numbers changed."""
+    numbers = arm_numbers(record)
+    values = numbers.middle.copy()
+    values[numbers.names.index(name)] += by
+    return numbers.record(values)
+
+
 @pytest.mark.parametrize("name", PLACES)
 def test_a_change_of_a_measured_number_changes_nothing_else(name: str) -> None:
     width = 1e-8 if "inertia" in name or "friction" in name else 1e-5
     record = measured(0, **{key_of(name).replace(".", "__"): width})
-    numbers = {one.name: one for one in other_numbers(record)}
-    assert numbers[name].half_width == width
-    old = leaves(record)
-    assert numbers[name].value == old[PLACES[name][0]]
-    found = changes(record, with_changes(record, {name: width}))
+    numbers = arm_numbers(record)
+    k = numbers.names.index(name)
+    assert numbers.half_width[k] == width
+    old = leaves(record)[PLACES[name][0]]
+    if name.startswith("zeros."):
+        row = int(PLACES[name][0].split(".")[2])
+        old -= a5.parameters().dh[row].theta_offset
+    assert numbers.middle[k] == pytest.approx(old, abs=1e-15)
+    found = changes(record, changed(record, name, width))
     assert list(found) == PLACES[name]
     np.testing.assert_allclose([*found.values()], width, rtol=1e-6)
 
 
+def test_a_value_for_all_joints_is_a_number_of_each() -> None:
+    numbers = arm_numbers(measured(0, motors__current_limit=0.1))
+    names = [f"motors.current_limit.axis_{joint}" for joint in "edcba"]
+    assert numbers.names[-5:] == tuple(names)
+    assert (numbers.half_width[-5:] == 0.1).all()
+
+
 def test_a_longer_spacer_lowers_the_tool() -> None:
     record = measured(1, attached__sensor__spacer=1e-4)
-    found = changes(record, with_changes(record, {"attached.sensor.spacer": 1e-4}))
+    found = changes(record, changed(record, "attached.sensor.spacer", 1e-4))
     assert found == {
-        ".attached.0.spacer[]": pytest.approx(1e-4),
         ".tool.position[2]": pytest.approx(-1e-4),
+        ".attached.0.spacer[]": pytest.approx(1e-4),
     }
+
+
+def test_the_elbow_is_a_length_and_an_angle() -> None:
+    """40 mm and 145.3 mm: the hypotenuse is a_1, their angle turns both its ends."""
+    record = a5.parameters()
+    found = changed(record, "elbow.opposite", 5e-4)
+    angle = np.arctan2(40.5, 145.3)
+    assert found.dh[1].a == pytest.approx(np.hypot(0.0405, 0.1453), rel=1e-12)
+    assert found.theta_c == pytest.approx(angle, rel=1e-12)
+    for row in (1, 2):
+        assert found.dh[row].theta_offset == pytest.approx(angle - np.pi / 2)
+    measured_a_1 = measured(0, lengths__a_1=1e-3)
+    turned = changed(measured_a_1, "elbow.opposite", 5e-4)
+    assert turned.dh[1].a == measured_a_1.dh[1].a
 
 
 def test_the_spread_is_that_of_the_sampled_results() -> None:
@@ -159,19 +189,14 @@ def test_a_measured_centre_of_buoyancy_needs_no_length() -> None:
             a5.parameters(corrections),
             measurements=tuple(Measurement(k, half_width=w) for k, w in widths.items()),
         )
-        numbers = arm_numbers(record)
-        for name, axis in (("link_2.a", 0), ("link_0.d", 1)):
-            values = numbers.middle.copy()
-            values[numbers.names.index(name)] += 1e-4
-            moved = np.abs(
-                numbers.parameters(values).links[3].cob - record.links[3].cob
-            )
-            expected = np.zeros(3) if measured_cob else 1e-4 * np.eye(3)[axis]
+        for name, by in (("lengths.a_2", 1e-4), ("lengths.d_0", 1e-4)):
+            other = changed(record, name, by)
+            moved = other.links[3].cob - record.links[3].cob
+            axis = 0 if name == "lengths.a_2" else 1
+            sign = 1.0 if axis == 0 else -1.0
+            expected = np.zeros(3) if measured_cob else sign * by * np.eye(3)[axis]
             np.testing.assert_allclose(moved, expected, atol=1e-12)
-            rest = numbers.parameters(values).links[2]
-            assert np.array_equal(rest.cob, record.links[2].cob)
-        near = numbers.names.index("link_3.cob.y")
-        values = numbers.middle.copy()
-        values[near] += 1e-4
-        moved = numbers.parameters(values).links[3].cob - record.links[3].cob
-        assert np.abs(moved).sum() == pytest.approx(1e-4, rel=1e-6)
+            assert np.array_equal(other.links[2].cob, record.links[2].cob)
+        other = changed(record, "links.link_3.cob.y", 1e-4)
+        moved = other.links[3].cob - record.links[3].cob
+        np.testing.assert_allclose(moved, [0.0, 1e-4, 0.0], atol=1e-12)

@@ -182,7 +182,6 @@ def arm_calls() -> list[tuple[str, Call]]:
         "frame_positions": (frame_positions, {"q": q}, {"arm": plain}),
         "torque_margin": (torque_margin, state, {"arm": plain}),
         "bounds": (a5.uncertainty.bounds, state, {}),
-        "torque_bounds": (a5.uncertainty.torque_bounds, state, {}),
         "without_self_collision": (a5.without_self_collision, {"q": q}, {"wrists": 2}),
         "load": (
             lambda **g: torque(a5.load(**g)),

@@ -306,8 +306,7 @@ def _missing_decimals(rows: tuple[InertialRow, ...]) -> list[AuditRow]:
                 f"{usual}",
                 finding=f"It may stand for {finer}: the two tensors give "
                 f"{implied.value:.5f} ± {implied.bound:.5f} kg.",
-                used=f"{row.mass}; the alternative link2_mass of a5.uncertainty takes "
-                f"it as {finer}",
+                used=f"{row.mass}",
                 effect=(row.mass.rounding - finer.rounding) * G * _lever(row),
                 cost="weight of what the missing digit leaves open, times the lever "
                 "of the COM",

@@ -232,8 +232,8 @@ def _efficiency(
         measures=f"eta_max, compared with actuator 3's {other.efficiency} at "
         f"{other.gear_ratio}:1, with the same loss in every stage",
         finding="This is too high for a gearbox. It is more likely the motor's.",
-        used="eta_max as the gearbox's; the alternative motor_efficiency of "
-        "a5.uncertainty takes it as the motor's",
+        used="eta_max as the gearbox's; a5.actuators.actuator can take "
+        "it as the motor's",
         effect=with_loss / row.efficiency.si - with_loss,
         cost="stall torque gained, if nothing is lost in the gearbox",
     )

@@ -1,4 +1,4 @@
-"""Effects of the printed digits on any result: number by number, and all at once."""
+"""The effect of each uncertain number of an arm on any result."""
 
 from __future__ import annotations
 
@@ -11,21 +11,19 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray, count, float_array
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
-from alpha5_model.studies.uncertainty import printed
-from alpha5_model.studies.uncertainty.arm_numbers import ArmNumbers, arm_numbers
-from alpha5_model.studies.uncertainty.printed import Names
+from alpha5_model.studies.arm_numbers import arm_numbers
 from alpha5_model.studies.uncertainty.sampling import sample
 
-#: A result of a parameter set: a number or an array.
+#: A result of a record: a number or an array.
 Result = Callable[[Alpha5Parameters], ArrayLike]
 
 
 class Sensitivity(NamedTuple):
-    """The effect of each printed number on a result, to first order.
+    """The effect of each uncertain number on a result.
 
     Attributes:
-        names: Of the printed numbers, (K,).
-        nominal: The result at the middle of all intervals, (...).
+        names: Of the numbers, (K,), as `PrintedNumber` and arm files have them.
+        nominal: The result of the arm itself, (...).
         effects: Half the change of the result from the lower to the upper end of each
             interval, (K, ...).
     """
@@ -46,65 +44,32 @@ class Sensitivity(NamedTuple):
         return tuple((self.names[k], float(effects[k])) for k in order)
 
 
-def sensitivity(
-    result: Result, alternatives: Names = (), arm: Alpha5Parameters | None = None
-) -> Sensitivity:
-    """How much a result depends on each printed number.
+def sensitivity(result: Result, arm: Alpha5Parameters | None = None) -> Sensitivity:
+    """How much a result depends on each uncertain number of an arm.
 
     Args:
-        result: Function of a parameter set that returns a number or an array, such as
+        result: Function of a record that returns a number or an array, such as
             ``lambda p: arm(p).hydrostatic_torque(q)``.
-        alternatives: Names of `ALTERNATIVES` to believe.
         arm: Record of an arm of your own; None for the catalogue's. The half widths of
             its file replace those of the digits, and all that have one are varied:
             zeros, tool, mount and limits, too.
 
     Raises:
-        InputError: A result with numbers that are not finite, or alternatives for an
-            arm of your own.
+        InputError: A result with numbers that are not finite.
     """
-    chosen = printed.believed(alternatives)
-    numbers = arm_numbers(chosen_arm(arm), chosen)
-    if numbers.offset is not None:
-        return _sensitivity_of_own(result, numbers)
+    numbers = arm_numbers(chosen_arm(arm))
 
-    intervals = printed.numbers(chosen)
-    # An alternative can move the middle away from the printed number.
-    middle = {
-        name: number.value
-        for name, number in intervals.items()
-        if number.value != number.printed.si
-    }
+    def result_of(values: FloatArray) -> FloatArray:
+        return float_array("result", result(numbers.record(values)), ())
 
-    def result_with(values: dict[str, float]) -> FloatArray:
-        parameters = printed.parameter_set(middle | values, chosen)
-        return float_array("result", result(parameters), ())
-
-    effects = []
-    for name, number in intervals.items():
-        upper = result_with({name: number.upper})
-        lower = result_with({name: number.lower})
-        effects.append((upper - lower) / 2)
-    return Sensitivity(
-        names=tuple(intervals), nominal=result_with({}), effects=np.array(effects)
-    )
-
-
-def _sensitivity_of_own(result: Result, numbers: ArmNumbers) -> Sensitivity:
-    """`sensitivity` of an arm of one's own."""
-
-    def result_with(change: FloatArray) -> FloatArray:
-        parameters = numbers.parameters(numbers.middle + change)
-        return float_array("result", result(parameters), ())
-
-    nominal = result_with(np.zeros(numbers.middle.size))
-    effects = []
-    for change in np.diag(numbers.half_width):
-        if not change.any():
-            effects.append(np.zeros_like(nominal))
-            continue
-        effects.append((result_with(change) - result_with(-change)) / 2)
-    return Sensitivity(names=numbers.names, nominal=nominal, effects=np.array(effects))
+    nominal = result_of(numbers.middle)
+    effects = np.zeros((len(numbers.names), *nominal.shape))
+    for k in np.flatnonzero(numbers.half_width):
+        step = numbers.half_width[k] * (np.arange(len(effects)) == k)
+        upper = result_of(numbers.middle + step)
+        lower = result_of(numbers.middle - step)
+        effects[k] = (upper - lower) / 2
+    return Sensitivity(names=numbers.names, nominal=nominal, effects=effects)
 
 
 class Spread(NamedTuple):

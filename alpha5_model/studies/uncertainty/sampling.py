@@ -1,33 +1,17 @@
-"""Parameter sets drawn from the intervals of the printed numbers."""
+"""Arms drawn from the intervals of their uncertain numbers."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import (
-    FloatArray,
-    array,
-    choice,
-    count,
-    flag,
-    frozen,
-    generator,
-    real,
-)
+from alpha5_model._support.checks import FloatArray, choice, count, frozen, generator
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
-from alpha5_model.studies.uncertainty import printed
-from alpha5_model.studies.uncertainty.arm_numbers import (
-    ArmNumbers,
-    are_lengths,
-    arm_numbers,
-)
-from alpha5_model.studies.uncertainty.linear_maps import groups
-from alpha5_model.studies.uncertainty.printed import Names
+from alpha5_model.studies.arm_numbers import ArmNumbers, arm_numbers, by_body
+from alpha5_model.studies.printed_digits import SYMMETRIC
 
 #: Standard deviation of a number that is uniform in -1 to 1.
 DEVIATION = 3**-0.5
@@ -37,19 +21,17 @@ _MOST_ROUNDS = 10_000
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Parameter sets; make one with `sample`.
+    """Sets of numbers; make one with `sample`.
 
     Attributes:
-        names: Of the printed numbers, (K,).
+        names: Of the numbers, (K,), as `PrintedNumber` and arm files have them.
         values: (n, K) SI units.
-        alternatives: Names of `ALTERNATIVES` that are believed.
-        arm: Record of the arm whose numbers they are; None for the catalogue's.
+        arm: Record of the arm whose numbers they are.
     """
 
     names: tuple[str, ...]
     values: FloatArray
-    alternatives: tuple[str, ...]
-    arm: Alpha5Parameters | None = None
+    arm: Alpha5Parameters
 
     def __len__(self) -> int:
         return len(self.values)
@@ -64,85 +46,106 @@ class Sample:
         whole = isinstance(index, int | np.integer) and not isinstance(index, bool)
         if not whole or not -size <= index < size:
             raise InputError("index", index, f"a whole number from 0 to {size - 1}")
-        return self._numbers().parameters(self.values[index])
-
-    def base_parameters(
-        self, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
-    ) -> FloatArray:
-        """38 base parameters and gravity of every set, (n, 41).
-
-        See `alpha5_model.codegen.regrouping`.
-
-        They are for the generated kernels with the lengths of the arm, and contain no
-        jaws that a spacer has moved: an arm with a spacer is refused.
-
-        Raises:
-            InputError: A density below 0, or an arm with a spacer.
-        """
-        density = real("fluid_density", fluid_density, minimum=0.0)
-        numbers = self._numbers()
-        if numbers.arm.spacer:
-            expected = "none, or sets of `parameters(index)`, which have it"
-            raise InputError("spacer", numbers.arm.spacer, expected)
-        of_bodies = groups(numbers.bodies(self.values), numbers.grouping(density))
-        weight = np.broadcast_to(array("gravity", gravity, 3), (len(self), 3))
-        return np.concatenate([of_bodies, weight], axis=1)
-
-    def _numbers(self) -> ArmNumbers:
-        """The numbers that the sets are of."""
-        return arm_numbers(chosen_arm(self.arm), self.alternatives)
+        return arm_numbers(self.arm).record(self.values[index])
 
 
 def sample(
     n: int,
     seed: int = 0,
     distribution: str = "uniform",
-    alternatives: Names = (),
     arm: Alpha5Parameters | None = None,
-    lengths: bool = True,
 ) -> Sample:
-    """Draw parameter sets whose numbers all round to the printed ones.
+    """Draw sets of the uncertain numbers of an arm.
 
-    A set that no bodies can have is drawn again.
+    For the catalogue's arm, all numbers of a set round to the printed ones. A set that
+    no bodies can have is drawn again.
 
     Args:
         n: Number of sets.
         seed: Of the random numbers.
         distribution: ``uniform`` within the intervals, or ``normal`` with the same
             variance, which exceeds their ends.
-        alternatives: Names of `ALTERNATIVES` to believe.
         arm: Record of an arm of your own; None for the catalogue's. The half widths of
-            its file replace those of the digits.
-        lengths: Whether lengths are drawn, too. Without them, no set exceeds what
-            `bounds` gives, which has the same choice.
+            its file replace those of the digits. The numbers of a calibrated arm have
+            its covariance.
 
     Raises:
-        InputError: ``n`` or ``seed`` is not such a number, alternatives for an arm of
-            your own, or hardly any numbers within its half widths are possible.
-        UnknownNameError: No such distribution or alternative.
+        InputError: ``n`` or ``seed`` is not such a number, or hardly any numbers within
+            the half widths are possible.
+        UnknownNameError: No such distribution.
     """
     rng = generator(seed)
-    chosen = printed.believed(alternatives)
     choice("distribution", distribution, ("uniform", "normal"))
     size = count("n", n)
-
-    numbers = arm_numbers(chosen_arm(arm), chosen)
-    fixed = are_lengths(numbers.names) & (not flag("lengths", lengths))
-    middle = numbers.middle
-    values = np.empty((0, middle.size))
+    numbers = arm_numbers(chosen_arm(arm))
+    values = np.empty((0, len(numbers.names)))
     rounds = 0
     while len(values) < size:
         rounds += 1
         if rounds > _MOST_ROUNDS:
             found = f"{len(values)} possible sets in {_MOST_ROUNDS} rounds"
             raise InputError("arm", found, "half widths with more possible bodies")
-        shape = (size - len(values), middle.size)
+        shape = (size - len(values), len(numbers.names))
         if distribution == "normal":
             drawn = rng.normal(0, DEVIATION, shape)
         else:
             drawn = rng.uniform(-1, 1, shape)
-        sets = middle + np.where(fixed, 0.0, numbers.spread(drawn))
-        values = np.concatenate([values, sets[numbers.possible(sets)]])
-    return Sample(
-        names=numbers.names, values=frozen(values), alternatives=chosen, arm=arm
+        sets = drawn_values(numbers, drawn)
+        values = np.concatenate([values, sets[possible(numbers, sets)]])
+    return Sample(names=numbers.names, values=frozen(values), arm=numbers.arm)
+
+
+def drawn_values(numbers: ArmNumbers, drawn: FloatArray) -> FloatArray:
+    """Values of the numbers from independent draws with the variance 1/3, (..., K).
+
+    A calibration knows first moments m c, not their factors. So a drawn change dm, dc
+    of calibrated numbers is that of ``m c`` to first order, ``c dm + m dc``: the centre
+    moves by ``dc m / (m + dm)``, and the moment by just that.
+    """
+    known = numbers.arm.covariance
+    if known is None or numbers.root is None:
+        return np.asarray(numbers.middle + numbers.half_width * drawn)
+    together = np.isin(numbers.names, known.names)
+    # The root has a column, and so a draw, for each number that is known together.
+    change = np.where(
+        together, drawn[..., together] @ numbers.root.T, numbers.half_width * drawn
     )
+
+    for k in np.flatnonzero(together):
+        stem, _, centre = numbers.names[k].rpartition(".")
+        amount = {"com": "mass", "cob": "volume"}.get(stem.rpartition(".")[2])
+        if amount is None or centre not in {*"xyz"}:
+            continue
+        of_amount = numbers.names.index(f"{stem.rpartition('.')[0]}.{amount}")
+        if together[of_amount]:
+            mass = numbers.middle[of_amount]
+            heavier = mass + change[..., of_amount]
+            change[..., k] *= np.where(heavier > 0, mass / heavier, 1.0)
+    return np.asarray(numbers.middle + change)
+
+
+def possible(numbers: ArmNumbers, values: FloatArray) -> Any:
+    """Which sets (n, K) are possible links with their COM inside, (n,) bool.
+
+    A body has a positive definite pseudo-inertia and no negative volume. The
+    pseudo-inertia is positive definite exactly if the mass is positive and the second
+    moments at the COM are positive definite [Wensing2018].
+
+    References:
+        [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically
+            consistent inertial parameter identification, IEEE RA-L 3(1).
+    """
+    links = by_body(values)
+    inertia = links[..., 4:10][..., SYMMETRIC]
+    trace = np.trace(inertia, axis1=-2, axis2=-1)[..., None, None]
+    second = trace / 2 * np.eye(3) - inertia
+    bodies = (links[..., 0] > 0) & (links[..., 10] >= 0)
+    bodies &= np.linalg.eigvalsh(second)[..., 0] > 0
+
+    # A measured COM may be outside of the drawn body already.
+    own = np.array([link.com for link in numbers.arm.links])
+    bounds = np.array([link.bounds for link in numbers.arm.links])
+    com = links[..., 1:4]
+    inside = np.minimum(bounds[..., 0], own) <= com
+    inside &= com <= np.maximum(bounds[..., 1], own)
+    return (bodies & inside.all(axis=-1)).all(axis=-1)
