@@ -17,14 +17,14 @@ from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.cli import options, printing, values
 from alpha5_model.errors import InputError, ViewerError
+from alpha5_model.planning.obstacle_file import read_obstacles
 from alpha5_model.trajectory import read_motion
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.film_frames import pictures
 from alpha5_model.viewer.framing import check_size, framed
 from alpha5_model.viewer.page import static_page
-from alpha5_model.viewer.picture import picture_png
-from alpha5_model.viewer.poses import pose_of, posed, with_base
-from alpha5_model.viewer.scene import NO_PAYLOAD, Payload, Scene, Size
+from alpha5_model.viewer.picture import picture, picture_png
+from alpha5_model.viewer.poses import posed, with_base
+from alpha5_model.viewer.scene import Scene, Size
 from alpha5_model.viewer.tracks import resampled
 from alpha5_model.viewer.video_file import VIDEO_FORMATS, film
 
@@ -47,6 +47,25 @@ _Target = Annotated[
 _Motion = Annotated[
     Path | None, Option(help="Recording or plan to play (CSV, Parquet, ROS bag).")
 ]
+_Obstacles = Annotated[Path | None, Option(help=options.HELP["obstacles"])]
+_Topic = Annotated[
+    str | None, Option(help="Topic of the joint states, if a bag has several.")
+]
+_Prefix = Annotated[
+    str | None, Option(help="Prefix of the joints' names, such as left_.")
+]
+_Map = Annotated[
+    str, Option("--map", help="Names of the joints: axis_e=NAME,axis_d=-NAME.")
+]
+_Degrees = Annotated[
+    bool, Option("--degrees", help="Angles are in degrees, if columns name no unit.")
+]
+_Time = Annotated[
+    str | None, Option("--time", help="Column of the time, NAME or NAME:ms.")
+]
+_Episode = Annotated[
+    int | None, Option(help="Episode of a Parquet file that holds several.")
+]
 _Show = Annotated[str | None, Option(help=options.HELP["groups"])]
 _Current = Annotated[str | None, Option(help=options.HELP["arrow"])]
 _Html = Annotated[Path | None, Option(help="Write a page that works from disk.")]
@@ -68,6 +87,13 @@ def view(
     pose: _Pose = None,
     target: _Target = None,
     motion: _Motion = None,
+    topic: _Topic = None,
+    prefix: _Prefix = None,
+    joints: _Map = "",
+    degrees: _Degrees = False,
+    time: _Time = None,
+    episode: _Episode = None,
+    obstacles: _Obstacles = None,
     show: _Show = None,
     gripper: options.Gripper = "jaws",
     fluid: options.Fluid = "sea",
@@ -91,7 +117,7 @@ def view(
     """  # noqa: E501 (a line of the help)
     pixels = None if size is None else _size(size)
     check_outputs(
-        [motion],
+        [path for path in (motion, obstacles) if path is not None],
         html=(html, (".html", ".htm")),
         image=(image, (".png",)),
         video=(video, VIDEO_FORMATS),
@@ -101,16 +127,27 @@ def view(
 
     record = values.arm_record(arm_file)
     arm = values.arm_in(fluid, options.DOWN, gripper, mount, None, record)
+    played = None
+    if motion is not None:
+        played = read_motion(
+            motion,
+            topic=topic,
+            prefix=prefix,
+            arm=arm.parameters,
+            joints=values.pairs("map", joints.split(","), "="),
+            degrees=degrees,
+            time=time,
+            episode=episode,
+        )
     shown = build_scene(
         arm,
         None if pose is None else _position(arm, pose),
         target=None if target is None else values.numbers("target", target, (3,), "m"),
-        motion=None if motion is None else read_motion(motion, arm=arm.parameters),
+        motion=played,
         show=None if show is None else values.names(show),
         current=values.current_vector(current),
-        payload=NO_PAYLOAD
-        if payload is None
-        else Payload(*values.payload_numbers(payload)),
+        payload=None if payload is None else values.payload_numbers(payload),
+        obstacles=() if obstacles is None else read_obstacles(obstacles),
     )
 
     written = [path for path in (html, image, video) if path is not None]
@@ -133,11 +170,11 @@ def _size(text: str) -> Size:
 
 
 def _position(arm: Arm, pose: str) -> FloatArray:
-    """The joint position of a named pose, or of numbers."""
-    if pose.endswith(("deg", "mm")):
-        numbers = values.joint_numbers("pose", pose, "rad", (4, 5))
-        pose = " ".join(repr(number) for number in numbers)
-    return pose_of(arm, pose)
+    """The joint position of a named pose, or of numbers; the jaws are closed."""
+    count = len(arm.joint_names)
+    q = values.joint_positions("pose", pose, (4, count), arm.parameters)
+    closed = arm.limits.lower[len(arm.limits.lower) - count + len(q) :]
+    return with_base(arm, np.concatenate([q, closed]))
 
 
 def _check_display() -> None:
@@ -202,10 +239,8 @@ def _film(
 ) -> None:
     with film(path, _FRAME_RATE) as (rate, add):
         frames = list(resampled(arm, time, track, rate))
-        scenes = (posed(seen, arm, q) for q in frames)
-        drawn = pictures(scenes, pixels)
-        for frame in printing.progress_over(drawn, "drawing", len(frames)):
-            add(frame)
+        for q in printing.progress_over(frames, "drawing", len(frames)):
+            add(picture(posed(seen, arm, q), pixels))
 
 
 def _serve(arm: Arm, shown: Scene, port: int, open_browser: bool) -> None:

@@ -5,11 +5,12 @@ Every mesh has a normal at each corner, so that the page and the picture shade i
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise, product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -66,17 +67,49 @@ def drawn(shape: UrdfShape, folder: str) -> Mesh:
     """
     if shape.kind == "mesh":
         mesh = read_obj(str(Path(folder, shape.file).resolve()))
-    elif shape.kind == "box":
-        mesh = box(shape.size)
-    elif shape.kind == "cylinder":
-        radius, length = shape.size
-        mesh = cylinder(radius, length)
-    elif shape.kind == "sphere":
-        (radius,) = shape.size
-        mesh = sphere(radius)
     else:
-        raise FileFormatError("URDF", f"cannot draw a {shape.kind}")
+        mesh = primitive(shape.kind, shape.size)
     return mesh.moved(shape.placement)
+
+
+def primitive(kind: str, size: Sequence[float]) -> Mesh:
+    """A box, cylinder or sphere about the origin.
+
+    Args:
+        kind: Which of them.
+        size: Edges; radius and length; or radius [m].
+
+    Raises:
+        FileFormatError: Another kind.
+    """
+    if kind == "box":
+        return box(size)
+    if kind == "cylinder":
+        radius, length = size
+        return cylinder(radius, length)
+    if kind == "sphere":
+        (radius,) = size
+        return sphere(radius)
+    raise FileFormatError("URDF", f"cannot draw a {kind}")
+
+
+def faceted(vertices: FloatArray, triangles: NDArray[Any]) -> Mesh:
+    """Triangles with flat faces, seen from both sides.
+
+    Args:
+        vertices: (V, 3) [m].
+        triangles: Numbers of three vertices each, (T, 3).
+    """
+    corners = vertices[np.concatenate([triangles, triangles[:, ::-1]])]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(across, axis=1, keepdims=True)
+    # A triangle without an area has no normal, and is not seen.
+    normals = np.divide(across, lengths, out=np.zeros_like(across), where=lengths > 0)
+    return Mesh(
+        vertices=corners.reshape(-1, 3),
+        normals=np.repeat(normals, 3, axis=0),
+        faces=np.arange(3 * len(corners), dtype=np.uint32).reshape(-1, 3),
+    )
 
 
 @cache

@@ -67,14 +67,14 @@ def test_a_link_opened_elsewhere_shows_the_same_numbers(
     chromium: Any, address: str, opened: Tab
 ) -> None:
     opened.run("""() => {
-      alpha5.setPose([2.345678901234, 1.1, 1.9, -0.4, 0.004]);
+      alpha5.change({ q: [2.345678901234, 1.1, 1.9, -0.4, 0.004] });
       alpha5.follow([0.21, 0.1, 0.12], 0);
       alpha5.change({ density: 998.2, current: [0.3, -0.1, 0.05], degrees: false });
       alpha5.change({ attitude: [0.1, -1e-7] });
       alpha5.change({ payload: { mass: 0.31, com: [0, 0, 0.01], volume: 4e-5 } });
       alpha5.change({ limits: [null, 2.5, 0.25, null], guard: true });
-      for (const name of ["current", "ghosts", "payload"]) alpha5.setGroup(name, true);
-      alpha5.setGroup("labels", false);
+      const shown = { current: true, ghosts: true, payload: true, labels: false };
+      alpha5.change({ shown });
       alpha5.look("side", false);
     }""")
     opened.settle()

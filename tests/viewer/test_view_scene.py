@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference import COB, COM, LOWER, MASS, UPPER, VOLUME, inertial_frames
-from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5
 from alpha5_model._support.paths import REPOSITORY_PATH, URDF_PATH
@@ -26,7 +25,6 @@ from alpha5_model.errors import (
 )
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.drawing import ARROW_SCALE
-from alpha5_model.viewer.poses import pose_of
 from alpha5_model.viewer.scene import (
     GROUPS,
     Mean,
@@ -47,51 +45,6 @@ def locked() -> Scene:
 def volume_of(vertices: np.ndarray, faces: np.ndarray) -> float:
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
-
-
-def walk_tree(scene: Scene, values: dict[str, float]) -> dict[str, np.ndarray]:
-    """Poses from the page's joint tree, by scipy's rotations."""
-    children = {joint.child for joint in scene.tree}
-    poses = {link: pose for link, pose in scene.poses.items() if link not in children}
-    for joint in scene.tree:
-        moved = joint.multiplier * values.get(joint.source, 0.0) + joint.offset
-        motion = np.eye(4)
-        if joint.kind == "revolute":
-            motion[:3, :3] = Rotation.from_rotvec(moved * joint.axis).as_matrix()
-        elif joint.kind == "prismatic":
-            motion[:3, 3] = moved * joint.axis
-        poses[joint.child] = poses[joint.parent] @ joint.transform @ motion
-    return poses
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {},
-        {"gripper": "jaws"},
-        pytest.param({"corrections": ()}, marks=pytest.mark.slow),
-        {"gripper": "jaws", "floating_base": True},
-    ],
-    ids=["locked", "jaws", "to the letter", "floating"],
-)
-def test_the_pages_tree_moves_links_as_pinocchio_does(options: dict) -> None:
-    arm = a5.load(**options)
-    rng = np.random.default_rng(7)
-    base = []
-    if arm.floating_base:
-        base = [0.3, -0.2, 0.5, *Rotation.from_rotvec([0.3, 0.4, -0.2]).as_quat()]
-    for _ in range(5):
-        joints = rng.uniform(LOWER, UPPER)
-        rod = [0.0071] if "axis_a" in arm.joint_names else []
-        q = np.array([*base, *joints, *rod])
-        scene = build_scene(arm, q)
-        poses = walk_tree(scene, dict(zip(scene.sliders, scene.q, strict=True)))
-        assert set(poses) == set(scene.poses)
-        for link, pose in poses.items():
-            np.testing.assert_allclose(pose, scene.poses[link], atol=1e-12)
-            if link != "world":
-                expected = arm.forward_kinematics(q, frame=link).homogeneous
-                np.testing.assert_allclose(scene.poses[link], expected, atol=1e-14)
 
 
 def test_link_poses_are_the_documents(locked: Scene) -> None:
@@ -116,7 +69,7 @@ def test_whole_arm_markers_stand_at_the_arms_centres(gripper: str) -> None:
     arm = a5.load(gripper=gripper).with_payload(
         0.4, com=(0.01, 0.02, 0.03), volume=1e-4
     )
-    q = pose_of(arm, "1.2 2.1 0.6 3.0")
+    q = np.array([1.2, 2.1, 0.6, 3.0, 0.0013][: len(arm.joint_names)])
     scene = build_scene(arm, q)
     marker = {s.group: s for s in scene.shapes if s.name == "arm"}
     for group, center in (
@@ -247,7 +200,10 @@ def test_streams_are_the_strips_load_of_a_current() -> None:
 
 def test_every_group_has_something_and_names_are_unique() -> None:
     arm = a5.load(gripper="jaws")
-    scene = build_scene(arm, target=[0.06, 0.05, 0.36], payload=Payload(mass=0.1))
+    post = a5.Obstacle.sphere("post", 0.1, [0.3, 0.3, 0.0])
+    scene = build_scene(
+        arm, target=[0.06, 0.05, 0.36], payload=Payload(mass=0.1), obstacles=[post]
+    )
     filled = {s.group for s in scene.shapes}
     assert filled == set(GROUPS) - {"labels", "see-through"}
     names = [(s.group, s.name) for s in scene.shapes]
@@ -414,19 +370,6 @@ def test_bad_arguments_end_in_the_error_tree(
         build_scene(a5.load(), **arguments)
     assert isinstance(caught.value, Alpha5Error)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("text", ["up", "1,2,3", "1 2 3 4 5 6", "1,2,3,nan", ""])
-def test_bad_poses(text: str) -> None:
-    with pytest.raises(Alpha5Error):
-        pose_of(a5.load(), text)
-
-
-def test_poses_by_name_and_number() -> None:
-    arm = a5.load(gripper="jaws")
-    np.testing.assert_array_equal(pose_of(arm, "1,2,3,4"), [1, 2, 3, 4, 0.0013])
-    np.testing.assert_array_equal(pose_of(arm, "-1 2 3 4 0.01"), [-1, 2, 3, 4, 0.01])
-    assert pose_of(arm, "stow").shape == (5,)
 
 
 def test_a_mean_needs_no_normalised_weights() -> None:
