@@ -13,12 +13,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import SIZE, Tab, needs_browser, new_tab
+from browser import Tab, needs_browser, new_tab
 from demo_run import demo_run
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.viewer.poses import named_poses
 
 pytestmark = needs_browser
@@ -100,29 +99,6 @@ def test_the_page_could_not_ask_for_more_if_it_tried(page: Tab) -> None:
     del page.requests[1:]
 
 
-def test_the_canvas_shows_an_arm(page: Tab) -> None:
-    page.show_only("bodies")
-    seen = page.pixels()
-    assert seen.shape == (SIZE[1], SIZE[0], 3)
-    assert seen.std() > 15
-    dark = seen.max(axis=2) < 110
-    assert 0.01 < dark.mean() < 0.4
-    page.show_only()
-    empty = page.pixels()
-    assert not (empty.max(axis=2) < 110).any(), (
-        "without the bodies there is only the backdrop"
-    )
-    # the base tube lies on the -x side, and nothing beyond its end
-    drawn = np.abs(seen.astype(int) - empty).max(axis=2) > 10
-    end, far = (
-        page.project(np.array([[-0.11, 0.0, 0.0], [-0.20, 0.0, 0.0]]))
-        .round()
-        .astype(int)
-    )
-    assert drawn[end[1] - 4 : end[1] + 5, end[0] - 4 : end[0] + 5].mean() > 0.6
-    assert not drawn[far[1] - 4 : far[1] + 5, far[0] - 4 : far[0] + 5].any()
-
-
 @pytest.mark.parametrize(
     ("joint", "value", "still", "moving"),
     [
@@ -175,36 +151,6 @@ def test_a_slider_moves_the_links_beyond_it_and_no_others(
     for link in still[:-1]:
         assert not around(link, home).any(), f"{link} should stand still"
     assert any(around(link, at).mean() > 0.2 for link in moving for at in (home, q))
-    assert page.complaints == []
-
-
-def test_a_target_is_reached_by_the_branch_that_is_asked_for(
-    page: Tab, arm: a5.Arm
-) -> None:
-    target = np.array([-0.18, 0.06, 0.16])
-    for name, value in zip("xyz", target, strict=True):
-        page.page.fill(f"#target input[name={name}]", f"{1e3 * value:g}")
-    q = np.array(page.run("() => alpha5.state.q"))
-    expected = a5.inverse_kinematics(target, q[3])
-    buttons = page.page.locator("#ways button")
-    assert [
-        buttons.nth(i).is_enabled() for i in range(4)
-    ] == expected.within_limits.tolist()
-    assert buttons.all_inner_texts() == [name.replace("_", " ") for name in a5.BRANCHES]
-    for i in np.flatnonzero(expected.within_limits):
-        buttons.nth(int(i)).click()
-        q = np.array(page.run("() => alpha5.state.q"))
-        np.testing.assert_allclose(q[:4], expected.q[i], atol=1e-9)
-        np.testing.assert_allclose(
-            arm.forward_kinematics(q).translation, target, atol=1e-9
-        )
-    page.page.fill("#target input[name=x]", "900")
-    assert not any(buttons.nth(i).is_enabled() for i in range(4))
-    # Without a target the buttons keep the tip where it is.
-    page.page.fill("#target input[name=x]", "")
-    assert [
-        buttons.nth(i).is_enabled() for i in range(4)
-    ] == expected.within_limits.tolist()
     assert page.complaints == []
 
 
@@ -267,14 +213,6 @@ def test_labels_stand_beside_what_they_name(page: Tab, arm: a5.Arm) -> None:
     }""")
 
 
-@pytest.mark.parametrize("name", list(NAMED_POSES))
-def test_pose_buttons(page: Tab, name: str) -> None:
-    page.page.locator("#poses button", has_text=name).click()
-    page.settle()
-    q = page.run("() => alpha5.state.q")
-    np.testing.assert_allclose(q[:4], NAMED_POSES[name], atol=1e-12)
-
-
 def test_the_motion_plays_in_real_time_and_can_be_sought(
     page: Tab, arm: a5.Arm
 ) -> None:
@@ -303,19 +241,6 @@ def test_the_motion_plays_in_real_time_and_can_be_sought(
     page.settle()
     assert page.run("() => document.getElementById('time').value") == stopped
     assert page.complaints == []
-
-
-def test_the_view_turns_by_hand(page: Tab) -> None:
-    before = page.pixels()
-    page.page.mouse.move(800, 400)
-    page.page.mouse.down()
-    page.page.mouse.move(900, 380, steps=4)
-    page.page.mouse.up()
-    assert (np.abs(page.pixels() - before).max(axis=2) > 20).mean() > 0.005
-    page.page.mouse.move(900, 380)
-    page.page.mouse.down()
-    page.page.mouse.move(800, 400, steps=4)
-    page.page.mouse.up()
 
 
 def test_live_viewer(chromium: Any) -> None:

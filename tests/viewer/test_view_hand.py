@@ -219,25 +219,6 @@ def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
     np.testing.assert_array_equal(joints(tab), after)
 
 
-@pytest.mark.parametrize("tab", ["phone light", "phone dark"], indirect=True)
-def test_a_tap_on_a_ghosts_label_takes_its_way(tab: Tab) -> None:
-    tab.change(shown={"ghosts": True})
-    tab.run("(p) => alpha5.follow(p, 0)", OPEN.tolist())
-    tab.settle()
-    tab.run(
-        "() => alpha5.follow([0.25, -0.004, 0.006], 0)"
-    )  # where the other ways are beyond the limits
-    tab.settle()
-    assert tab.page.locator("#labels button:enabled:visible").count() == 0
-    tab.run("(p) => alpha5.follow(p, 0)", OPEN.tolist())
-    tab.settle()
-    tab.page.get_by_role("button", name="overarm flipped").and_(
-        tab.page.locator("#labels *")
-    ).click()
-    expected = a5.inverse_kinematics(OPEN, joints(tab)[3]).q[3]
-    np.testing.assert_allclose(joints(tab)[:4], expected, atol=1e-9)
-
-
 def body_points(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
     """Corners of all bodies in the world."""
     folder = str(Path(JAWS_URDF_PATH).parent)
@@ -283,16 +264,6 @@ def test_views_by_button_and_key_frame_the_whole_motion(
         assert (seen < [right, bottom]).all(), name
         share = np.ptp(seen, axis=0) / [right - left, bottom - top]
         assert share.max() > 0.6, f"{name}: the picture is filled"
-
-
-def test_a_view_turned_by_hand_is_fitted_as_it_looks(tab: Tab) -> None:
-    tab.page.mouse.move(900, 200)
-    tab.page.mouse.down()
-    tab.page.mouse.move(1000, 260, steps=2)
-    tab.page.mouse.up()
-    before = tab.run(_CAMERA_DIRECTION)
-    tab.page.keyboard.press("f")
-    np.testing.assert_allclose(tab.run(_CAMERA_DIRECTION), before, atol=1e-9)
 
 
 def test_the_scale_bar_is_as_long_as_it_says(tab: Tab) -> None:
@@ -480,24 +451,3 @@ def test_the_scheme_is_that_of_the_system_and_jaws_stand_out(
     there = difference > 4
     assert there.mean() > 0.03
     assert np.median(difference[there]) > 20
-
-
-def test_what_is_seen_through_does_not_fight_with_what_it_lies_on(tab: Tab) -> None:
-    """Polygon offsets put collision bodies before the bodies, ghosts behind them."""
-    offsets = tab.run("""() => {
-      const out = {};
-      alpha5.change({ shown: { ghosts: true } });
-      alpha5.follow([0.06, 0.05, 0.36], 0);
-      for (const group of ['bodies', 'collision', 'ghosts']) {
-        const signs = new Set();
-        const { object } = alpha5.viewer.scene_tree.find(['meshcat', 'alpha5', group]);
-        object.traverse((o) => {
-          if (!o.isMesh) return;
-          const { polygonOffset, polygonOffsetFactor } = o.material;
-          signs.add(polygonOffset ? Math.sign(polygonOffsetFactor) : 0);
-        });
-        if (signs.size) out[group] = [...signs];
-      }
-      return out;
-    }""")
-    assert offsets == {"bodies": [0], "collision": [-1], "ghosts": [1]}

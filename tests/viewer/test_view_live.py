@@ -205,34 +205,6 @@ def test_what_is_no_request_is_refused(viewer: ArmVisualizer, sent: bytes) -> No
     assert code in (0, 400, 404, 405, 413, 431, 505)
 
 
-def frame(start: int, content: bytes = b"", length: bytes = b"") -> bytes:
-    """A WebSocket frame with a mask of zeros, and perhaps a length that is not its."""
-    size = length or bytes([len(content)])
-    return bytes([start, size[0] | 0x80]) + size[1:] + bytes(4) + content
-
-
-@pytest.mark.parametrize(
-    "sent",
-    [
-        frame(0xF1, b"{}"),
-        frame(0x8F),
-        frame(0x80, b"{}"),
-        frame(0x81, b"{}", length=b"\x7f" + b"\xff" * 8),
-        frame(0x81, b"\xff\xfe"),
-        bytes(range(255, -1, -1)) * 40,
-    ],
-)
-def test_what_is_no_frame_ends_its_connection(
-    viewer: ArmVisualizer, sent: bytes
-) -> None:
-    _, _, host, secret, _ = viewer.url().split("/")
-    lines = [f"GET /{secret}/ HTTP/1.1", f"Host: {host}", f"Origin: http://{host}"]
-    lines += [f"{key}: {value}" for key, value in UPGRADE.items()]
-    start = "\r\n".join(lines).encode() + b"\r\n\r\n"
-    answer = raw(viewer, start + sent, last=b"refused")
-    assert answer.startswith(b"HTTP/1.1 101")
-
-
 # ---- what a page sends
 
 

@@ -16,7 +16,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.canvas import Canvas, Window, shade
+from alpha5_model.viewer.canvas import Canvas, shade
 from alpha5_model.viewer.framing import check_size
 from alpha5_model.viewer.picture import picture, picture_png
 from alpha5_model.viewer.scene import Camera
@@ -72,37 +72,6 @@ def test_triangles_that_turn_their_back_are_not_drawn_unless_two_sided() -> None
     assert not drawn(canvas, (1, 0, 0)).any()
     canvas.draw(right_angle(0.0), RED, away, two_sided=True)
     assert drawn(canvas, (1, 0, 0)).any()
-
-
-def test_each_pixel_of_a_triangle_is_drawn_in_one_block(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Blocks bound the memory; small ones must add up to the one large block."""
-
-    def pixels() -> list[np.ndarray]:
-        screen = canvas.project(right_angle(0.0))
-        fragments = canvas._fragments(screen, RED, TRIANGLE, two_sided=False)
-        return [found.pixels for found in fragments]
-
-    canvas = Canvas(FRONT, 300, 200)
-    (whole,) = pixels()
-    monkeypatch.setattr("alpha5_model.viewer.canvas._PIXELS", 100)
-    monkeypatch.setattr("alpha5_model.viewer.canvas._LINES", 10)
-    blocks = pixels()
-    assert len(blocks) > 5
-    assert sorted(np.concatenate(blocks)) == sorted(whole)
-
-
-def test_a_window_has_the_pixels_of_the_whole_canvas() -> None:
-    whole = Canvas(FRONT, 300, 200)
-    window = Window(left=140, top=20, right=210, bottom=90)
-    part = Canvas(FRONT, 300, 200, window)
-    for canvas in (whole, part):
-        canvas.draw(right_angle(0.0), RED, TRIANGLE)
-        canvas.draw(right_angle(-0.3), BLUE, TRIANGLE, opacity=0.5)
-    seen = whole.color.reshape(200, 300, 3)[20:90, 140:210]
-    np.testing.assert_array_equal(part.color.reshape(70, 70, 3), seen)
-    assert len(np.unique(seen, axis=0)) > 2
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux can fork safely")
@@ -346,24 +315,3 @@ def test_a_picture_that_cannot_be_drawn_leaves_no_page(
         "arm.html",
         "arm.png",
     }
-
-
-def test_a_surface_is_lit_by_the_angles_to_both_lights() -> None:
-    """Against the law of Lambert with the angles, and Blinn's and Phong's highlight."""
-    lights = np.array([[-0.35, 0.75, 0.56], [0.85, 0.1, 0.52]])
-    rng = np.random.default_rng(5)
-    normals = rng.normal(size=(40, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    colors = rng.uniform(0.1, 0.4, (40, 3))
-    for k, (normal, color) in enumerate(zip(normals, colors, strict=True)):
-        diffuse = 0.68
-        highlight = 0.0
-        for light, strength in zip(lights, (0.80, 0.45), strict=True):
-            toward = light / math.sqrt(light @ light)
-            half = np.add(toward, [0, 0, 1])
-            diffuse += strength * max(0.0, normal @ toward)
-            cosine = normal @ half / math.sqrt(half @ half)
-            highlight += 0.5 * 0.3 * strength * max(0.0, cosine) ** 24
-        expected = np.clip(color * diffuse + highlight, 0, 1)
-        found = shade(normals, colors, np.eye(3), shine=0.3)[k]
-        assert found == pytest.approx(expected, abs=1e-12)
