@@ -194,7 +194,9 @@ class LiveWindow(ViewerWindow):  # type: ignore[misc]
     def remind(self, page: PageConnection) -> None:
         """Tell a page where the arm is."""
         with self._lock:
-            page.send(self._kept["pose", "", ""])
+            pose = self._kept.get(("pose", "", ""))
+        if pose is not None:
+            page.send(pose)
 
     def leave(self, page: PageConnection) -> None:
         """Forget a page that is closed."""
