@@ -8,6 +8,8 @@ from __future__ import annotations
 import base64
 import json
 import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +24,8 @@ from alpha5_model.viewer import page
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import live_page, static_page
 from alpha5_model.viewer.scene import MADE_BY_PAGE, Scene
+
+WEB = Path(page.__file__).parent / "web"
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +56,30 @@ def test_nothing_is_loaded_from_elsewhere(html: str) -> None:
     assert "connect-src" not in policy
     assert html.count("<script") == html.count("</script>") == 3
     assert "{{" not in html.split("<script>")[0]
+
+
+@pytest.mark.tools
+def test_modules_import_what_earlier_ones_export(tmp_path: Path) -> None:
+    """As node reads them: a name that is missing would be undefined on the page."""
+    if shutil.which("node") is None:
+        pytest.skip("there is no node")
+    for name in page._MODULES:
+        text = (WEB / f"{name}.js").read_text("utf-8")
+        (tmp_path / f"{name}.mjs").write_text(text.replace('.js";', '.mjs";'))
+    # Linking checks the names, before anything runs and misses a page.
+    (tmp_path / "main.mjs").write_text(
+        'import("./start.mjs").catch((error) => {'
+        "console.log(error.name, error.message); });"
+    )
+    done = subprocess.run(
+        ["node", "main.mjs"], cwd=tmp_path, check=True, capture_output=True, text=True
+    )
+    assert done.stdout == "ReferenceError document is not defined\n"
+    earlier: set[str] = set()
+    for name in page._MODULES:
+        text = (WEB / f"{name}.js").read_text("utf-8")
+        assert set(re.findall(r' from "\./(\w+)\.js";', text)) <= earlier
+        earlier.add(name)
 
 
 def test_the_same_scene_gives_the_same_bytes(scene: Scene, html: str) -> None:
