@@ -180,7 +180,13 @@ def test_an_own_arm_is_that_of_its_record(seed: int, tmp_path: Path) -> None:
 def test_solutions_and_nearest_points(name: str, tmp_path: Path) -> None:
     arm = case(name).shown
     record = arm.parameters
+    rng = np.random.default_rng(3)
+    anywhere = rng.normal((0.0, 0.0, 0.1), 0.35, (40, 3))
+    near_axis_and_folded = rng.normal((0.0, 0.0, 0.05), 0.06, (60, 3))
+    beyond_axis_e = np.outer(rng.uniform(-1.5, 1.5, 20), [0.4, -0.025, 0.1])
     q, points = states(arm, 3)
+    points = np.concatenate([points, anywhere, near_axis_and_folded, beyond_axis_e])
+    q = np.tile(q, (4, 1))
     on_axis = name != "tool beside"
     limits = arm.limits.lower[:4] - 1e-9, arm.limits.upper[:4] + 1e-9
     answers = page_script.computed(build_scene(arm), tmp_path, q, points)

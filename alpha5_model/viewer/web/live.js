@@ -15,7 +15,8 @@ onCommand((command) => {
   } else if (command.type === "refused") {
     say("refused", `Python refused this: ${command.reason}.`);
   } else if (command.type === "show") {
-    change({ shown: command.groups }, "python");
+    const known = Object.entries(command.groups).filter(([name]) => name in state.shown);
+    change({ shown: Object.fromEntries(known) }, "python");
   } else if (command.type === "camera") {
     moveCamera(command.eye, command.target);
     change({ view: null }, "python");
@@ -40,8 +41,9 @@ if (data.live) {
   // Send at most one message for each frame.
   let waiting = false;
   onChange((part, by) => {
+    if (!("q" in part)) return;
     if (by === "hand") say("refused", "");
-    if (waiting || !("q" in part) || !["hand", "motion", "travel"].includes(by)) return;
+    if (waiting || !["hand", "motion", "travel"].includes(by)) return;
     waiting = true;
     requestAnimationFrame(() => {
       waiting = false;

@@ -32,6 +32,8 @@ export function moveByHand(q) {
 }
 
 let goal = null; // where the arm is going, or null
+let rates = data.speed; // how fast [rad/s or m/s]
+let last = 0; // when the arm was moved last [ms]
 export const isMoving = () => goal !== null;
 const ends = [];
 export const onArrival = (listener) => ends.push(listener);
@@ -63,8 +65,6 @@ function start(q, speed, text) {
   last = performance.now();
   requestAnimationFrame(step);
 }
-let rates = data.speed;
-let last = 0;
 function step(clock) {
   if (goal === null) return;
   const seconds = clamp((clock - last) / 1e3, 0, LONGEST_FRAME);
