@@ -55,9 +55,9 @@ def viewer(
 ) -> Iterator[ArmVisualizer]:
     """A viewer that works afterwards, has not moved, and has printed nothing."""
     yield opened
+    opened._listeners.clear()
     np.testing.assert_array_equal(opened.q, POSE)
     works(opened)
-    opened._listeners.clear()
     assert capfd.readouterr() == ("", "")
     assert [record.getMessage() for record in caplog.records] == []
 
