@@ -20,14 +20,14 @@ from alpha5_model.cli import printing
 from alpha5_model.cli.parsing import Parser
 from alpha5_model.cli.quantities import LENGTH, Vector
 from alpha5_model.errors import InputError, ViewerError
+from alpha5_model.planning.obstacle_file import read_obstacles
 from alpha5_model.trajectory import read_motion
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.film_frames import pictures
 from alpha5_model.viewer.framing import check_size, framed
 from alpha5_model.viewer.page import static_page
-from alpha5_model.viewer.picture import picture_png
+from alpha5_model.viewer.picture import picture, picture_png
 from alpha5_model.viewer.poses import posed, with_base
-from alpha5_model.viewer.scene import NO_PAYLOAD, Payload, Scene, Size
+from alpha5_model.viewer.scene import Scene, Size
 from alpha5_model.viewer.tracks import resampled
 from alpha5_model.viewer.video_file import VIDEO_FORMATS, film
 
@@ -72,11 +72,17 @@ def options(parser: Parser) -> None:
     )
     common.reading(parser)
     parser.add_argument(
+        "--obstacles",
+        type=Path,
+        metavar="FILE",
+        help="TOML file with a table for each obstacle in base_link",
+    )
+    parser.add_argument(
         "--show",
         type=common.names,
         help="groups to show, with commas: bodies, see-through, labels, frames, com, "
         "cob, weight, buoyancy, workspace, surface, ghosts, collision, current, "
-        "payload",
+        "payload, obstacles",
     )
     common.gripper(parser, "jaws")
     common.fluid(parser)
@@ -123,7 +129,7 @@ def run(given: Namespace) -> None:
     if given.size is not None:
         check_size(given.size)
     check_outputs(
-        [given.motion],
+        [path for path in (given.motion, given.obstacles) if path is not None],
         html=(html, (".html", ".htm")),
         image=(image, (".png",)),
         video=(video, VIDEO_FORMATS),
@@ -148,9 +154,8 @@ def run(given: Namespace) -> None:
         motion=motion,
         show=given.show,
         current=given.current,
-        payload=NO_PAYLOAD
-        if given.payload is None
-        else Payload(*common.payload_of(given.payload)),
+        payload=None if given.payload is None else common.payload_of(given.payload),
+        obstacles=() if given.obstacles is None else read_obstacles(given.obstacles),
     )
 
     written = [path for path in (html, image, video) if path is not None]
@@ -235,10 +240,8 @@ def _film(
 ) -> None:
     with film(path, _FRAME_RATE) as (rate, add):
         frames = list(resampled(arm, time, track, rate))
-        scenes = (posed(seen, arm, q) for q in frames)
-        drawn = pictures(scenes, pixels)
-        for frame in printing.progress_over(drawn, "drawing", len(frames)):
-            add(frame)
+        for q in printing.progress_over(frames, "drawing", len(frames)):
+            add(picture(posed(seen, arm, q), pixels))
 
 
 def _serve(arm: Arm, shown: Scene, port: int, open_browser: bool) -> None:

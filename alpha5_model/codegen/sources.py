@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.codegen.arm_functions import functions, moments_of_body, products
+from alpha5_model.codegen.arm_functions import functions, moments_of_body
 from alpha5_model.codegen.compiled_code import c_source
 from alpha5_model.codegen.instructions import program
 from alpha5_model.codegen.javascript_code import javascript
 from alpha5_model.codegen.python_code import python_source
-from alpha5_model.numbers.parameters import parameters
 
 #: What batches of states call, compiled or in NumPy.
 _OF_ROWS = (
@@ -32,14 +31,6 @@ _OF_JAX = (
     "mass_matrix",
     "coriolis_matrix",
 )
-#: Frames, Jacobian, holding torque and inverse kinematics, for the viewer's page.
-_ON_THE_PAGE = (
-    "forward_kinematics",
-    "link_poses",
-    "jacobian",
-    "hydrostatic_torque",
-    "inverse_kinematics",
-)
 
 
 @cache
@@ -48,7 +39,6 @@ def generated_sources() -> dict[str, str]:
     of_any_arm = {name: program(one) for name, one in functions().items()}
     of_rows = [of_any_arm[name] for name in _OF_ROWS]
     of_jax = [of_any_arm[name] for name in _OF_JAX]
-    of_catalogue = products(parameters())
 
     folder = "alpha5_model/kernels/generated"
     return {
@@ -56,10 +46,7 @@ def generated_sources() -> dict[str, str]:
         f"{folder}/formulas.py": python_source(
             [*of_rows, *of_jax, program(moments_of_body())]
         ),
-        "alpha5_model/viewer/formulas.js": javascript(
-            [program(of_catalogue[name]) for name in _ON_THE_PAGE]
-        ),
-        "alpha5_model/viewer/own_formulas.js": javascript(
-            [of_any_arm[name] for name in _ON_THE_PAGE], "own_formulas"
+        "alpha5_model/viewer/web/inverse_kinematics.js": javascript(
+            [of_any_arm["inverse_kinematics"]]
         ),
     }

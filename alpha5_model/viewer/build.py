@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,21 +15,21 @@ from alpha5_model.collision.self_collision import self_collision
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.dynamics.load import arm_urdf
-from alpha5_model.errors import InputError, SelfCollisionError
+from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry
-from alpha5_model.kinematics.ik import Solutions, inverse_kinematics
+from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.reach import nearest_reachable
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue, parameters
 from alpha5_model.planning.goals import reaching_wrists
-from alpha5_model.planning.planner import ACCELERATION
-from alpha5_model.planning.retracted import retracted_poses
-from alpha5_model.planning.s_curve import RAMP
+from alpha5_model.planning.obstacles import Obstacle, checked_obstacles
 from alpha5_model.trajectory import Motion
 from alpha5_model.viewer import drawing
 from alpha5_model.viewer.framing import framed
-from alpha5_model.viewer.own_arm import own_arm, own_notes
+from alpha5_model.viewer.loads import loads_of, streams_of
+from alpha5_model.viewer.own_arm import own_notes
 from alpha5_model.viewer.poses import (
+    BEYOND,
     gravity_in_world,
     link_poses,
     named_poses,
@@ -47,18 +48,14 @@ from alpha5_model.viewer.scene import (
     Payload,
     Scene,
     Shape,
-    Travel,
     Water,
 )
-from alpha5_model.viewer.statics import loads_of, statics_of, streams_of
 from alpha5_model.viewer.tracks import motion_track
 
 #: Velocity of the water in the scene if none is given [m/s].
 _CURRENT = (1.0, 0.0, 0.0)
 #: Where file names of meshes in a URDF start.
 _FOLDER = str(Path(URDF_PATH).parent)
-#: How far beyond a limit rounding may put a joint [rad or m].
-_ROUNDING = 1e-9
 
 
 def build_scene(
@@ -69,15 +66,17 @@ def build_scene(
     motion: Motion | None = None,
     show: Iterable[str] | None = None,
     current: ArrayLike | None = None,
-    payload: Payload = NO_PAYLOAD,
+    payload: Sequence[Any] | None = None,
+    obstacles: Iterable[Obstacle] = (),
     curves: Mapping[str, ArrayLike] | None = None,
 ) -> Scene:
     """Build the scene of an arm.
 
     Args:
         arm: What to show.
-        q: Joint positions, (nq,). If None: the solution nearest to ``home`` for the
-            target, or for the nearest point in reach; ``home`` without a target.
+        q: Joint positions, (nq,). If None: the first pose of the motion; or the
+            solution nearest to ``home`` for the target, or for the nearest point in
+            reach; or ``home``.
         target: Position in base_link, (3,) [m]; the solutions of its inverse kinematics
             are ghosts.
         motion: Played in real time.
@@ -87,7 +86,9 @@ def build_scene(
         current: Velocity of the water, (3,) [m/s], in base_link if the base is fixed,
             else in the world; 1 m/s along x if None. If the current is shown, the
             page's torques include its nominal load, which is estimated.
-        payload: What the arm holds, beside payloads that it has.
+        payload: What the arm holds, beside payloads that it has, as
+            `alpha5_model.viewer.scene.Payload` has it.
+        obstacles: Fixed bodies in base_link.
         curves: Name -> signals beside the motion, one number for each of its samples.
 
     Raises:
@@ -98,14 +99,19 @@ def build_scene(
     """
     record = arm.parameters
     check_dimensions(arm._model, "the drawing", arm=record)
-    own = own_arm(record)
     urdf = _urdf(arm)
     tree = tree_of(arm, urdf)
     root = tree[0].parent
 
     goal = None if target is None else shaped("target", target, (3,))
-    given = with_base(arm, _start(arm, goal)) if q is None else q
-    position = shaped("q", given, (arm.model.nq,))
+    held = NO_PAYLOAD if payload is None else Payload(*payload)
+    loaded = _loaded(arm, held)
+    # Joints that the motion lacks stay where this pose has them.
+    resting = with_base(arm, _start(arm, goal)) if q is None else q
+    position = shaped("q", resting, (arm.model.nq,))
+    track = _track(motion, loaded, position, current, curves)
+    if track is not None and q is None and goal is None:
+        position = with_base(arm, track.q[0])
     water = _water(arm, current)
     loads = tuple(loads_of(arm, tree))
     if show is None:
@@ -116,13 +122,16 @@ def build_scene(
         *bodies,
         *drawing.frames(tree, _beyond_limits(arm, position)),
         *_extras(record, urdf),
-        *_forces(arm, root, loads, water, payload),
+        *drawing.obstacles(checked_obstacles(obstacles), root),
+        *_forces(arm, root, loads, water, held),
     ]
     if goal is not None:
         things += drawing.ghosts(arm, tree, bodies, position, goal)
 
+    is_own = not is_catalogue(record)
+    joints = record.joints[: len(arm.joint_names)]
     scene = Scene(
-        notes=_notes(arm, own is not None),
+        notes=_notes(arm, is_own),
         tree=tree,
         sliders=arm.joint_names,
         q=position[-len(arm.joint_names) :],
@@ -131,16 +140,15 @@ def build_scene(
         shapes=tuple(thing for thing in things if isinstance(thing, Shape)),
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
-        statics=statics_of(arm, loads, root),
         show=tuple(choice("group", group, tuple(GROUPS)) for group in show),
         named_poses=named_poses(arm),
-        motion=_track(motion, _loaded(arm, payload), position, current, curves),
+        motion=track,
         water=water,
         collision=self_collision(record, _gripper_of(arm)).bodies,
-        travel=_travel(arm),
+        speed=np.array([joint.velocity for joint in joints]),
         target=goal,
-        own=own,
-        payload=payload,
+        name=record.name if is_own else "",
+        payload=held,
         is_fixed=not arm.floating_base,
     )
     return framed(scene)
@@ -200,19 +208,6 @@ def _track(
     return None
 
 
-def _travel(arm: Arm) -> Travel:
-    """How the page moves the arm; the jaws' rod has its speed after one ramp."""
-    joints = arm.parameters.joints[: len(arm.joint_names)]
-    speed = np.array([joint.velocity for joint in joints])
-    acceleration = np.where(np.arange(len(speed)) < 4, ACCELERATION, speed / RAMP)
-    return Travel(
-        speed=speed,
-        acceleration=acceleration,
-        ramp=RAMP,
-        retracted=retracted_poses(arm.parameters),
-    )
-
-
 def _gripper_of(arm: Arm) -> str:
     """``jaws`` if they move, or ``locked``."""
     return "jaws" if "axis_a" in arm.joint_names else "locked"
@@ -228,46 +223,29 @@ def _urdf(arm: Arm) -> str:
 def _start(arm: Arm, goal: FloatArray | None) -> FloatArray:
     """``home`` (n,), with the tcp at a goal (3,), or at the nearest point in reach.
 
-    With a tool beside the wrist axis, the arm stays at ``home`` if the goal is out of
-    reach, since the nearest point is not known.
+    The solution is the nearest to ``home``, with axis_b as little turned as needed, and
+    free of self-collision if one is. With a tool beside the wrist axis, the arm stays
+    at ``home`` if the goal is out of reach, since the nearest point is not known.
     """
     home = named_poses(arm)["home"]
     if goal is None:
         return home
     record = arm.parameters
-    if not Geometry.of(record).tool_on_axis:
-        found = _beside(record, goal, home[:4])
-        return home if found is None else np.concatenate([found, home[4:]])
-    nearest = nearest_reachable(goal, arm=record)
-    solutions = inverse_kinematics(nearest, home[3], arm=record)
-    return np.concatenate([_nearest_to(home[:4], solutions), home[4:]])
+    if Geometry.of(record).tool_on_axis:
+        goal = nearest_reachable(goal, arm=record)
 
-
-def _nearest_to(home: FloatArray, solutions: Solutions) -> FloatArray:
-    """The solution nearest to home (4,), free of self-collision if one is, (4,)."""
-    try:
-        return solutions.best(home)
-    except SelfCollisionError:
-        return solutions.best(home, allow_collision=True)
-
-
-def _beside(
-    record: Alpha5Parameters, goal: FloatArray, home: FloatArray
-) -> FloatArray | None:
-    """The solution (4,) nearest to home (4,), with axis_b as little turned as needed.
-
-    It is free of self-collision if one is. None if no angle of axis_b that is tried
-    reaches the goal (3,).
-    """
-    colliding = None
+    colliding = home
     for wrist in [home[3], *reaching_wrists(goal, home[3], record)]:
         solutions = inverse_kinematics(goal, wrist, arm=record)
         if not solutions.within_limits.any():
             continue
-        if (solutions.within_limits & ~solutions.collides).any():
-            return solutions.best(home)
-        if colliding is None:
-            colliding = solutions.best(home, allow_collision=True)
+        free = bool((solutions.within_limits & ~solutions.collides).any())
+        best = solutions.best(home[:4], allow_collision=not free)
+        found = np.concatenate([best, home[4:]])
+        if free:
+            return found
+        if colliding is home:
+            colliding = found
     return colliding
 
 
@@ -284,7 +262,7 @@ def _default_show(target: bool, current: bool) -> list[str]:
 def _beyond_limits(arm: Arm, q: FloatArray) -> dict[str, bool]:
     """Name of each joint of the arm -> whether it is beyond a limit."""
     inside = np.clip(q, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
-    beyond = np.abs(q - inside) > _ROUNDING
+    beyond = np.abs(q - inside) > BEYOND
     joints: list[bool] = beyond[-len(arm.joint_names) :].tolist()
     return dict(zip(arm.joint_names, joints, strict=True))
 

@@ -9,7 +9,6 @@ import umsgpack  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from alpha5_model.viewer.scene import (
-    DRAWN,
     MADE_BY_PAGE,
     Color,
     Mean,
@@ -47,41 +46,27 @@ def scene_commands(scene: Scene) -> Iterator[Command]:
     """The commands that build a scene from nothing.
 
     A mesh that several shapes share is sent with the first of them, and the page
-    remembers it. Groups of `MADE_BY_PAGE` are not sent.
+    remembers it. Groups of `MADE_BY_PAGE` are not sent. The page puts everything where
+    its joint positions have it.
     """
     sent: dict[int, str] = {}
     for shape in scene.shapes:
         if shape.group not in MADE_BY_PAGE:
             yield _set_object(shape, sent)
-    yield from pose_commands(scene)
-    for group in DRAWN:
-        yield set_visible(group, group in scene.show)
-
-
-def pose_commands(scene: Scene) -> Iterator[Command]:
-    """The commands that move everything to where the scene has it."""
-    placed = {link_path(link): pose for link, pose in scene.poses.items()}
-    for path, anchor in anchors(scene).items():
-        placed[path] = anchor.transform(scene.poses)
-    for path, pose in placed.items():
-        # meshcat's matrices are in columns.
-        yield Command(type="set_transform", path=path, matrix=pose.T.ravel().tolist())
 
 
 def pose_message(scene: Scene) -> Command:
-    """The command with the joint positions and the poses of links without a joint."""
+    """The command with the joint positions and the poses of links without a joint.
+
+    A pose has three rows.
+    """
     carried = {joint.child for joint in scene.tree}
     fixed = {
-        link: pose.tolist() for link, pose in scene.poses.items() if link not in carried
+        link: pose[:3].tolist()
+        for link, pose in scene.poses.items()
+        if link not in carried
     }
     return Command(type="pose", q=scene.q.tolist(), root=fixed)
-
-
-def set_visible(group: str, visible: bool) -> Command:
-    """The command that shows or hides a group."""
-    return Command(
-        type="set_property", path=f"{ROOT}/{group}", property="visible", value=visible
-    )
 
 
 def shape_path(shape: Shape) -> str:

@@ -1,23 +1,24 @@
-"""Shapes and labels: bodies, frames, centres and forces, current, IK solutions."""
+"""Shapes and labels: bodies, obstacles, frames, forces, current, IK solutions."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.spatial import moved, transform
+from alpha5_model._support.spatial import moved, pose, transform
 from alpha5_model.description.reading import urdf_shapes
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
+from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
 from alpha5_model.kinematics.reach import distance_to_reach
 from alpha5_model.numbers.rigid_body import AttachedBody
+from alpha5_model.planning.obstacles import Obstacle
 from alpha5_model.viewer.poses import link_poses
 from alpha5_model.viewer.scene import (
     ARROWS,
@@ -33,7 +34,7 @@ from alpha5_model.viewer.scene import (
     Water,
     WeightedPoint,
 )
-from alpha5_model.viewer.shapes import arrow, ball, drawn, triad
+from alpha5_model.viewer.shapes import arrow, ball, drawn, faceted, primitive, triad
 
 #: Length of an arrow per force [m/N].
 ARROW_SCALE = ARROWS["force"]
@@ -117,14 +118,15 @@ def _joint_label(joint: UrdfJoint, beyond: bool) -> Label:
     return Label("bodies", joint.name, Rigid(joint.child))
 
 
-@dataclass(frozen=True)
-class _Center:
-    """A kind of centre, from ``scene.toml``.
+class _Center(NamedTuple):
+    """A kind of centre of the bodies, with the force that acts there.
 
     Attributes:
-        group: Of its balls and labels.
-        point, share, force: Names of attributes of `Load`: the centre, its weight in a
-            mean, and its force.
+        group: Of its balls and label.
+        point: The centre of a load, (3,) [m].
+        share: Its weight in the mean of several loads.
+        force: Name of the force, which is the group of its arrows.
+        amount: The force of a load [N].
         text: Of the label of the whole arm's centre.
         ball: The two colours of its balls.
         ink: Colour of the label.
@@ -133,9 +135,10 @@ class _Center:
     """
 
     group: str
-    point: str
-    share: str
+    point: Callable[[Load], FloatArray]
+    share: Callable[[Load], float]
     force: str
+    amount: Callable[[Load], float]
     text: str
     ball: tuple[str, str]
     ink: str
@@ -143,7 +146,32 @@ class _Center:
     sense: float
 
 
-_CENTERS = [_Center(group=group, **fields) for group, fields in LOOK["centers"].items()]
+_CENTERS = (
+    _Center(
+        group="com",
+        point=lambda load: load.com,
+        share=lambda load: load.mass,
+        force="weight",
+        amount=lambda load: load.weight,
+        text="centre of mass",
+        ball=("yellow", "black"),
+        ink="ochre",
+        arrow="red",
+        sense=1.0,
+    ),
+    _Center(
+        group="cob",
+        point=lambda load: load.cob,
+        share=lambda load: load.volume,
+        force="buoyancy",
+        amount=lambda load: load.buoyancy,
+        text="centre of buoyancy",
+        ball=("blue", "white"),
+        ink="blue",
+        arrow="sky",
+        sense=-1.0,
+    ),
+)
 
 
 def centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Label]:
@@ -166,13 +194,9 @@ def _center(
 ) -> Iterator[Shape | Label]:
     """Ball and arrow at the common centre of some loads; labels for the whole arm."""
     points = tuple(
-        WeightedPoint(
-            link=load.link,
-            weight=getattr(load, kind.share),
-            point=getattr(load, kind.point),
-        )
+        WeightedPoint(link=load.link, weight=kind.share(load), point=kind.point(load))
         for load in loads
-        if getattr(load, kind.share)
+        if kind.share(load)
     )
     if not points:
         return
@@ -183,33 +207,49 @@ def _center(
     if whole:
         yield Label(kind.group, kind.text, at, _COLORS[kind.ink])
 
-    force = sum(getattr(load, kind.force) for load in loads)
+    force = sum(kind.amount(load) for load in loads)
     if not force:
         return
     tip = ARROW_SCALE * kind.sense * force * down
-    color = _COLORS[kind.arrow]
-    if not whole:
-        yield Shape(
-            group=kind.force,
-            name=name,
-            anchor=at,
-            mesh=arrow(tip, 0.0022),
-            color=color,
-            on_top=1,
-        )
-        return
-    red, green, blue = color
+    red, green, blue = _COLORS[kind.arrow]
     darker = (0.8 * red, 0.8 * green, 0.8 * blue)
     yield Shape(
         group=kind.force,
         name=name,
         anchor=at,
-        mesh=arrow(tip, 0.004),
-        color=darker,
+        mesh=arrow(tip, 0.004 if whole else 0.0022),
+        color=darker if whole else (red, green, blue),
         on_top=1,
     )
-    text = f"{kind.force} {force:.2f} N"
-    yield Label(kind.force, text, Mean(points, tip), darker)
+    if whole:
+        text = f"{kind.force} {force:.2f} N"
+        yield Label(kind.force, text, Mean(points, tip), darker)
+
+
+def obstacles(bodies: Iterable[Obstacle], root: str) -> Iterator[Shape | Label]:
+    """Fixed bodies beside the arm, with their names.
+
+    Args:
+        bodies: In the frame of the root.
+        root: Name of the base link.
+    """
+    for number, body in enumerate(bodies):
+        if isinstance(body.shape, Primitive):
+            placement = pose(body.shape.xyz, body.shape.rpy)
+            mesh = primitive(body.shape.kind, body.shape.size).moved(placement)
+            middle = placement
+        else:
+            mesh = faceted(body.shape.vertices, body.shape.triangles)
+            middle = transform(translation=body.shape.vertices.mean(axis=0))
+        yield Shape(
+            group="obstacles",
+            name=f"obstacle_{number}",
+            anchor=Rigid(root),
+            mesh=mesh,
+            color=_COLORS["grey"],
+            opacity=0.6,
+        )
+        yield Label("obstacles", body.name, Rigid(root, middle))
 
 
 def current_arrow(current: FloatArray, frame: str) -> Iterator[Shape | Label]:

@@ -25,7 +25,7 @@ def framed(
     view: str = "home",
     also: Iterable[Poses] = (),
 ) -> Scene:
-    """The scene with the nearest camera that sees its bodies and all that is shown.
+    """The scene with the nearest camera that sees all that is shown, but for obstacles.
 
     Args:
         scene: The scene.
@@ -53,7 +53,8 @@ def check_size(size: Size) -> Size:
 
 def _corners(scene: Scene, places: Iterable[Poses]) -> FloatArray:
     """Corners (N, 3) of the bodies and of what is shown, at several poses."""
-    seen = {"bodies", *scene.show}
+    # The sea bed is too wide to be seen whole.
+    seen = {"bodies", *scene.show} - {"obstacles"}
     shapes = [shape for shape in scene.shapes if shape.group in seen]
     corners: list[FloatArray] = []
     for poses in places:

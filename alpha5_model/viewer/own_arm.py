@@ -1,37 +1,16 @@
-"""What the viewer needs to know of an arm that is not the catalogue's."""
+"""What the page says of an arm that is not the catalogue's."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.dynamics.arm_changes import changed_keys
 from alpha5_model.kinematics.geometry import Geometry
-from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue, parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.numbers.pose import Pose
-
-
-@dataclass(frozen=True, eq=False)
-class OwnArm:
-    """Name and numbers of an arm of one's own, for its page.
-
-    Attributes:
-        name: Of the arm.
-        geometry: Its lengths, zeros, limits and tool.
-    """
-
-    name: str
-    geometry: Geometry
-
-
-def own_arm(record: Alpha5Parameters) -> OwnArm | None:
-    """What the page needs of a record; None for the catalogue's."""
-    if is_catalogue(record):
-        return None
-    return OwnArm(name=record.name, geometry=Geometry.of(record))
 
 
 def own_notes(record: Alpha5Parameters, floating_base: bool) -> tuple[str, ...]:

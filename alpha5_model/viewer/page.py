@@ -37,17 +37,50 @@ from alpha5_model.viewer.scene import (
     SEE_THROUGH,
     VIEWS,
     MotionTrack,
+    Rigid,
     Scene,
-    Water,
 )
 
-#: A file of the page -> the files in its place for an arm of one's own, whose numbers
-#: are no constants of the formulas.
-_OF_OWN_ARM = {
-    "formulas.js": ("own_formulas.js",),
-    "web/base.js": ("web/base.js", "web/own_formulas.js"),
-    "web/nearest.js": ("web/own_nearest.js",),
-}
+#: The page's modules in ``web``; each imports earlier ones only.
+_MODULES = (
+    "data",
+    "vectors",
+    "inverse_kinematics",
+    "kinematics",
+    "statics",
+    "collision",
+    "state",
+    "page",
+    "scene",
+    "camera",
+    "travel",
+    "target",
+    "panel",
+    "water",
+    "motion",
+    "labels",
+    "live",
+    "start",
+)
+_STYLES = ("look.css", "panel.css", "strip.css")
+_IMPORT = re.compile(r'^import (\{[^}]*\}) from "\./(\w+)\.js";$', re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=(?:function|const) )", re.MULTILINE)
+_EXPORTED = re.compile(
+    r"^export (?:function|const) (?:(\w+)|\{ (.*?) \} =)", re.MULTILINE
+)
+#: What the page needs of a joint; a URDF also says things of its motor.
+_OF_JOINT = (
+    "name",
+    "kind",
+    "parent",
+    "child",
+    "axis",
+    "lower",
+    "upper",
+    "source",
+    "multiplier",
+    "offset",
+)
 #: The page's heading and title.
 _HEADING = "Reach Alpha 5"
 #: Most samples of a motion in a page.
@@ -74,25 +107,24 @@ def live_page(scene: Scene) -> str:
 
 def page_data(scene: Scene) -> dict[str, Any]:
     """The data of the page's script, for `json.dumps` with `_plain`."""
-    data = {
+    return {
         "notes": scene.notes,
         "sliders": scene.sliders,
         "labels": [each for each in scene.labels if each.group not in MADE_BY_PAGE],
         "loads": scene.loads,
-        "statics": {**vars(scene.statics), "beyond": _beyond(scene)},
-        "water": _water(scene.water),
+        "water": scene.water._asdict(),
         "payload": scene.payload._asdict(),
         "payloadRadius": LOOK["payload_radius"],
         "currentAt": LOOK["current_at"],
         "fixed": scene.is_fixed,
         "attitude": _attitude(scene),
         "collision": _collision(scene.collision),
-        "travel": scene.travel._asdict(),
+        "speed": scene.speed,
         "camera": scene.camera,
         "target": scene.target,
         "tree": [_joint(joint) for joint in scene.tree],
         "root": pose_message(scene)["root"],
-        "q": dict(zip(scene.sliders, scene.q.tolist(), strict=True)),
+        "q": scene.q,
         "links": {link: link_path(link) for link in scene.poses},
         "anchors": [
             {"path": path, "anchor": anchor} for path, anchor in anchors(scene).items()
@@ -102,37 +134,17 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "branches": BRANCHES,
         "poses": scene.named_poses,
         "views": VIEWS,
-        "plane": _plane(scene),
+        "shape": _lengths_and_zeros(scene.geometry),
+        "kinematics": scene.geometry.ik_parameters,
         "arrows": ARROWS,
         "motion": None if scene.motion is None else _track(scene.motion),
     }
-    if scene.own is not None:
-        data["own"] = {
-            "shape": _lengths_and_zeros(scene.own.geometry),
-            "kinematics": scene.own.geometry.ik_parameters,
-            "dimensions": scene.own.geometry.dimensions,
-        }
-    return data
 
 
 def _joint(joint: UrdfJoint) -> dict[str, Any]:
-    """A joint of the tree, without what a URDF says of its motor."""
-    fields = {**vars(joint), "source": joint.source}
-    return {key: x for key, x in fields.items() if key not in ("limit", "dynamics")}
-
-
-def _beyond(scene: Scene) -> list[dict[str, Any]]:
-    return [body._asdict() for body in scene.statics.beyond]
-
-
-def _water(water: Water) -> dict[str, Any]:
-    """Density, gravity and current, and the streams as objects by level."""
-    return {
-        "density": water.density,
-        "gravity": water.gravity,
-        "current": water.current,
-        "streams": water.streams,
-    }
+    """A joint of the tree, with its pose at position zero in three rows."""
+    used = {name: getattr(joint, name) for name in _OF_JOINT}
+    return {**used, "transform": joint.transform[:3]}
 
 
 def _attitude(scene: Scene) -> list[float]:
@@ -167,28 +179,7 @@ def _shape(shape: Primitive) -> dict[str, Any]:
         "round": is_round,
         "half": half,
         "radius": math.hypot(*to_rim),
-        "placement": pose(shape.xyz, shape.rpy),
-    }
-
-
-def _plane(scene: Scene) -> dict[str, Any] | None:
-    """The plane of the arm; None for a tool beside the wrist axis."""
-    geometry = scene.geometry
-    if not geometry.tool_on_axis:
-        return None
-    return {
-        "a_0": geometry.a_0,
-        "d_0": geometry.d_0,
-        "l_1": geometry.l_1,
-        "l_2": geometry.l_2,
-        "azimuth_offset": geometry.azimuth_offset,
-        "phi_offset": geometry.phi_offset,
-        "gamma_offset": geometry.gamma_offset,
-        "lower": geometry.lower,
-        "upper": geometry.upper,
-        "middle": geometry.middle,
-        "longest": geometry.longest,
-        "shortest": geometry.shortest,
+        "placement": pose(shape.xyz, shape.rpy)[:3],
     }
 
 
@@ -261,36 +252,48 @@ def meshcat_script() -> str:
 
 
 def _page(scene: Scene, live: bool, commands: list[str]) -> str:
-    """``web/page.html`` with its data and the files that it names."""
+    """``web/page.html`` with its data, styles and modules."""
     data = {**page_data(scene), "live": live, "commands": commands}
     text = json.dumps(data, separators=(",", ":"), default=_plain)
     parts = {
+        "heading": f"{_HEADING}: {scene.name}" if scene.name else _HEADING,
         "connect": "; connect-src 'self' ws: wss:" if live else "",
+        "styles": "".join(_read(name) for name in _STYLES),
         "meshcat": meshcat_script(),
         # Without "<" nothing can close the script element that holds the data.
         "data": text.replace("<", "\\u003c"),
+        "modules": _bundle(),
     }
+    return re.sub(r"{{(\w+)}}", lambda found: parts[found[1]], _read("page.html"))
 
-    instead = {} if scene.own is None else _OF_OWN_ARM
 
-    def filled(found: re.Match[str]) -> str:
-        part, file = found.groups()
-        if part:
-            return parts[part]
-        return "\n".join(_read(name) for name in instead.get(file, (file,)))
+@cache
+def _bundle() -> str:
+    """The modules as one script, each in a function of its own.
 
-    template = _read("web/page.html")
-    if scene.own is not None:
-        template = template.replace(_HEADING, f"{_HEADING}: {scene.own.name}")
-    # {{name}} stands for a part, {{folder/name.js}} for a file.
-    return re.sub(r"{{(?:(\w+)|([\w/.]+))}}", filled, template)
+    A browser does not load a module from disk into another one.
+    """
+    script = ['"use strict";', "const modules = {};"]
+    for name in _MODULES:
+        text = _read(f"{name}.js")
+        names = [", ".join(filter(None, found)) for found in _EXPORTED.findall(text)]
+        body = _EXPORT.sub("", _IMPORT.sub(r"const \1 = modules.\2;", text))
+        script.append(
+            f"modules.{name} = (() => {{\n{body}"
+            f"return {{ {', '.join(names)} }};\n}})();"
+        )
+    return "\n".join(script)
 
 
 def _plain(part: Any) -> Any:
     """What JSON takes in place of an array or a record: a list or an object."""
-    return part.tolist() if isinstance(part, np.ndarray) else vars(part)
+    if isinstance(part, np.ndarray):
+        return part.tolist()
+    if isinstance(part, Rigid):
+        return {"link": part.link, "placement": part.placement[:3]}
+    return vars(part)
 
 
 @cache
 def _read(name: str) -> str:
-    return (Path(__file__).parent / name).read_text(encoding="utf-8")
+    return (Path(__file__).parent / "web" / name).read_text(encoding="utf-8")

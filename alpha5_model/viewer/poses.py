@@ -1,4 +1,4 @@
-"""Poses of an arm and of its links: by name, from text, in a scene."""
+"""Poses of an arm and of its links: by name, and in a scene."""
 
 from __future__ import annotations
 
@@ -7,15 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, choice, float_array
+from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_from_rpy, transform
 from alpha5_model.description import srdf
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.joint_tree import AT_ORIGIN
-from alpha5_model.errors import InputError
 from alpha5_model.viewer.scene import WORLD, Scene
+
+#: How far beyond a limit rounding may put a joint [rad or m].
+BEYOND = 1e-9
 
 
 def named_poses(arm: Arm) -> dict[str, FloatArray]:
@@ -24,27 +26,6 @@ def named_poses(arm: Arm) -> dict[str, FloatArray]:
     closed = [joint.lower for joint in joints[4 : len(arm.joint_names)]]
     poses = srdf.named_poses(joints[:4])
     return {name: np.array([*pose, *closed]) for name, pose in poses.items()}
-
-
-def pose_of(arm: Arm, text: str) -> FloatArray:
-    """Joint positions (nq,) from a name, or from numbers with commas or spaces.
-
-    Raises:
-        UnknownNameError: The text is neither numbers nor the name of a pose.
-        InputError: Too few or too many numbers (`NonFiniteError`).
-    """
-    named = named_poses(arm)
-    n = len(arm.joint_names)
-    try:
-        values = [float(part) for part in text.replace(",", " ").split()]
-    except ValueError:
-        return with_base(arm, named[choice("pose", text.strip(), tuple(named))])
-    if len(values) == 4:
-        values += named["home"][4:].tolist()
-    if len(values) != n:
-        names = ", ".join(arm.joint_names)
-        raise InputError("pose", text, f"{n} numbers ({names}), or the name of a pose")
-    return with_base(arm, float_array("pose", values, (n,)))
 
 
 def with_base(arm: Arm, joints: FloatArray) -> FloatArray:

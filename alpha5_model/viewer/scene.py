@@ -19,7 +19,6 @@ from alpha5_model._support.spatial import moved, transform
 from alpha5_model.collision.bodies import CollisionBodies
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.kinematics.geometry import Geometry
-from alpha5_model.viewer.own_arm import OwnArm
 from alpha5_model.viewer.shapes import Mesh
 
 #: All of ``scene.toml``.
@@ -202,39 +201,6 @@ class Stream:
     added_mass: FloatArray
 
 
-class Beyond(NamedTuple):
-    """A body beyond link_4, by its moments in the frame of its link.
-
-    Attributes:
-        link: Its link.
-        mass: First moment [kg m] and mass [kg], (4,).
-        volume: First moment [m^4] and displaced volume [m^3], (4,).
-    """
-
-    link: str
-    mass: FloatArray
-    volume: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class Statics:
-    """Numbers from which the page computes the torque that holds the arm still.
-
-    Attributes:
-        mass: Base parameters (`alpha5_model.codegen.regrouping`) of the arm without the
-            bodies beyond link_4, without water and gravity, (41,).
-        volume: What a fluid takes off them, per density, (41,).
-        share: Derivatives of these with respect to first moment and mass of a body in
-            link_4, (41, 4).
-        beyond: The bodies beyond link_4.
-    """
-
-    mass: FloatArray
-    volume: FloatArray
-    share: FloatArray
-    beyond: tuple[Beyond, ...]
-
-
 class Payload(NamedTuple):
     """A body at the tcp.
 
@@ -330,22 +296,6 @@ class MotionTrack:
     signals: Mapping[str, FloatArray] = field(default_factory=dict)
 
 
-class Travel(NamedTuple):
-    """How the page moves the arm from place to place.
-
-    Attributes:
-        speed: Rated speeds of the sliders' joints, (n,) [rad/s or m/s].
-        acceleration: (n,) [rad/s^2 or m/s^2].
-        ramp: Time in which an acceleration builds up [s].
-        retracted: theta_1 and theta_2 of poses in which the arm can turn.
-    """
-
-    speed: FloatArray
-    acceleration: FloatArray
-    ramp: float
-    retracted: tuple[tuple[float, float], ...]
-
-
 @dataclass(frozen=True, eq=False)
 class Scene:
     """All that is drawn, and the numbers that the page computes with.
@@ -358,16 +308,15 @@ class Scene:
         poses: Pose of every link in the world at ``q``, (4, 4).
         geometry: Lengths and limits, for the inverse kinematics.
         shapes, labels, loads: What to draw.
-        statics: Numbers for the torque that holds the arm still.
         show: Groups that are shown.
         named_poses: Name -> positions of the sliders.
         motion: A motion to play, or None.
         water: What the arm is in.
         collision: Bodies that are compared for self-collision.
-        travel: How the page moves the arm.
+        speed: Rated speeds of the sliders' joints, (n,) [rad/s or m/s].
         target: Target of the tcp in base_link, (3,) [m], or None.
         camera: The camera that sees the scene.
-        own: Name and numbers of an arm of one's own, or None.
+        name: Of an arm of one's own; empty for the catalogue's.
         payload: What the arm holds at the tcp; it is in none of the loads.
         is_fixed: Whether the base is fixed.
     """
@@ -381,15 +330,14 @@ class Scene:
     shapes: tuple[Shape, ...]
     labels: tuple[Label, ...]
     loads: tuple[Load, ...]
-    statics: Statics
     show: tuple[str, ...]
     named_poses: dict[str, FloatArray]
     motion: MotionTrack | None
     water: Water
     collision: CollisionBodies
-    travel: Travel
+    speed: FloatArray
     target: FloatArray | None
     camera: Camera = field(default_factory=lambda: Camera(VIEWS["home"], np.zeros(3)))
-    own: OwnArm | None = None
+    name: str = ""
     payload: Payload = NO_PAYLOAD
     is_fixed: bool = True

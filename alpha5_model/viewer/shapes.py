@@ -5,13 +5,16 @@ Every mesh has a normal at each corner, so that the page and the picture shade i
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import io
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise, product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model._support.checks import FloatArray
@@ -66,58 +69,68 @@ def drawn(shape: UrdfShape, folder: str) -> Mesh:
     """
     if shape.kind == "mesh":
         mesh = read_obj(str(Path(folder, shape.file).resolve()))
-    elif shape.kind == "box":
-        mesh = box(shape.size)
-    elif shape.kind == "cylinder":
-        radius, length = shape.size
-        mesh = cylinder(radius, length)
-    elif shape.kind == "sphere":
-        (radius,) = shape.size
-        mesh = sphere(radius)
     else:
-        raise FileFormatError("URDF", f"cannot draw a {shape.kind}")
+        mesh = primitive(shape.kind, shape.size)
     return mesh.moved(shape.placement)
+
+
+def primitive(kind: str, size: Sequence[float]) -> Mesh:
+    """A box, cylinder or sphere about the origin.
+
+    Args:
+        kind: Which of them.
+        size: Edges; radius and length; or radius [m].
+
+    Raises:
+        FileFormatError: Another kind.
+    """
+    if kind == "box":
+        return box(size)
+    if kind == "cylinder":
+        radius, length = size
+        return cylinder(radius, length)
+    if kind == "sphere":
+        (radius,) = size
+        return sphere(radius)
+    raise FileFormatError("URDF", f"cannot draw a {kind}")
+
+
+def faceted(vertices: FloatArray, triangles: NDArray[Any]) -> Mesh:
+    """Triangles with flat faces, seen from both sides.
+
+    Args:
+        vertices: (V, 3) [m].
+        triangles: Numbers of three vertices each, (T, 3).
+    """
+    corners = vertices[np.concatenate([triangles, triangles[:, ::-1]])]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(across, axis=1, keepdims=True)
+    # A triangle without an area has no normal, and is not seen.
+    normals = np.divide(across, lengths, out=np.zeros_like(across), where=lengths > 0)
+    return Mesh(
+        vertices=corners.reshape(-1, 3),
+        normals=np.repeat(normals, 3, axis=0),
+        faces=np.arange(3 * len(corners), dtype=np.uint32).reshape(-1, 3),
+    )
 
 
 @cache
 def read_obj(path: str) -> Mesh:
-    """Read an OBJ of triangles with normals.
+    """Read an OBJ of triangles; its materials are not looked for.
 
     Raises:
-        MissingFileError, FileFormatError: Not there, or not made of triangles with
-            normals.
+        MissingFileError, FileFormatError: Not there, or without triangles.
     """
-    content = read_named(path, "a mesh named by the URDF").decode("utf-8", "replace")
-    lines = content.splitlines()
-    vertices = _coordinates(lines, "v ")
-    normals = _coordinates(lines, "vn ")
-    corners = [line.split()[1:] for line in lines if line.startswith("f ")]
-    expected = "expected triangles with normals, f a//n b//n c//n"
+    content = read_named(path, "a mesh named by the URDF")
     try:
-        indices = np.array([_indices(face) for face in corners], int) - 1
-    except ValueError:
-        raise FileFormatError(path, expected) from None
-    if indices.shape[1:] != (3, 2):
-        raise FileFormatError(path, expected)
-
-    # A vertex of the mesh is a vertex of the file together with one of its normals.
-    pairs, which = np.unique(indices.reshape(-1, 2), axis=0, return_inverse=True)
-    return Mesh(
-        vertices=vertices[pairs[:, 0]],
-        normals=normals[pairs[:, 1]],
-        faces=which.reshape(-1, 3).astype(np.uint32),
-    )
-
-
-def _coordinates(lines: list[str], keyword: str) -> FloatArray:
-    """The three numbers of each line that starts with a keyword, (N, 3)."""
-    rows = [line.split()[1:4] for line in lines if line.startswith(keyword)]
-    return np.array(rows, float)
-
-
-def _indices(face: list[str]) -> list[list[str]]:
-    """Numbers of vertex and normal of each corner ``a//n`` of a face."""
-    return [corner.split("//") for corner in face]
+        mesh = trimesh.load_mesh(io.BytesIO(content), file_type="obj", process=False)
+        normals = np.array(mesh.vertex_normals)
+        faces = mesh.faces.astype(np.uint32)
+    except Exception as error:  # trimesh promises no type
+        raise FileFormatError(path, f"cannot be read as a mesh ({error})") from None
+    if not len(faces):
+        raise FileFormatError(path, "has no triangles")
+    return Mesh(vertices=np.array(mesh.vertices), normals=normals, faces=faces)
 
 
 def join(meshes: list[Mesh]) -> Mesh:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.planning.obstacles import Obstacle
     from alpha5_model.trajectory.motions import Motion
     from alpha5_model.viewer.visualizer import ArmVisualizer
 
@@ -21,6 +22,8 @@ def view(
     motion: Motion | None = None,
     show: Iterable[str] | None = None,
     current: ArrayLike | None = None,
+    payload: Sequence[Any] | None = None,
+    obstacles: Iterable[Obstacle] = (),
     curves: Mapping[str, ArrayLike] | None = None,
     port: int = 0,
 ) -> ArmVisualizer:
@@ -45,6 +48,10 @@ def view(
         current: Velocity of the water, (3,) [m/s], in base_link if the base is fixed,
             else in the world. If it is given, the torques on the page and those of the
             motion include its estimated load.
+        payload: What the arm holds, beside payloads that it has: mass [kg], centre in
+            tcp (3,) [m] and displaced volume [m^3]; the mass alone is a point at the
+            tcp that the water does not lift.
+        obstacles: Fixed bodies in base_link, such as those of a plan.
         curves: Name -> a signal beside the motion, with one number for each of its
             samples; drawn under the arm.
         port: Of the page on this machine; 0 for a free one.
@@ -66,6 +73,8 @@ def view(
         motion=motion,
         show=show,
         current=current,
+        payload=payload,
+        obstacles=obstacles,
         curves=curves,
     )
     return ArmVisualizer(arm, scene, port)

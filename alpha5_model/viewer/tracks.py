@@ -17,7 +17,6 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.trajectory import Analysis, Motion, analyse, motion
 from alpha5_model.trajectory.smoothing import DEFAULT_BANDWIDTH
-from alpha5_model.viewer.live_controls import curve_name
 from alpha5_model.viewer.scene import Compared, MotionTrack
 
 #: Samples of a tour per second.
@@ -41,7 +40,7 @@ def motion_track(
         played: The motion. Joints that the arm lacks are left out.
         arm: The arm. On a vehicle it has no mount, and the track has no loads.
         q: Where joints stay that the motion lacks, (nq,).
-        current: Velocity of the water in the world, (3,) [m/s]; no moving water if
+        current: Velocity of the water in base_link, (3,) [m/s]; no moving water if
             None.
         curves: Name -> signals of the user, with one number for each sample, (N,).
     """
@@ -87,7 +86,10 @@ def _signals(curves: Mapping[str, ArrayLike], samples: int) -> dict[str, FloatAr
     """
     signals = {}
     for name, values in curves.items():
-        signals[curve_name(name)] = shaped(f"curves[{name!r}]", values, (samples,))
+        fits = isinstance(name, str) and 0 < len(name) <= 40 and name.isprintable()
+        if not fits:
+            raise InputError("curves", name, "names of 1 to 40 printable characters")
+        signals[name] = shaped(f"curves[{name!r}]", values, (samples,))
     return signals
 
 

@@ -78,6 +78,7 @@ def drag(browser: Any) -> bytes:
       for (const end of ["top_color", "bottom_color"])
         alpha5.viewer.set_property(["Background"], end, [0.8, 0.85, 0.88]);
       alpha5.look("fit", false);
+      alpha5.viewer.render();
     }""")
     page.wait_for_timeout(500)
     box = page.locator("#tip").bounding_box()

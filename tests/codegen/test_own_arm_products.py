@@ -207,12 +207,12 @@ def test_javascript(name: str, tmp_path: Path) -> None:
     script = javascript([program_of(arm)])
     given = json.dumps([[p, w] for p, w in zip(position.tolist(), wrist, strict=True)])
     script += (
-        f"const answers = {given}.map(([p, w]) => formulas.inverse_kinematics(p, w));\n"
+        f"const answers = {given}.map(([p, w]) => inverse_kinematics(p, w));\n"
         "console.log(JSON.stringify(answers));\n"
     )
-    (tmp_path / "solve.js").write_text(script)
+    (tmp_path / "solve.mjs").write_text(script)
     done = subprocess.run(
-        ["node", "solve.js"], cwd=tmp_path, check=True, capture_output=True, text=True
+        ["node", "solve.mjs"], cwd=tmp_path, check=True, capture_output=True, text=True
     )
     answers = json.loads(done.stdout)
     q = np.array([answer["q"] for answer in answers], np.float64)  # null is NaN

@@ -100,13 +100,25 @@ class Tab:
         data = base64.b64decode(shot.split(",", 1)[1])
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
 
-    def show_only(self, *groups: str) -> None:
+    def change(self, by: str = "hand", **part: Any) -> None:
+        """Change entries of the page's state."""
+        self.run("([part, by]) => alpha5.change(part, by)", [part, by])
+
+    def reset(self) -> None:
+        """At home, as it was opened, without a target."""
+        self.run("""() => {
+          alpha5.pause();
+          const { groups, poses } = alpha5.data;
+          const shown = Object.fromEntries(groups.map((g) => [g.name, g.shown]));
+          alpha5.change({ aim: null, q: poses.home, shown });
+          alpha5.look('home', false);
+        }""")
+        self.settle()
+
+    def show_only(self, *shown: str) -> None:
         """Show these groups of the scene and hide the others."""
-        script = """(shown) => {
-          for (const { name } of alpha5.data.groups)
-            alpha5.setGroup(name, shown.includes(name));
-        }"""
-        self.run(script, list(groups))
+        groups = self.run("() => alpha5.data.groups.map((g) => g.name)")
+        self.change(shown={name: name in shown for name in groups})
 
     def project(self, points: np.ndarray) -> np.ndarray:
         """Pixels (N, 2) of points (N, 3) in the world, by the camera's own matrices."""

@@ -118,7 +118,7 @@ def opened(chromium: Any, one: Case, folder: Path) -> Tab:
     tab.open(path.as_uri())
     script = """([part, flows]) => {
       alpha5.change(part);
-      alpha5.setGroup('current', flows);
+      alpha5.change({ shown: { current: flows } });
     }"""
     changed = {name: _listed(value) for name, value in one.changed.items()}
     tab.run(script, [changed, one.current is not None])
@@ -140,7 +140,7 @@ def printed(tab: Tab, q: np.ndarray) -> list[dict[str, str]]:
     """What the page prints at each pose: texts by name, with plain minus signs."""
     rows = tab.run(
         """(rows) => rows.map((q) => {
-          alpha5.setPose(q);
+          alpha5.change({ q });
           const texts = (selector) =>
             [...document.querySelectorAll(selector)].map((each) => each.textContent);
           const fields = [...document.querySelectorAll('#joints input[type=number]')];

@@ -20,29 +20,24 @@ STATES = {
     "as opened": "",
     "all sections open": "for (const d of document.querySelectorAll('details'))"
     " d.open = true;",
-    "forces": "for (const g of ['weight', 'buoyancy', 'current'])"
-    " alpha5.setGroup(g, true);"
-    " alpha5.change({ payload: { mass: 0.3, com: [0, 0, 0], volume: 5e-5 } });",
+    "forces": "alpha5.change({ shown: { weight: true, buoyancy: true, current: true },"
+    " payload: { mass: 0.3, com: [0, 0, 0], volume: 5e-5 } });",
     "radians": "alpha5.change({ degrees: false });",
     "out of reach": "alpha5.follow([0.5, 0.3, 0.2], 0);",
-    "collision": "alpha5.setPose([5.8968, 0.33, 0.9704, 0, 0.005]);",
-    "beyond the limits": "alpha5.setPose([7, 4, -1, 12, 0.03], 'python');",
-    "solutions": "alpha5.setGroup('ghosts', true);"
+    "collision": "alpha5.change({ q: [5.8968, 0.33, 0.9704, 0, 0.005] });",
+    "beyond the limits": "alpha5.change({ q: [7, 4, -1, 12, 0.03] }, 'python');",
+    "solutions": "alpha5.change({ shown: { ghosts: true } });"
     " alpha5.follow([0.06, 0.05, 0.36], 0);",
     "tilted, limited": "alpha5.change({ attitude: [-2.5, -1.2],"
     " limits: [0.1, 0.2, 0.3, 0.4], density: 1012.345 });",
     "in the motion": "alpha5.seek(2.0);",
 }
 _RESET = """() => {
-  alpha5.pause();
-  alpha5.setAim(null);
   alpha5.change({
     degrees: true, density: 1025, attitude: [0, 0], limits: [null, null, null, null],
     payload: { mass: 0, com: [0, 0, 0], volume: 0 },
   });
-  for (const { name, shown } of alpha5.data.groups) alpha5.setGroup(name, shown);
   for (const each of document.querySelectorAll('details')) each.open = false;
-  alpha5.setPose(alpha5.data.poses.home);
   document.getElementById('panel').scrollTop = 0;
 }"""
 #: Faults, [[kind, text, other text], ...]. A text is measured line by line, where
@@ -135,6 +130,7 @@ def open_page(chromium: Any, page: Path, width: int, scheme: str) -> Tab:
 
 def faults(tab: Tab, state: str, unfolded: bool = False) -> list[list[str]]:
     """Faults of the page in one of `STATES`, with the panel of a phone unfolded."""
+    tab.reset()
     tab.run(_RESET)
     folded = tab.page.locator("#panel.folded").count() > 0
     if folded == unfolded and tab.size()[0] < 760:

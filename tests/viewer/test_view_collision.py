@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import Tab, needs_browser, new_tab
-from own_arm import random_arm
-from pinocchio_collision import CollisionModel
 
 import alpha5_model as a5
 from alpha5_model.viewer.build import build_scene
@@ -50,36 +48,9 @@ def messages(tab: Tab) -> str:
     return str(tab.run("() => document.getElementById('message').innerText"))
 
 
-def test_the_page_says_what_coal_says(opened: OPEN_TAB) -> None:
-    own = random_arm(np.random.default_rng(5), off_axis=False)
-    for arm in (a5.load(gripper="jaws"), a5.load(arm=own)):
-        limits = arm.limits
-        rng = np.random.default_rng(6)
-        q = rng.uniform(limits.lower, limits.upper, (250, len(limits.lower)))
-        tab = opened(arm)
-        found = tab.run(
-            """(rows) => rows.map((q) => {
-              alpha5.setPose(q);
-              return alpha5.touching();
-            })""",
-            q.tolist(),
-        )
-        coal = CollisionModel(arm.model, arm.parameters)
-        count = 0
-        for row, pairs in zip(q, found, strict=True):
-            if abs(coal.clearance(row).distance) < 1e-6:
-                continue
-            expected = {frozenset(pair) for pair in coal.colliding_links(row)}
-            assert {frozenset(pair) for pair in pairs} == expected
-            assert bool(pairs) == arm.in_collision(row)
-            count += bool(expected)
-        assert count > 8
-        assert tab.complaints == []
-
-
 def test_links_that_touch_turn_red_and_are_named(page: Tab) -> None:
     solution = a5.inverse_kinematics(STUCK).best(np.ones(4), allow_collision=True)
-    page.run("(q) => alpha5.setPose(q)", solution.tolist())
+    page.run("(q) => alpha5.change({ q })", solution.tolist())
     assert messages(page) == "The arm collides with itself: link_0 with link_2."
     reds = page.run("""() => Object.keys(alpha5.data.links).filter((link) => {
         let red = false;
@@ -90,18 +61,16 @@ def test_links_that_touch_turn_red_and_are_named(page: Tab) -> None:
         return red;
       })""")
     assert sorted(reds) == ["link_0", "link_2"]
-    page.run("(q) => alpha5.setPose(q)", a5.named_pose("home").tolist())
+    page.run("(q) => alpha5.change({ q })", a5.named_pose("home").tolist())
     assert messages(page) == ""
 
 
 def test_a_colliding_solution_is_marked(page: Tab) -> None:
-    page.run(
-        "(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 1); }",
-        BEHIND.tolist(),
-    )
+    page.change(shown={"ghosts": True})
+    page.run("(p) => alpha5.follow(p, 1)", BEHIND.tolist())
     page.settle()
     assert messages(page) == ""
-    labels = page.run("() => alpha5.ghosts.map((ghost) => ghost.label.text)")
+    labels = page.run("() => alpha5.ghosts.map((ghost) => ghost.text)")
     assert labels[0] == "underarm, collides"
     assert not any("collides" in label for label in labels[1:])
     color = page.run("() => alpha5.ghosts[0].material.color.getHexString()")
@@ -111,32 +80,32 @@ def test_a_colliding_solution_is_marked(page: Tab) -> None:
     assert "collides" in button.get_attribute("class")
     button.click()
     assert "collides with itself" in messages(page)
-    page.run("(q) => { alpha5.setAim(null); alpha5.setPose(q); }", [3.0, 1.5, 1.5, 1.0])
+    page.change(aim=None, q=[3.0, 1.5, 1.5, 1.0])
 
 
 def test_a_hand_stops_before_a_collision_if_it_is_wanted(page: Tab) -> None:
     free = a5.inverse_kinematics(BEHIND).best([3.0, 3.0, 1.0, 0.0])
     hit = a5.inverse_kinematics(BEHIND).q[0]
     assert a5.inverse_kinematics(BEHIND).collides[0]
-    page.run("(q) => alpha5.setPose(q)", free.tolist())
+    page.run("(q) => alpha5.change({ q })", free.tolist())
     guard = page.page.get_by_label("Stop before the arm touches itself")
     guard.check()
-    page.run("(q) => alpha5.setPose(q)", hit.tolist())
-    stays = page.run("() => alpha5.data.sliders.map((name) => alpha5.q[name])")
+    page.run("(q) => alpha5.travelTo(q, 'there')", hit.tolist())
+    stays = page.run("() => alpha5.state.q")
     assert stays == free.tolist()
     assert messages(page) == "Stopped: link_0 with link_2 would touch."
     # The slider is where the arm is.
     shown = page.page.get_by_label("axis_e", exact=True).first.input_value()
     assert float(shown) == pytest.approx(free[0], abs=1e-9)
     # A script moves it nevertheless, and out of a collision any way is open.
-    page.run("(q) => alpha5.setPose(q, 'python')", hit.tolist())
+    page.run("(q) => alpha5.change({ q }, 'python')", hit.tolist())
     assert messages(page) == "The arm collides with itself: link_0 with link_2."
-    page.run("(q) => alpha5.setPose(q)", free.tolist())
+    page.run("(q) => alpha5.travelTo(q, 'there')", free.tolist())
     assert messages(page) == ""
     guard.uncheck()
-    page.run("(q) => alpha5.setPose(q)", hit.tolist())
+    page.run("(q) => alpha5.travelTo(q, 'there')", hit.tolist())
     assert "collides with itself" in messages(page)
-    page.run("(q) => alpha5.setPose(q)", free.tolist())
+    page.run("(q) => alpha5.change({ q })", free.tolist())
 
 
 def test_the_first_picture_of_a_target_is_free() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import queue
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -15,7 +14,6 @@ import alpha5_model as a5
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import static_page
-from alpha5_model.viewer.visualizer import ArmVisualizer
 
 TIME = np.linspace(0.0, 4.0, 81)
 #: Sample at which the page is looked at.
@@ -139,65 +137,3 @@ def test_signals_that_do_not_fit_are_refused(
         build_scene(arm, motion=recording, curves={"a\nb": TIME})
     with pytest.raises(InputError, match="a motion, with whose samples they go"):
         build_scene(arm, curves={"depth": TIME})
-
-
-@pytest.fixture
-def live(arm: a5.Arm) -> Iterator[ArmVisualizer]:
-    viewer = a5.view(arm)
-    yield viewer
-    viewer.close()
-
-
-@needs_browser
-def test_a_program_adds_curves_and_sliders(chromium: Any, live: ArmVisualizer) -> None:
-    heard: queue.Queue[float] = queue.Queue()
-    live.curve("battery", 24.5, time=1.0)
-    gain = live.slider("gain", 0.0, 2.0, 0.5, on_change=heard.put)
-    tab = new_tab(chromium)
-    tab.open(live.url())
-    other = new_tab(chromium)
-    other.open(live.url())
-    live.curve("battery", 23.5, time=2.0)
-    tab.page.wait_for_function(
-        "() => document.querySelector('#feeds output')?.textContent === '23.5'"
-    )
-    points = tab.page.locator("#feeds polyline").get_attribute("points")
-    assert points == "0.00,4.00 1000.00,96.00"
-
-    slider = tab.page.get_by_label("gain")
-    assert float(slider.input_value()) == 0.5
-    slider.fill("1.25")
-    assert heard.get(timeout=10) == 1.25
-    assert gain.value == 1.25
-    other.page.wait_for_function(
-        "() => document.querySelector('#controls input').value === '1.25'"
-    )
-    assert tab.complaints == []
-    tab.page.close()
-    other.page.close()
-
-
-def test_curves_and_sliders_that_cannot_be_are_refused(live: ArmVisualizer) -> None:
-    live.curve("depth", 1.0, time=5.0)
-    for refused, reason in (
-        (lambda: live.curve("", 1.0), "printable characters"),
-        (lambda: live.curve("depth", float("nan")), "finite"),
-        (lambda: live.curve("depth", 1.0, time=4.0), "in order"),
-        (lambda: live.slider("gain", 2.0, 1.0), "above low"),
-        (lambda: live.slider("gain", 0.0, 1.0, 3.0), "from 0 to 1"),
-        (lambda: live.slider(5, 0.0, 1.0), "printable characters"),
-    ):
-        with pytest.raises(InputError, match=reason):
-            refused()
-    for k in range(19):
-        live.curve(f"curve {k}", 1.0)
-    with pytest.raises(InputError, match="at most 20"):
-        live.curve("one more", 1.0)
-
-
-def test_only_the_last_samples_are_kept(live: ArmVisualizer) -> None:
-    for k in range(620):
-        live.curve("depth", float(k), time=10.0 + k)
-    samples = live.window.server.live.controls.curves["depth"].samples
-    assert len(samples) == 600
-    assert samples[-1] == (629.0, 619.0)

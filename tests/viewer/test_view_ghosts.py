@@ -30,7 +30,7 @@ SEEN = """() => {
       links: Object.fromEntries(poses),
       opacity: ghost.material.opacity,
       red: ghost.material.color.r > 4 * ghost.material.color.g,
-      text: ghost.label.text,
+      text: ghost.text,
     };
   });
   return found;
@@ -78,7 +78,7 @@ def test_a_picture_has_the_ghosts_of_the_page(
         path.write_text(static_page(scene), "utf-8")
         tab: Tab = new_tab(chromium)
         tab.open(path.as_uri())
-        tab.run("() => alpha5.setGroup('ghosts', true)")
+        tab.run("() => alpha5.change({ shown: { ghosts: true } })")
         seen, drawn = tab.run(SEEN), of_scene(scene)
         assert seen.keys() == drawn.keys()
         for branch, ghost in drawn.items():

@@ -12,8 +12,6 @@ from PIL import Image
 
 import alpha5_model as a5
 from alpha5_model.viewer import visualizer
-from alpha5_model.viewer.build import _loaded
-from alpha5_model.viewer.scene import Payload
 from alpha5_model.viewer.tracks import motion_track, resampled, tour
 from alpha5_model.viewer.video_file import film
 from alpha5_model.viewer.visualizer import ArmVisualizer
@@ -166,13 +164,3 @@ def test_a_gif_has_the_nearest_rate_in_hundredths_and_never_ends(
 
 
 # ---- what a scene does with a motion
-
-
-def test_a_payload_without_mass_or_without_volume_counts(jaws: a5.Arm) -> None:
-    """In the torques of a motion; none at all leaves the arm as it is."""
-    q = np.array([*HOME, 0.004])
-    heavy = _loaded(jaws, Payload(mass=0.2)).gravity_torque(q)
-    assert np.abs(heavy - jaws.gravity_torque(q)).max() > 1e-3
-    light = _loaded(jaws, Payload(mass=0.0, volume=1e-4)).buoyancy_torque(q)
-    assert np.abs(light - jaws.buoyancy_torque(q)).max() > 1e-3
-    assert _loaded(jaws, Payload(mass=0.0)) is jaws

@@ -11,13 +11,12 @@ import numpy as np
 import own_arm_dynamics as own
 import pytest
 from browser import Tab, needs_browser, new_tab
-from scipy.optimize import minimize
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
+from alpha5_model.numbers.fluids import SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import static_page
@@ -63,125 +62,6 @@ def upright(record: Alpha5Parameters) -> np.ndarray:
     return np.array(without_yaw) @ mounted
 
 
-def set_pose(page: Tab, q: np.ndarray) -> None:
-    page.run("(q) => alpha5.setPose(q)", [*q.tolist(), 0.0013])
-
-
-def pose_in_page(page: Tab, link: str) -> np.ndarray:
-    elements = page.run("(link) => alpha5.poses()[link].elements", link)
-    return np.reshape(elements, (4, 4)).T
-
-
-@needs_browser
-def test_links_and_tool_are_where_the_record_has_them(
-    page: Tab, record: Alpha5Parameters
-) -> None:
-    q, _, _ = own.states(record, 10)
-    rotations, origins = own.link_frames(record, q)
-    turned = upright(record)
-    for i, state in enumerate(q):
-        set_pose(page, state)
-        for link in range(5):
-            found = pose_in_page(page, f"link_{link}")
-            rotation = turned @ rotations[link, i]
-            np.testing.assert_allclose(found[:3, :3], rotation, atol=1e-12)
-            origin = turned @ origins[link, i]
-            np.testing.assert_allclose(found[:3, 3], origin, atol=1e-12)
-        tool = pose_in_page(page, "tcp")
-        np.testing.assert_allclose(
-            tool[:3], turned @ own.tcp(record, state)[:3], atol=1e-12
-        )
-
-
-@needs_browser
-def test_torques_are_those_of_the_bodies(page: Tab, record: Alpha5Parameters) -> None:
-    q, _, _ = own.states(record, 10)
-    still = np.zeros_like(q)
-    gravity = np.array(GRAVITY)
-    if record.mount is not None:
-        gravity = record.mount.rotation.T @ gravity
-    wanted, _ = own.inverse_dynamics(record, q, still, still, SEA_WATER, gravity)
-    closed = record.joints[4].lower
-    for state, torque in zip(q, wanted, strict=True):
-        page.run("(q) => alpha5.setPose(q)", [*state.tolist(), closed])
-        np.testing.assert_allclose(page.run("alpha5.holding()"), torque, atol=1e-12)
-
-
-@needs_browser
-def test_branches_are_those_of_the_inverse_kinematics(
-    page: Tab, record: Alpha5Parameters
-) -> None:
-    q, _, _ = own.states(record, 30)
-    shown = 0
-    for state in q:
-        set_pose(page, state)
-        point = own.tcp(record, state)[:3, 3]
-        solved = a5.inverse_kinematics(point, state[3], arm=record)
-        page.run("(point) => alpha5.setAim(point)", point.tolist())
-        disabled = page.run(
-            "Array.from(document.querySelectorAll('#ways button'), (b) => b.disabled)"
-        )
-        np.testing.assert_array_equal(disabled, ~solved.within_limits)
-        for branch in np.flatnonzero(solved.within_limits):
-            found = reached(page, point, int(branch))
-            assert found["away"] == 0.0
-            np.testing.assert_allclose(found["q"], solved.q[branch], atol=1e-12)
-            shown += 1
-    assert shown >= len(q)
-    page.run("() => alpha5.setAim(null)")
-
-
-def reached(page: Tab, point: np.ndarray, branch: int) -> dict[str, Any]:
-    script = "([point, branch]) => alpha5.reach(point, branch)"
-    return dict(page.run(script, [point.tolist(), branch]))
-
-
-@needs_browser
-def test_the_nearest_point_is_that_of_a_search(
-    page: Tab, record: Alpha5Parameters
-) -> None:
-    rng = np.random.default_rng(4)
-    lower, upper = own.own_arm.limits(record)
-    count = 12
-    points = rng.uniform(-0.6, 0.6, (count, 3))
-    wrists = rng.uniform(lower[3], upper[3], count)
-    for point, wrist in zip(points, wrists, strict=True):
-        set_pose(page, np.array([*(lower + upper)[:3] / 2, wrist]))
-        answers = [reached(page, point, branch) for branch in range(4)]
-        for answer in answers:
-            q = np.array(answer["q"])
-            assert (lower - 1e-9 <= q).all()
-            assert (q <= upper + 1e-9).all()
-            tip = own.tcp(record, q)[:3, 3]
-            np.testing.assert_allclose(
-                np.linalg.norm(tip - point), answer["away"], atol=1e-9
-            )
-        away = min(answer["away"] for answer in answers)
-        assert away == pytest.approx(searched(record, point, wrist), abs=1e-6)
-
-
-def searched(record: Alpha5Parameters, point: np.ndarray, wrist: float) -> float:
-    """Least distance to a point at an angle of axis_b: a grid, then descents."""
-    lower, upper = own.own_arm.limits(record)
-    axes = [np.linspace(a, b, 25) for a, b in zip(lower[:3], upper[:3], strict=True)]
-    grid = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
-    q = np.column_stack([grid, np.full(len(grid), wrist)])
-
-    def square(turned: np.ndarray) -> float:
-        tip = own.own_arm.tips(record, np.array([*turned, wrist]))
-        return float(np.sum((tip - point) ** 2))
-
-    gaps = np.linalg.norm(own.own_arm.tips(record, q) - point, axis=1)
-    bounds = list(zip(lower[:3], upper[:3], strict=True))
-    ends = []
-    for start in grid[np.argsort(gaps)[:12]]:
-        found = minimize(
-            square, start, bounds=bounds, method="L-BFGS-B", options={"ftol": 1e-16}
-        )
-        ends.append(found.fun)
-    return float(np.sqrt(min(ends)))
-
-
 @needs_browser
 def test_sliders_poses_and_texts_are_those_of_the_record(
     page: Tab, record: Alpha5Parameters
@@ -204,7 +84,7 @@ def test_sliders_poses_and_texts_are_those_of_the_record(
             }""",
             name,
         )
-        at = [page.run("(joint) => alpha5.q[joint]", joint) for joint in JOINTS]
+        at = page.run("() => alpha5.state.q")[:4]
         np.testing.assert_allclose(at, a5.named_pose(name, record), atol=1e-12)
         assert page.run("document.querySelectorAll('.joint.beyond').length") == 0
     heading = page.run("document.querySelector('h1').textContent")
@@ -216,25 +96,6 @@ def test_sliders_poses_and_texts_are_those_of_the_record(
     assert "attached sensor, lamp, plate" in notes
     assert "with its weight but not drawn: sensor, lamp, plate." in notes
     assert ("Mounted on bluerov" in notes) == (record.mount is not None)
-
-
-@needs_browser
-def test_the_live_page_follows_python(chromium: Any) -> None:
-    record = own.RECORDS[0]
-    viewer = a5.view(a5.load(arm=record))
-    try:
-        tab = new_tab(chromium)
-        tab.open(viewer.url())
-        q = own.own_arm.within(record, 1, 8)[0]
-        viewer.display(q)
-        tab.page.wait_for_function("(at) => alpha5.q.axis_d === at", arg=q[1])
-        np.testing.assert_allclose(
-            pose_in_page(tab, "tcp"), own.tcp(record, q), atol=1e-12
-        )
-        assert tab.complaints == []
-        tab.page.close()
-    finally:
-        viewer.close()
 
 
 # --- scenes ---------------------------------------------------------------------------

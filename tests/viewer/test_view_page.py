@@ -8,6 +8,8 @@ from __future__ import annotations
 import base64
 import json
 import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +24,8 @@ from alpha5_model.viewer import page
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import live_page, static_page
 from alpha5_model.viewer.scene import MADE_BY_PAGE, Scene
+
+WEB = Path(page.__file__).parent / "web"
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +56,30 @@ def test_nothing_is_loaded_from_elsewhere(html: str) -> None:
     assert "connect-src" not in policy
     assert html.count("<script") == html.count("</script>") == 3
     assert "{{" not in html.split("<script>")[0]
+
+
+@pytest.mark.tools
+def test_modules_import_what_earlier_ones_export(tmp_path: Path) -> None:
+    """As node reads them: a name that is missing would be undefined on the page."""
+    if shutil.which("node") is None:
+        pytest.skip("there is no node")
+    for name in page._MODULES:
+        text = (WEB / f"{name}.js").read_text("utf-8")
+        (tmp_path / f"{name}.mjs").write_text(text.replace('.js";', '.mjs";'))
+    # Linking checks the names, before anything runs and misses a page.
+    (tmp_path / "main.mjs").write_text(
+        'import("./start.mjs").catch((error) => {'
+        "console.log(error.name, error.message); });"
+    )
+    done = subprocess.run(
+        ["node", "main.mjs"], cwd=tmp_path, check=True, capture_output=True, text=True
+    )
+    assert done.stdout == "ReferenceError document is not defined\n"
+    earlier: set[str] = set()
+    for name in page._MODULES:
+        text = (WEB / f"{name}.js").read_text("utf-8")
+        assert set(re.findall(r' from "\./(\w+)\.js";', text)) <= earlier
+        earlier.add(name)
 
 
 def test_the_same_scene_gives_the_same_bytes(scene: Scene, html: str) -> None:
@@ -85,51 +113,6 @@ def test_commands_are_meshcats_and_rebuild_every_shape(scene: Scene, html: str) 
     np.testing.assert_allclose(points, shape.mesh.vertices, atol=1e-7)
     faces = np.frombuffer(geometry["index"]["array"].data, "<u4").reshape(-1, 3)
     np.testing.assert_array_equal(faces, shape.mesh.faces)
-    placed = {c["path"]: c["matrix"] for c in commands if c["type"] == "set_transform"}
-    matrix = np.reshape(placed["/meshcat/alpha5/bodies/link_3"], (4, 4)).T
-    np.testing.assert_allclose(matrix, scene.poses["link_3"])
-
-
-def test_materials_are_those_of_the_shapes(scene: Scene, html: str) -> None:
-    import umsgpack
-
-    commands = [
-        umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]
-    ]
-    objects = {c["path"]: c["object"] for c in commands if c["type"] == "set_object"}
-    shapes = [shape for shape in scene.shapes if shape.group not in MADE_BY_PAGE]
-    colored = [shape.mesh.colors is not None for shape in shapes]
-    assert any(colored)
-    assert not all(colored)
-    for shape, has_colors in zip(shapes, colored, strict=True):
-        sent = objects[f"/meshcat/alpha5/{shape.group}/{shape.name}"]
-        (material,) = sent["materials"]
-        channels = [material["color"] >> shift & 255 for shift in (16, 8, 0)]
-        wanted = (1.0, 1.0, 1.0) if has_colors else shape.color
-        assert np.abs(np.array(channels) / 255 - wanted).max() <= 0.5 / 255 + 1e-12
-        assert material["color"] < 1 << 24
-        gloss = [material["specular"] >> shift & 255 for shift in (16, 8, 0)]
-        assert (
-            np.abs(np.array(gloss) / 255 - 0.55 * shape.shine).max()
-            <= 0.5 / 255 + 1e-12
-        )
-        kind = "MeshBasicMaterial" if shape.flat else "MeshPhongMaterial"
-        assert material == {
-            "uuid": f"{shape.group}/{shape.name}:material",
-            "type": kind,
-            "color": material["color"],
-            "specular": material["specular"],
-            "shininess": 40.0,
-            "side": 2 if shape.flat else 0,
-            "transparent": bool(shape.on_top) or shape.opacity < 1,
-            "opacity": shape.opacity,
-            "depthTest": not shape.on_top,
-            "depthWrite": not shape.opacity < 1,
-            "vertexColors": has_colors,
-        }
-        assert sent["object"]["renderOrder"] == shape.on_top
-        assert sent["object"]["material"] == material["uuid"]
-        assert sent["object"]["uuid"] == f"{shape.group}/{shape.name}"
 
 
 def test_texts_cannot_break_out_of_the_page() -> None:
@@ -176,7 +159,10 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     ("arguments", "said"),
     [
         (["--pose", "upside-down"], "stow, home, reach"),
-        (["--pose", "1,2,3"], "axis_e, axis_d, axis_c, axis_b"),
+        (["--pose", "1,2,3"], "four or five numbers"),
+        (["--pose", "1 2 3 4 kg"], "four or five numbers"),
+        (["--gripper", "locked", "--pose", "1 2 3 4 0.01"], "four numbers"),
+        (["--obstacles", "nowhere.toml"], "nowhere.toml"),
         (["--pose", "1,2,nan,4"], "finite"),
         (["--target", "0.1,0.2"], "three numbers"),
         (["--target", "here"], "three numbers"),
@@ -243,7 +229,107 @@ def test_page_and_picture_from_the_command_line(
     assert main(["view", *arguments, "--html", str(html), "--image", str(image)]) == 0
     assert capsys.readouterr().out == f"wrote {html}\nwrote {image}\n"
     data = data_of(html.read_text(encoding="utf-8"))
-    assert data["q"] == {"axis_e": 1, "axis_d": 2, "axis_c": 3, "axis_b": -0.5}
+    assert data["q"] == [1, 2, 3, -0.5]
     assert data["water"]["density"] == 1000
     assert next(g["shown"] for g in data["groups"] if g["name"] == "ghosts")
     assert image.read_bytes().startswith(b"\x89PNG")
+
+
+def recording(path: Path, *rows: str) -> Path:
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return path
+
+
+def page_of(capsys: pytest.CaptureFixture[str], folder: Path, *words: str) -> dict:
+    html = folder / "page.html"
+    assert main(["view", *words, "--html", str(html)]) == 0, capsys.readouterr().err
+    capsys.readouterr()
+    return data_of(html.read_text("utf-8"))
+
+
+def test_a_page_and_a_picture_of_a_motion_begin_where_it_does(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    names = "time,axis_e,axis_d,axis_c,axis_b"
+    rows = [f"{t},1.{t},1.1,1.9,0.5" for t in range(5)]
+    file = str(recording(tmp_path / "rec.csv", names, *rows))
+    first = [1.0, 1.1, 1.9, 0.5]
+    data = page_of(capsys, tmp_path, "--gripper", "locked", "--motion", file)
+    assert data["q"] == first
+    assert data["motion"]["q"][0] == first
+    # A pose that is given counts.
+    posed = page_of(capsys, tmp_path, "--motion", file, "--pose", "stow")
+    np.testing.assert_allclose(posed["q"][:4], a5.named_pose("stow"))
+
+    image = tmp_path / "arm.png"
+    small = ["--gripper", "locked", "--size", "160x100", "--image", str(image)]
+    assert main(["view", "--motion", file, *small]) == 0
+    moving = image.read_bytes()
+    # The same picture as that of the pose, but for the camera, which sees the motion.
+    arm = a5.load()
+    scene = build_scene(arm, motion=motion(np.arange(5.0), np.tile(first, (5, 1))))
+    np.testing.assert_array_equal(scene.q, first)
+    assert main(["view", "--pose", "home", "--motion", file, *small]) == 0
+    assert image.read_bytes() != moving
+
+
+def test_a_motion_is_read_as_trajectory_reads_it(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """--map, --time and --degrees name what the columns are."""
+    names = "tick,j1,j2,j3,j4"
+    rows = [f"{500 * t},{60 + t},60,110,30" for t in range(5)]
+    file = str(recording(tmp_path / "rec.csv", names, *rows))
+    joints = "axis_e=j1,axis_d=j2,axis_c=j3,axis_b=j4"
+    words = ["--map", joints, "--time", "tick:ms", "--degrees"]
+    data = page_of(capsys, tmp_path, "--motion", file, *words)
+    np.testing.assert_allclose(data["q"][:4], np.radians([60, 60, 110, 30]))
+    np.testing.assert_allclose(data["motion"]["time"], 0.5 * np.arange(5))
+    for wrong, said in (
+        (["--map", "axis_e=j9"], "j9"),
+        (["--map", joints, "--time", "tack"], "tack"),
+        ([], "expected"),
+    ):
+        target = ["--html", str(tmp_path / "none.html")]
+        assert said in refused(["--motion", file, *wrong, *target], capsys)
+
+
+def test_a_motion_is_read_with_the_arm(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """A driver that counts axis_e the other way, as the arm file says."""
+    arm = tmp_path / "turned.toml"
+    arm.write_text("format = 1\n[signs]\naxis_e = -1\n", encoding="utf-8")
+    rows = [f"{t},-{2 + 0.01 * t},1.1,1.9,0.5" for t in range(5)]
+    names = "time,axis_e,axis_d,axis_c,axis_b"
+    file = str(recording(tmp_path / "rec.csv", names, *rows))
+    data = page_of(capsys, tmp_path, "--motion", file, "--arm", str(arm))
+    assert data["q"][0] == 2.0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["3.1", "1.2", "1.8", "0", "rad"],
+        ["3.1rad", "1.2", "1.8", "0"],
+        ["177.616916", "68.754935", "103.132403", "0", "deg"],
+    ],
+)
+def test_a_pose_is_read_as_fk_reads_it(
+    words: list[str], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    data = page_of(capsys, tmp_path, "--pose", *words)
+    np.testing.assert_allclose(data["q"][:4], [3.1, 1.2, 1.8, 0.0], atol=1e-7)
+    assert main(["fk", *words, "--json"]) == 0
+    fk = json.loads(capsys.readouterr().out)
+    np.testing.assert_allclose(data["q"][:4], fk["q"], atol=1e-12)
+
+
+def test_obstacles_of_a_file_are_drawn(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "around.toml"
+    file.write_text("[hull]\nbox = [0.4, 0.3, 0.2]\nxyz = [-0.3, 0.0, -0.2]\n")
+    data = page_of(capsys, tmp_path, "--obstacles", str(file))
+    assert "hull" in {label["text"] for label in data["labels"]}
+    assert next(g["shown"] for g in data["groups"] if g["name"] == "obstacles")

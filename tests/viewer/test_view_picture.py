@@ -5,10 +5,8 @@ from __future__ import annotations
 import io
 import math
 import sys
-import threading
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,13 +15,10 @@ from PIL import Image
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
-from alpha5_model.viewer import annotations
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.canvas import Canvas, Window, shade
-from alpha5_model.viewer.film_frames import pictures
-from alpha5_model.viewer.framing import check_size, framed
+from alpha5_model.viewer.canvas import Canvas, shade
+from alpha5_model.viewer.framing import check_size
 from alpha5_model.viewer.picture import picture, picture_png
-from alpha5_model.viewer.poses import posed
 from alpha5_model.viewer.scene import Camera
 from alpha5_model.viewer.shapes import ball
 
@@ -77,57 +72,6 @@ def test_triangles_that_turn_their_back_are_not_drawn_unless_two_sided() -> None
     assert not drawn(canvas, (1, 0, 0)).any()
     canvas.draw(right_angle(0.0), RED, away, two_sided=True)
     assert drawn(canvas, (1, 0, 0)).any()
-
-
-def test_each_pixel_of_a_triangle_is_drawn_in_one_block(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Blocks bound the memory; small ones must add up to the one large block."""
-
-    def pixels() -> list[np.ndarray]:
-        screen = canvas.project(right_angle(0.0))
-        fragments = canvas._fragments(screen, RED, TRIANGLE, two_sided=False)
-        return [found.pixels for found in fragments]
-
-    canvas = Canvas(FRONT, 300, 200)
-    (whole,) = pixels()
-    monkeypatch.setattr("alpha5_model.viewer.canvas._PIXELS", 100)
-    monkeypatch.setattr("alpha5_model.viewer.canvas._LINES", 10)
-    blocks = pixels()
-    assert len(blocks) > 5
-    assert sorted(np.concatenate(blocks)) == sorted(whole)
-
-
-def test_a_window_has_the_pixels_of_the_whole_canvas() -> None:
-    whole = Canvas(FRONT, 300, 200)
-    window = Window(left=140, top=20, right=210, bottom=90)
-    part = Canvas(FRONT, 300, 200, window)
-    for canvas in (whole, part):
-        canvas.draw(right_angle(0.0), RED, TRIANGLE)
-        canvas.draw(right_angle(-0.3), BLUE, TRIANGLE, opacity=0.5)
-    seen = whole.color.reshape(200, 300, 3)[20:90, 140:210]
-    np.testing.assert_array_equal(part.color.reshape(70, 70, 3), seen)
-    assert len(np.unique(seen, axis=0)) > 2
-
-
-@pytest.mark.parametrize("beside_threads", [False, True])
-def test_a_film_has_the_pictures_of_its_scenes_in_their_order(
-    beside_threads: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Drawn several at once, into the part of the picture where the arm is."""
-    if beside_threads:
-        monkeypatch.setattr(threading, "active_count", lambda: 2)
-    arm = a5.load()
-    size = (160, 100)
-    seen = framed(build_scene(arm), size)
-    scenes = [posed(seen, arm, HOME + 0.1 * k) for k in range(6)]
-    film = list(pictures(iter(scenes), size))
-    for scene, frame in zip(scenes, film, strict=True):
-        np.testing.assert_array_equal(frame, picture(scene, size))
-    assert np.abs(np.diff(np.array(film, dtype=int), axis=0)).max(axis=(1, 2, 3)).min()
-
-    close = replace(seen, camera=Camera(np.array([0.02, 0, 0.05]), np.zeros(3), FIELD))
-    assert picture(close, size).shape == (100, 160, 3), "the eye is within the arm"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux can fork safely")
@@ -288,28 +232,6 @@ def test_a_label_has_its_colour_and_the_ground_is_light(arm: a5.Arm) -> None:
     assert 190 < corner[0] < corner[1] < corner[2]
 
 
-def test_the_words_of_a_bar_are_beside_its_end(arm: a5.Arm) -> None:
-    """Half a line of text to the right of it, at its height."""
-    lines, texts = [], []
-    draw = SimpleNamespace(
-        line=lambda ends, **_: lines.append(ends),
-        text=lambda place, words, **_: texts.append((words, place)),
-    )
-    pen = SimpleNamespace(draw=draw, font=None, text_height=10, step=20.0)
-    scene = build_scene(arm, show=["weight", "current"], current=(0.5, 0.0, 0.0))
-    canvas = Canvas(scene.camera, 800, 600)
-    annotations._draw_scale_bars(pen, scene, canvas, finer=2)
-    bars = [(start, end, y) for start, y, end, other in lines if y == other]
-    assert [words for words, _ in texts] == ["100 mm", "force 5 N", "current 1 m/s"]
-    for (start, end, y), (_, place) in zip(bars, texts, strict=True):
-        assert start == 20.0
-        assert place == (end + 10.0, y)
-    assert [y for *_, y in bars] == [240.0, 260.0, 280.0]
-    away = np.linalg.norm(scene.camera.eye - scene.camera.target)
-    (_, end, _), *_ = bars
-    assert end - 20.0 == pytest.approx(0.1 * canvas.focal / away / 2)
-
-
 def test_bars_say_how_long_things_are_where_the_camera_looks(arm: a5.Arm) -> None:
     """100 mm, and 5 N at 15 mm/N, in the lower left corner, by similar triangles."""
     scale = SIZE[1] / 2 / math.tan(math.radians(15)) / 1.6
@@ -393,24 +315,3 @@ def test_a_picture_that_cannot_be_drawn_leaves_no_page(
         "arm.html",
         "arm.png",
     }
-
-
-def test_a_surface_is_lit_by_the_angles_to_both_lights() -> None:
-    """Against the law of Lambert with the angles, and Blinn's and Phong's highlight."""
-    lights = np.array([[-0.35, 0.75, 0.56], [0.85, 0.1, 0.52]])
-    rng = np.random.default_rng(5)
-    normals = rng.normal(size=(40, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    colors = rng.uniform(0.1, 0.4, (40, 3))
-    for k, (normal, color) in enumerate(zip(normals, colors, strict=True)):
-        diffuse = 0.68
-        highlight = 0.0
-        for light, strength in zip(lights, (0.80, 0.45), strict=True):
-            toward = light / math.sqrt(light @ light)
-            half = np.add(toward, [0, 0, 1])
-            diffuse += strength * max(0.0, normal @ toward)
-            cosine = normal @ half / math.sqrt(half @ half)
-            highlight += 0.5 * 0.3 * strength * max(0.0, cosine) ** 24
-        expected = np.clip(color * diffuse + highlight, 0, 1)
-        found = shade(normals, colors, np.eye(3), shine=0.3)[k]
-        assert found == pytest.approx(expected, abs=1e-12)

@@ -1,6 +1,13 @@
-// The camera: named views that frame the arm, its motion and all that is shown, in the free part of the window.
+// The camera: named views that frame the arm, its motion and all that is shown, in the free part of the window; scale bars.
 //
 // meshcat's camera is in a frame whose y axis points up.
+import { data } from "./data.js";
+import { change, posesOf, state } from "./state.js";
+import { added, byId, calm, narrow, write } from "./page.js";
+import { THREE, bodiesOf, matrix, meshesOf, onCommand, vector, viewer } from "./scene.js";
+import { root } from "./kinematics.js";
+import { clamp, placed } from "./vectors.js";
+
 const KEYS = new Map([["h", "home"], ["f", "fit"], ["1", "front"], ["2", "side"], ["3", "top"]]);
 const swap = ([x, y, z]) => [x, z, -y];
 const unswap = ({ x, y, z }) => new THREE.Vector3(x, -z, y);
@@ -22,8 +29,11 @@ document.addEventListener("keydown", (event) => {
   if (name && !event.ctrlKey && !event.metaKey && !event.altKey && !event.target.closest("input[type=number], select")) look(name);
 });
 
-// The part of the window that no panel covers: [left, top, right, bottom] in pixels.
-function free() {
+// The part of the window that no panel covers: [left, top, right, bottom] in pixels. It is measured when it has changed: a
+// measurement in every frame would lay out the page in every frame.
+let freePart = null;
+export const free = () => freePart ??= measured();
+function measured() {
   const box = (id) => byId(id).getBoundingClientRect();
   const bottom = byId("strip").hidden ? window.innerHeight : box("strip").top;
   const top = box("views").bottom;
@@ -31,26 +41,18 @@ function free() {
   const folded = byId("panel").classList.contains("folded");
   return [folded ? 0 : box("panel").right, top, window.innerWidth, bottom];
 }
-
-// The same as it was measured last: a measurement in every frame would lay out the page in every frame.
-let freePart = null;
-const lastFree = () => freePart ??= free();
 const covers = new ResizeObserver(() => { freePart = null; viewer.set_dirty(); });
 for (const id of ["panel", "views", "strip"]) covers.observe(byId(id));
 
-// The part of the window in which the scene is drawn: all that is right of the panel. Every pixel costs time.
-let stage = { left: 0, width: 1, height: 1 };
-// Pixels of the window to the camera's coordinates, which are 1 at the right and upper edges of the stage.
-const inCamera = (x, y) => ({ x: 2 * (x - stage.left) / stage.width - 1, y: 1 - 2 * y / stage.height });
-
-// A point of the world to pixels (from the window's corner) and depth, and back. meshcat's scene is turned, too.
-function onScreen(point) {
-  const at = point.clone().applyMatrix4(viewer.scene.matrixWorld).project(viewer.camera);
-  return [stage.left + (at.x + 1) / 2 * stage.width, (1 - at.y) / 2 * stage.height, at.z];
+// Pixels of the window to the camera's coordinates, a point of the world to pixels and depth, and back. meshcat's scene is turned.
+export const inCamera = (x, y) => ({ x: 2 * x / window.innerWidth - 1, y: 1 - 2 * y / window.innerHeight });
+export function onScreen(point) {
+  const at = vector(point).applyMatrix4(viewer.scene.matrixWorld).project(viewer.camera);
+  return [(at.x + 1) / 2 * window.innerWidth, (1 - at.y) / 2 * window.innerHeight, at.z];
 }
-function fromScreen(x, y, depth) {
+export function fromScreen(x, y, depth) {
   const at = inCamera(x, y);
-  return new THREE.Vector3(at.x, at.y, depth).unproject(viewer.camera).applyMatrix4(viewer.scene.matrixWorld.clone().invert());
+  return new THREE.Vector3(at.x, at.y, depth).unproject(viewer.camera).applyMatrix4(viewer.scene.matrixWorld.clone().invert()).toArray();
 }
 
 // ---- what the camera frames: the bodies at the poses to come, and everything else that is shown
@@ -71,50 +73,47 @@ function outermost(geometry) {
   }
   return corners[geometry.uuid] = far;
 }
-function bodiesAt(found) {
-  return Object.keys(data.links).flatMap((link) => meshes(data.links[link]).flatMap(
-    (part) => outermost(part.geometry).map((point) => point.clone().applyMatrix4(found[link]))));
+function bodiesAt(poses) {
+  return Object.keys(data.links).flatMap((link) => bodiesOf(link).flatMap(
+    (part) => outermost(part.geometry).map((point) => point.clone().applyMatrix4(matrix(poses[link])))));
 }
 const isSeen = (part) => !part || (part.visible && isSeen(part.parent));
+const UNFRAMED = ["bodies", "labels", "see-through", "obstacles"]; // the sea bed is too wide to be seen whole
 function pointsToFrame(all) {
   viewer.scene.updateMatrixWorld();
-  const points = bodiesAt(poses);
+  const points = bodiesAt(state.poses);
   const coming = data.motion ? data.motion.q : Object.values(data.poses);
   const step = Math.ceil(coming.length / 40);
-  if (all) for (let i = 0; i < coming.length; i += step) points.push(...bodiesAt(forwardKinematics(named(coming[i]))));
-  if (state.aim) points.push(toWorld(state.aim));
-  for (const group of data.groups) {
-    if (!shown[group.name] || ["bodies", "labels", "see-through"].includes(group.name)) continue;
-    const parts = meshes(`/meshcat/alpha5/${group.name}`).filter(isSeen);
+  if (all) for (let i = 0; i < coming.length; i += step) points.push(...bodiesAt(posesOf(coming[i])));
+  if (state.aim) points.push(vector(placed(state.poses[root], state.aim)));
+  for (const { name } of data.groups) {
+    if (!state.shown[name] || UNFRAMED.includes(name)) continue;
+    const parts = meshesOf(name).filter(isSeen);
     points.push(...parts.flatMap((part) => outermost(part.geometry).map((point) => unswap(point.clone().applyMatrix4(part.matrixWorld)))));
   }
   return points;
 }
 
 // ---- moving the camera
-function moveCamera(eye, target) {
-  viewer.camera.position.set(...swap(eye.toArray()));
-  viewer.controls.target.set(...swap(target.toArray()));
+export function moveCamera(eye, target) {
+  viewer.camera.position.set(...swap(eye));
+  viewer.controls.target.set(...swap(target));
   viewer.controls.update();
   viewer.scene.updateMatrixWorld();
   viewer.set_dirty();
 }
-// Lay the stage beside the panel, and centre the picture in the free part of the window.
+export const eye = () => unswap(viewer.camera.position).toArray();
+export const lookedAt = () => unswap(viewer.controls.target).toArray();
+// Centre the picture in the free part of the window.
 function center() {
   const folded = byId("panel").classList.contains("folded");
   document.documentElement.style.setProperty("--left", folded ? "12px" : "352px");
-  const [left, top, right, bottom] = freePart = free();
+  freePart = null;
+  const [left, top, right, bottom] = free();
   const [w, h] = [window.innerWidth, window.innerHeight];
   document.documentElement.style.setProperty("--floor", `${h - bottom + 10}px`);
-  setStage({ left, width: w - left, height: h });
-  viewer.camera.setViewOffset(w, h, (w + left - right) / 2, (h - top - bottom) / 2, w - left, h);
-}
-function setStage(part) {
-  if (["left", "width", "height"].every((edge) => part[edge] === stage[edge])) return;
-  stage = part;
-  viewer.renderer.setSize(part.width, part.height);
-  viewer.renderer.domElement.style.left = `${part.left}px`;
-  viewer.set_dirty();
+  viewer.renderer.setSize(w, h);
+  viewer.camera.setViewOffset(w, h, (w - left - right) / 2, (h - top - bottom) / 2, w, h);
 }
 // The nearest camera that looks one way and sees all points in the free part of the window.
 function framing(points, back) {
@@ -122,8 +121,7 @@ function framing(points, back) {
   const tangent = Math.tan(viewer.camera.fov * Math.PI / 360) / (window.innerHeight / 2); // per pixel
   const margin = narrow.matches ? 14 : 32;
   const [wide, high] = [(right - left) / 2 - margin, (bottom - top) / 2 - margin].map((pixels) => Math.max(pixels, 40) * tangent);
-  const across = new THREE.Vector3(0, 0, 1).cross(back).normalize();
-  const up = back.clone().cross(across);
+  const [across, up] = levelAxes(back);
   const target = new THREE.Box3().setFromPoints(points).getCenter(new THREE.Vector3());
   let distance = 0;
   for (let i = 0; i < 4; i++) { // near points look larger, so the middle in space is not the middle in the picture
@@ -137,16 +135,22 @@ function framing(points, back) {
   return { eye: target.clone().addScaledVector(back, distance), target };
 }
 const backwards = () => unswap(viewer.camera.position).sub(unswap(viewer.controls.target)).normalize();
+// To the right and upwards in the picture of a camera that looks along -back.
+function levelAxes(back) {
+  const across = new THREE.Vector3(0, 0, 1).cross(back).normalize();
+  return [across, back.clone().cross(across)];
+}
+export const pictureAxes = () => levelAxes(backwards()).map((axis) => axis.toArray());
 
-function look(name, slowly = true) {
+export function look(name, slowly = true) {
   const back = name in data.views ? vector(data.views[name]).normalize() : backwards();
   change({ view: name in data.views ? name : null });
   center();
   const points = pointsToFrame(name !== "fit");
   if (!points.length) return;
   const to = framing(points, back);
-  if (slowly && !matchMedia("(prefers-reduced-motion: reduce)").matches) glide(to);
-  else moveCamera(to.eye, to.target);
+  if (slowly && !calm.matches) glide(to);
+  else moveCamera(to.eye.toArray(), to.target.toArray());
 }
 function glide(to) {
   const from = { eye: unswap(viewer.camera.position), target: unswap(viewer.controls.target) };
@@ -155,25 +159,60 @@ function glide(to) {
   const [near, far] = [from, to].map((at) => at.eye.distanceTo(at.target));
   const [start, end] = [from, to].map((at) => at.eye.clone().sub(at.target).normalize());
   function step(now) {
-    if (mine !== gliding || held) return;
+    if (mine !== gliding) return;
     const part = clamp((now - began) / 350, 0, 1);
     const eased = part * part * (3 - 2 * part);
     const target = from.target.clone().lerp(to.target, eased);
     const way = start.clone().lerp(end, eased).normalize();
-    moveCamera(target.clone().addScaledVector(way, near + eased * (far - near)), target);
+    moveCamera(target.clone().addScaledVector(way, near + eased * (far - near)).toArray(), target.toArray());
     if (part < 1) requestAnimationFrame(step);
   }
   requestAnimationFrame(step);
 }
+export const stopGliding = () => { gliding++; };
 // After the user has let go: move the camera back if the arm is out of the picture.
-function keepInSight() {
+export function keepInSight() {
   const [left, top, right, bottom] = free();
-  const seen = [...bodiesAt(poses), ...(state.aim ? [toWorld(state.aim)] : [])].map(onScreen);
+  const aim = state.aim ? [placed(state.poses[root], state.aim)] : [];
+  const seen = [...bodiesAt(state.poses).map((point) => point.toArray()), ...aim].map(onScreen);
   if (seen.some(([x, y]) => x < left || x > right || y < top || y > bottom)) glide(framing(pointsToFrame(true), backwards()));
 }
-
 viewer.set_3d_pane_size = () => {
   center();
-  if (state.view && poses[root]) look(state.view, false);
+  if (state.view) look(state.view, false);
   viewer.set_dirty();
 };
+// Frame the scene again when objects have come.
+let waiting = false;
+onCommand((command) => {
+  if (command.type !== "set_object" || waiting) return;
+  waiting = true;
+  requestAnimationFrame(() => { waiting = false; if (state.view) look(state.view, false); });
+});
+
+// ---- scale bars of lengths and arrows, at the distance of the camera's target
+const bars = [
+  { name: "length", unit: "mm", each: 1e-3, groups: ["bodies", "labels"] },
+  { name: "force", unit: "N", each: data.arrows.force, groups: ["weight", "buoyancy"] },
+  { name: "current", unit: "m/s", each: data.arrows.current, groups: ["current"] },
+];
+for (const bar of bars) {
+  bar.element = added(byId("scale"), "div", { className: bar.name });
+  for (const part of ["span", "i"]) added(bar.element, part);
+}
+// The largest of 1, 2 or 5 times a power of ten that is at most a number.
+function roundBelow(most) {
+  const power = 10 ** Math.floor(Math.log10(most));
+  return [5, 2, 1].find((digit) => digit * power <= most * (1 + 1e-9)) * power;
+}
+export function drawScale() {
+  const distance = viewer.camera.position.distanceTo(viewer.controls.target);
+  const pixels = window.innerHeight / 2 / Math.tan(viewer.camera.fov * Math.PI / 360) / distance; // per metre
+  for (const { unit, each, groups, element } of bars) {
+    element.hidden = !groups.some((name) => state.shown[name]);
+    const size = roundBelow(120 / (pixels * each));
+    element.dataset.size = size;
+    write(element.firstChild, `${Number(size.toPrecision(1))} ${unit}`);
+    element.lastChild.style.width = `${(size * each * pixels).toFixed(2)}px`;
+  }
+}

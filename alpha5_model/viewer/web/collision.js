@@ -2,30 +2,28 @@
 //
 // Two convex shapes touch if the differences of their points contain the origin. GJK looks for a tetrahedron of
 // such differences around it [Gilbert1988]; each step adds the difference that is farthest towards the origin.
-const STEPS_OF_GJK = 64;
-const dot3 = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-const cross3 = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+import { data } from "./data.js";
+import { compose, cross, dot, minus, origin } from "./vectors.js";
 
-for (const body of data.collision.bodies) {
-  for (const shape of body.shapes) shape.matrix = matrix(shape.placement);
-}
+const STEPS_OF_GJK = 64;
 
 // The pairs of links that touch at some poses, [[name, name], ...].
-function touching(at) {
+export function touching(at) {
   const placed = data.collision.bodies.map((body) => body.shapes.map((shape) => inWorld(shape, at[body.link])));
   const found = data.collision.pairs.filter(([one, other]) => placed[one].some((a) => placed[other].some((b) => meet(a, b))));
   return found.map((pair) => pair.map((body) => data.collision.bodies[body].link));
 }
 // A shape with its axes as rows, and its middle.
 function inWorld(shape, link) {
-  const e = link.clone().multiply(shape.matrix).elements;
-  return { ...shape, axes: [[e[0], e[1], e[2]], [e[4], e[5], e[6]], [e[8], e[9], e[10]]], middle: [e[12], e[13], e[14]] };
+  const pose = compose(link, shape.placement);
+  return { ...shape, axes: [0, 1, 2].map((j) => pose.map((row) => row[j])), middle: origin(pose) };
 }
+export const spoken = (pairs) => pairs.map((pair) => pair.join(" with ")).join(", ");
+
 function meet(a, b) {
   const between = minus(a.middle, b.middle);
   const reach = a.radius + b.radius;
-  return dot3(between, between) <= reach * reach && contains([], between, a, b);
+  return dot(between, between) <= reach * reach && contains([], between, a, b);
 }
 // Whether the differences of points of a and b contain the origin.
 function contains(corners, start, a, b) {
@@ -33,16 +31,16 @@ function contains(corners, start, a, b) {
   for (let step = 0; step < STEPS_OF_GJK; step++) {
     const opposite = direction.map((x) => -x);
     const corner = minus(farthest(a, direction), farthest(b, opposite));
-    if (dot3(corner, direction) < 0) return false;
+    if (dot(corner, direction) < 0) return false;
     corners.push(corner);
     direction = PARTS[corners.length - 1](corners);
-    if (!direction || dot3(direction, direction) === 0) return true;
+    if (!direction || dot(direction, direction) === 0) return true;
   }
   return true; // so near to contact that rounding decides
 }
 // The point of a shape that is farthest in a direction.
 function farthest(shape, direction) {
-  const local = shape.axes.map((axis) => dot3(axis, direction));
+  const local = shape.axes.map((axis) => dot(axis, direction));
   const [x, y, z] = shape.half;
   const across = Math.hypot(local[0], local[1]);
   const scale = across > 0 ? x / across : 0;
@@ -58,7 +56,7 @@ function nearEdge(corners) {
   const [b, a] = corners;
   const edge = minus(b, a);
   const inwards = a.map((x) => -x);
-  if (dot3(edge, inwards) > 0) return cross3(cross3(edge, inwards), edge);
+  if (dot(edge, inwards) > 0) return cross(cross(edge, inwards), edge);
   corners.splice(0, 2, a);
   return inwards;
 }
@@ -66,16 +64,16 @@ function nearTriangle(corners) {
   const [c, b, a] = corners;
   const [ab, ac] = [minus(b, a), minus(c, a)];
   const inwards = a.map((x) => -x);
-  const normal = cross3(ab, ac);
-  if (dot3(cross3(normal, ac), inwards) > 0 && dot3(ac, inwards) > 0) {
+  const normal = cross(ab, ac);
+  if (dot(cross(normal, ac), inwards) > 0 && dot(ac, inwards) > 0) {
     corners.splice(0, 3, c, a);
-    return cross3(cross3(ac, inwards), ac);
+    return cross(cross(ac, inwards), ac);
   }
-  if (dot3(cross3(normal, ac), inwards) > 0 || dot3(cross3(ab, normal), inwards) > 0) {
+  if (dot(cross(normal, ac), inwards) > 0 || dot(cross(ab, normal), inwards) > 0) {
     corners.splice(0, 3, b, a);
     return nearEdge(corners);
   }
-  if (dot3(normal, inwards) > 0) return normal;
+  if (dot(normal, inwards) > 0) return normal;
   corners.splice(0, 3, b, c, a); // turned, so that the normal looks at the origin
   return normal.map((x) => -x);
 }
@@ -83,7 +81,7 @@ function nearTetrahedron(corners) {
   const [d, c, b, a] = corners;
   const inwards = a.map((x) => -x);
   for (const [one, other] of [[b, c], [c, d], [d, b]]) {
-    if (dot3(cross3(minus(one, a), minus(other, a)), inwards) > 0) {
+    if (dot(cross(minus(one, a), minus(other, a)), inwards) > 0) {
       corners.splice(0, 4, other, one, a);
       return nearTriangle(corners);
     }

@@ -1,4 +1,12 @@
-// Play a motion in real time; a slow browser drops frames.
+// Play a motion in real time, and draw its curves: torque by cause, load on the mount, a recording beside the model, and signals
+// of the user. Drag in them to move through the motion. A slow browser drops frames.
+import { data } from "./data.js";
+import { joints } from "./kinematics.js";
+import { change, onChange, state } from "./state.js";
+import { added, byId, fixed, write } from "./page.js";
+import { viewer } from "./scene.js";
+import { clamp, largestDifference } from "./vectors.js";
+
 let started = null;
 const times = data.motion ? data.motion.time : [0];
 const last = times[times.length - 1];
@@ -19,41 +27,217 @@ function between(columns, time) {
     return before === null || after === null ? NaN : before + part * (after - before);
   });
 }
-
-function seek(time) {
+export function seek(time) {
   if (!Number.isFinite(time)) return;
   now = clamp(time, 0, last);
-  setPose(between(data.motion.q, now), "motion");
-  showTime();
+  change({ q: between(data.motion.q, now) }, "motion");
 }
-// Whether the arm is where the motion has it at the time of the cursor.
-const showsMotion = () => largestDifference(joints.map((joint) => q[joint.name]), between(data.motion.q, now)) < 1e-9;
-function showTime() {
-  byId("time").value = now;
-  byId("clock").firstChild.textContent = `${now.toFixed(1)} / ${last.toFixed(1)} s`;
-}
+// Whether the arm is where the motion has it at the time of the cursor, to the digits of its data.
+const showsMotion = () => largestDifference(state.q, between(data.motion.q, now)) < 1e-6;
 function tick(clock) {
   if (started === null) return;
   seek(((clock - started) / 1e3) % last);
   requestAnimationFrame(tick);
 }
-function play() {
+export function play() {
   start(performance.now() - 1e3 * (now % last));
   requestAnimationFrame(tick);
 }
-const pause = () => start(null);
+export const pause = () => start(null);
 function start(clock) {
   started = clock;
-  if (started === null) showPanelNow();
   byId("play").textContent = started === null ? "\u25b6" : "\u275a\u275a";
   byId("play").setAttribute("aria-label", started === null ? "Play" : "Pause");
 }
-onPose((by) => { if (by !== "motion" && started !== null) pause(); });
-
 if (data.motion) {
   byId("strip").hidden = false;
   byId("time").max = last;
   byId("clock").append("", added(byId("clock"), "span", { textContent: data.motion.name, title: data.motion.name }));
   byId("play").onclick = () => (started === null ? play() : pause());
   byId("time").oninput = () => { pause(); seek(byId("time").valueAsNumber); };
+  onChange((part, by) => {
+    if ("q" in part && by !== "motion" && started !== null) pause();
+    byId("time").value = now;
+    byId("clock").firstChild.textContent = `${now.toFixed(1)} / ${last.toFixed(1)} s`;
+    showStrip();
+  });
 }
+
+// ---- curves
+const CAUSES = [
+  ["weight", "weight", "#d98200"],
+  ["buoyancy", "buoyancy", "#3a9fd8"],
+  ["inertia", "inertia", "#c46a9d"],
+  ["coriolis", "Coriolis", "#0a9a70"],
+  ["moving_water", "current", "#2f6fd0"],
+];
+const AXES = [["x", "#d0482a"], ["y", "#0a9a70"], ["z", "#2f6fd0"]];
+const RECORDED = "#d0482a";
+const charts = [];
+const isRod = (k) => joints[k].kind === "prismatic";
+const degree = 180 / Math.PI;
+
+// ---- what can be drawn: a title, a unit and curves, which may depend on the joint k
+// The torques of a joint by cause, and their sum, as curves.
+function torqueCurves(k) {
+  const known = CAUSES.filter(([cause]) => data.motion[cause]);
+  const parts = known.map(([cause, name, color]) => ({ name, color, values: data.motion[cause].map((row) => row[k]) }));
+  const total = times.map((_, i) => parts.reduce((sum, part) => sum + part.values[i], 0));
+  return [...parts, { name: "total", color: "var(--ink)", values: total }];
+}
+function axisCurves(first) {
+  return AXES.map(([name, color], k) => ({ name, color, values: data.motion.mount.map((row) => row[first + k]) }));
+}
+// A recorded quantity beside the computed one, and what the recording has more.
+const COMPARED = {
+  position: { title: "Position", computed: "smoothed", unit: (k) => isRod(k) ? "mm" : "\u00b0", each: (k) => isRod(k) ? 1e3 : degree },
+  effort: { title: "Effort", computed: "model", unit: (k) => isRod(k) ? "N" : "N\u00b7m", each: () => 1 },
+  current: { title: "Motor current", computed: "model", unit: () => "A", each: () => 1 },
+};
+function comparison(name, k) {
+  const { each, computed } = COMPARED[name];
+  const column = (kind) => data.motion.compared[name][kind].map((row) => row[k] === null ? null : each(k) * row[k]);
+  return [{ name: "recorded", color: RECORDED, values: column("recorded") }, { name: computed, color: "var(--accent)", values: column("computed") }];
+}
+function residual(name, k) {
+  const [recorded, computed] = comparison(name, k).map(({ values }) => values);
+  const values = recorded.map((value, i) => value === null || computed[i] === null ? null : value - computed[i]);
+  return [{ name: "recorded minus computed", color: RECORDED, values }];
+}
+const extent = (curves) => curves.flatMap((curve) => curve.values).reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [0, 0]);
+// The range of the known values of curves.
+function tight(curves) {
+  const known = curves.flatMap((curve) => curve.values).filter((value) => value !== null);
+  return known.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+}
+function quantities() {
+  const found = [];
+  const add = (quantity) => found.push(quantity);
+  if (data.motion.mount) {
+    const unit = (k) => isRod(k) ? "N" : "N\u00b7m";
+    // Joints with the same unit share a scale, so that a small torque looks small.
+    const range = (k) => extent(joints.flatMap((_, other) => unit(other) === unit(k) ? torqueCurves(other) : []));
+    add({ title: "Torque", ofJoint: true, unit, curves: torqueCurves, range });
+    add({ title: "Force on the mount", unit: () => "N", curves: () => axisCurves(0) });
+    add({ title: "Moment on the mount", unit: () => "N\u00b7m", curves: () => axisCurves(3) });
+  }
+  for (const name in data.motion.compared) {
+    const { title, unit } = COMPARED[name];
+    add({ title, ofJoint: true, unit, curves: (k) => comparison(name, k), range: (k) => tight(comparison(name, k)) });
+    add({ title: `${title}, residual`, ofJoint: true, unit, curves: (k) => residual(name, k) });
+  }
+  for (const [name, values] of Object.entries(data.motion.signals)) {
+    const curves = [{ name: "value", color: "var(--accent)", values }];
+    add({ title: name, unit: () => "", curves: () => curves, range: () => tight(curves) });
+  }
+  return found;
+}
+const drawable = data.motion ? quantities() : [];
+// What is drawn at first: a recording with its residual, or the torques; the user's first signal comes last.
+function atFirst() {
+  const at = (title) => drawable.findIndex((quantity) => quantity.title === title);
+  const measured = ["Effort", "Motor current"].find((title) => at(title) >= 0);
+  const first = measured ? [measured, `${measured}, residual`] : ["Torque", "Force on the mount"];
+  const [signal] = Object.keys(data.motion.signals);
+  return [...first, signal || "Moment on the mount"].map(at).filter((place) => place >= 0);
+}
+
+// ---- charts
+let chartedJoint = 1;
+function addChart(place) {
+  const element = added(byId("charts"), "figure", {
+    innerHTML: `<figcaption><select class="what"></select><b></b><span></span><span class="legend"></span></figcaption>
+      <div class="plot"><svg viewBox="0 0 1000 100" preserveAspectRatio="none"></svg><small></small><small></small><i></i></div>`,
+  });
+  const [what, name, sign, legend, svg, high, low, cursor] = [".what", "b", "b + span", ".legend", "svg", "small", "small + small", "i"].map((part) => element.querySelector(part));
+  const chart = { what, name, sign, legend, svg, ends: [low, high], cursor };
+  what.setAttribute("aria-label", "What is drawn");
+  for (const { title } of drawable) added(what, "option", { textContent: title });
+  what.selectedIndex = place;
+  what.onchange = () => {
+    draw(chart);
+    showStrip();
+  };
+  svg.onpointerdown = svg.onpointermove = (event) => {
+    if (!event.buttons) return;
+    svg.setPointerCapture(event.pointerId);
+    const box = svg.getBoundingClientRect();
+    pause();
+    seek(last * (event.clientX - box.left) / box.width);
+  };
+  charts.push(chart);
+  return chart;
+}
+function draw(chart) {
+  const { ofJoint, unit, curves: of, range } = drawable[chart.what.selectedIndex];
+  const curves = of(chartedJoint);
+  const [low, high] = range ? range(chartedJoint) : extent(curves);
+  const height = (value) => (96 - 92 * (value - low) / (high - low || 1)).toFixed(2);
+  chart.name.hidden = !ofJoint;
+  chart.sign.textContent = unit(chartedJoint);
+  chart.svg.replaceChildren();
+  chart.svg.innerHTML = `<line x2="1000" y1="${height(0)}" y2="${height(0)}"/>`;
+  chart.legend.replaceChildren();
+  chart.curves = curves.map(({ name, color, values }) => {
+    for (const points of pieces(values, height)) {
+      chart.svg.insertAdjacentHTML("beforeend", `<polyline class="${name}" style="stroke: ${color}" points="${points}"/>`);
+    }
+    const item = added(chart.legend, "span", { className: "item", textContent: name });
+    item.dataset.curve = name;
+    item.style.setProperty("--own", color);
+    return { rows: values.map((value) => [value]), output: added(item, "output") };
+  });
+  const digits = high - low < 0.2 ? 3 : high - low < 2 ? 2 : 1;
+  chart.digits = Math.max(digits, 2);
+  chart.ends.forEach((end, i) => { end.textContent = fixed([low, high][i], digits); });
+}
+// The points of a curve, in pieces between values that are not known.
+function pieces(values, height) {
+  const found = [[]];
+  values.forEach((value, i) => {
+    if (value === null) found.push([]);
+    else found[found.length - 1].push(`${(1000 * times[i] / last).toFixed(2)},${height(value)}`);
+  });
+  return found.filter((points) => points.length).map((points) => points.join(" "));
+}
+// The cursor and the numbers are the motion's: with the arm elsewhere, the cursor is grey and there are no numbers.
+function showStrip() {
+  const apart = charts.length && !showsMotion();
+  byId("charts").classList.toggle("apart", apart);
+  byId("charts").title = apart ? "The arm has left the motion: drag here to return to it." : "";
+  for (const { curves, cursor, digits } of charts) {
+    cursor.style.transform = `translateX(${(100 * now / last).toFixed(3)}%)`;
+    for (const { rows, output } of curves) {
+      const [value] = between(rows, now);
+      output.dataset.value = value;
+      write(output, Number.isFinite(value) ? fixed(value, digits) : "\u2013");
+    }
+  }
+}
+
+if (drawable.length) {
+  for (const place of atFirst()) addChart(place);
+  const select = added(charts[0].name, "select", { id: "torque-of", onchange: () => {
+    chartedJoint = select.selectedIndex;
+    drawAll();
+  } });
+  select.before("of ");
+  select.setAttribute("aria-label", "Joint whose curves are drawn");
+  for (const joint of joints) added(select, "option", { textContent: joint.name });
+  select.selectedIndex = chartedJoint;
+  drawAll();
+}
+function drawAll() {
+  charts.forEach((chart, i) => {
+    if (i) chart.name.textContent = `of ${joints[chartedJoint].name}`;
+    draw(chart);
+  });
+  showStrip();
+}
+export function unfold(on) {
+  byId("charts").hidden = !on;
+  byId("curves").setAttribute("aria-expanded", on);
+  viewer.set_3d_pane_size();
+}
+byId("curves").hidden = !charts.length;
+byId("curves").onclick = () => unfold(byId("charts").hidden);

@@ -1,4 +1,4 @@
-"""Numbers for the torques on the page: weight, buoyancy and current on bodies."""
+"""What acts on the bodies of an arm: weight, buoyancy, and drag of a current."""
 
 from __future__ import annotations
 
@@ -6,14 +6,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
-from alpha5_model.codegen.regrouping import regrouped
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import displaced_fluid_model
 from alpha5_model.numbers.hydrodynamics import WATER_DENSITY, DragStrip, hydrodynamics
-from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.viewer.scene import Beyond, Load, Statics, Stream, StripDrag
+from alpha5_model.viewer.scene import Load, Stream, StripDrag
 
 
 def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
@@ -37,46 +34,6 @@ def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
             weight=strength * body.mass,
             buoyancy=strength * arm.fluid_density * fluid.mass,
         )
-
-
-def statics_of(arm: Arm, loads: Sequence[Load], base: str) -> Statics:
-    """Numbers from which the page computes the torque that holds the arm still.
-
-    Args:
-        arm: The arm.
-        loads: Weight and buoyancy of its bodies.
-        base: Name of its base link.
-    """
-    links = [base, *(f"link_{i}" for i in range(1, 5))]
-    masses = np.zeros((5, 2, 4, 4))
-    volumes = np.zeros((5, 2, 4, 4))
-    beyond = []
-    for load in loads:
-        mass = load.mass * np.append(load.com, 1.0)
-        volume = load.volume * np.append(load.cob, 1.0)
-        if load.link in links:
-            masses[links.index(load.link), 1, :, 3] += mass
-            volumes[links.index(load.link), 1, :, 3] += volume
-        else:
-            beyond.append(Beyond(link=load.link, mass=mass, volume=volume))
-    return Statics(
-        mass=regrouped(masses, np.zeros(3), arm.parameters),
-        volume=regrouped(volumes, np.zeros(3), arm.parameters),
-        share=_share_of_link_4(arm.parameters),
-        beyond=tuple(beyond),
-    )
-
-
-def _share_of_link_4(parameters: Alpha5Parameters) -> FloatArray:
-    """Derivatives of the base parameters for a body in link_4, (41, 4).
-
-    They are taken with respect to its first moment and mass.
-    """
-    units = np.zeros((4, 5, 2, 4, 4))
-    for component in range(4):
-        units[component, 4, 1, component, 3] = 1.0
-    columns = [regrouped(unit, np.zeros(3), parameters) for unit in units]
-    return np.column_stack(columns)
 
 
 def streams_of(arm: Arm, level: str) -> Iterator[Stream]:
