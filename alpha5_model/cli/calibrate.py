@@ -29,9 +29,10 @@ _FORMATS = (".toml",)
 HELP = """
 plan writes a file with the poses in which a sensor tells the most. Fill in
 the readings. The tilt of a floating vehicle is a sensor, too: --vehicle names
-a file with its mass, buoyancy and centres. fit makes an arm file of one or several such files, for example
-one in air and one in water, and names what is wrong with them. motors
-estimates friction and torque per ampere from recorded currents.
+a file with its mass, buoyancy and centres. fit makes an arm file of one or
+several such files, for example one in air and one in water, and names what is
+wrong with them. motors estimates friction and torque per ampere from recorded
+currents.
 
 Exit status of fit and motors: 1 if the readings contradict the model.
 
