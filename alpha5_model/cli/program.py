@@ -104,6 +104,10 @@ def _status(args: list[str]) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
         return _complain(str(error))
+    except ImportError as error:
+        remedy = "python -m pip install alpha5-model, without --no-deps"
+        needs = f"needs {error.name}, which is not installed: {remedy}"
+        return _complain(f"the command line {needs}")
     except UnicodeEncodeError as error:
         unknown = error.object[error.start : error.end]
         remedy = "try PYTHONIOENCODING=utf-8:backslashreplace"

@@ -665,7 +665,7 @@ def test_a_missing_urdf_says_how_to_make_it(monkeypatch, tmp_path):
     dynamics._parsed.cache_clear()
     dynamics.arm_urdf.cache_clear()
     with pytest.raises(
-        MissingFileError, match=r"alpha5\.urdf: no such file.*alpha5 generate urdf"
+        MissingFileError, match=r"alpha5\.urdf: no such file.*alpha5 generate"
     ):
         a5.load()
 

@@ -61,8 +61,14 @@ def test_what_needs_more_says_so() -> None:
 
 
 def test_the_command_line_says_in_one_line_what_it_lacks() -> None:
-    done = run("runpy.run_module('alpha5_model', run_name='__main__')")
-    assert done.returncode == 1
+    done = run("from alpha5_model.cli import main; sys.exit(main(['view']))")
+    assert done.returncode == 2
     assert done.stderr.count("\n") == 1
     assert done.stderr.startswith("alpha5: the command line needs ")
     assert "which is not installed: python -m pip install alpha5-model" in done.stderr
+
+
+def test_commands_that_need_numpy_alone_run() -> None:
+    for words in (["--help"], ["ik", "0.25", "-0.1", "0.05"], ["arm", "new", "-"]):
+        done = run(f"from alpha5_model.cli import main; sys.exit(main({words}))")
+        assert done.returncode == 0, (words, done.stderr)
