@@ -26,6 +26,7 @@ from alpha5_model.cli.quantities import (
     joints,
 )
 from alpha5_model.errors import InputError
+from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
 
 if TYPE_CHECKING:
@@ -303,4 +304,8 @@ def pairs(option: str, parts: Iterable[str], sign: str) -> dict[str, str]:
 def beyond_limits(arm: Arm, q: Iterable[float]) -> list[str]:
     """Joints that a position puts beyond their limits."""
     limits = zip(arm.joint_names, q, arm.limits.lower, arm.limits.upper, strict=True)
-    return [name for name, x, lower, upper in limits if not lower <= x <= upper]
+    return [
+        name
+        for name, x, lower, upper in limits
+        if not lower - ON_LIMIT <= x <= upper + ON_LIMIT
+    ]

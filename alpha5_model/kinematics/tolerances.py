@@ -7,6 +7,9 @@ from typing import NamedTuple
 #: A joint angle this far beyond its limit [rad] is on it, and is returned as the limit
 #: itself.
 LIMIT_TOLERANCE = 1e-12
+#: A joint position that a user gives, this far beyond a limit [rad or m], is on it: it
+#: may have been printed with six digits. The page has the same in ``kinematics.js``.
+ON_LIMIT = 1e-6
 #: A target this close to the yaw axis [m] is on it, everywhere in this package: theta_0
 #: is free and the tcp is put on the axis itself.
 AXIS_TOLERANCE = 1e-9

@@ -13,10 +13,9 @@ from alpha5_model.kinematics.choosing import TIE
 from alpha5_model.kinematics.geometry import on_axis
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.kinematics.pose import inverse_kinematics_pose
+from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
-#: Joint positions this far beyond a limit are taken for the limit [rad].
-ON_LIMIT = 1e-6
 #: Other wrist angles at which a point is looked for, evenly over the range of axis_b.
 WRISTS = 91
 

@@ -19,6 +19,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.reach import nearest_reachable
+from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue, parameters
 from alpha5_model.planning.goals import reaching_wrists
@@ -29,7 +30,6 @@ from alpha5_model.viewer.framing import framed
 from alpha5_model.viewer.loads import loads_of, streams_of
 from alpha5_model.viewer.own_arm import own_notes
 from alpha5_model.viewer.poses import (
-    BEYOND,
     gravity_in_world,
     link_poses,
     named_poses,
@@ -262,7 +262,7 @@ def _default_show(target: bool, current: bool) -> list[str]:
 def _beyond_limits(arm: Arm, q: FloatArray) -> dict[str, bool]:
     """Name of each joint of the arm -> whether it is beyond a limit."""
     inside = np.clip(q, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
-    beyond = np.abs(q - inside) > BEYOND
+    beyond = np.abs(q - inside) > ON_LIMIT
     joints: list[bool] = beyond[-len(arm.joint_names) :].tolist()
     return dict(zip(arm.joint_names, joints, strict=True))
 

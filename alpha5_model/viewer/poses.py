@@ -16,9 +16,6 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.joint_tree import AT_ORIGIN
 from alpha5_model.viewer.scene import WORLD, Scene
 
-#: How far beyond a limit rounding may put a joint [rad or m].
-BEYOND = 1e-9
-
 
 def named_poses(arm: Arm) -> dict[str, FloatArray]:
     """Named poses within the limits, as joint positions (n,), jaws closed."""

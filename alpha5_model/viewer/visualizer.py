@@ -22,12 +22,13 @@ from alpha5_model._support.checks import FloatArray, choice, float_array, real, 
 from alpha5_model._support.files import PathLike
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import InputError, JointLimitError, ShapeError
+from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.viewer.commands import Command, pose_message, scene_commands
 from alpha5_model.viewer.framing import framed
 from alpha5_model.viewer.live import LiveWindow, PageConnection
 from alpha5_model.viewer.page import live_page, static_page
 from alpha5_model.viewer.picture import Pixels, picture
-from alpha5_model.viewer.poses import BEYOND, posed
+from alpha5_model.viewer.poses import posed
 from alpha5_model.viewer.scene import GROUPS, VIEWS, Scene, Size
 from alpha5_model.viewer.tracks import resampled
 from alpha5_model.viewer.video_file import film
@@ -70,7 +71,7 @@ def read_move(content: Any, arm: Arm) -> FloatArray:
     joints = shaped("q", content["q"], (len(names),))
     inside = np.clip(joints, limits.lower, limits.upper)
     for name, value, bound in zip(names, joints, inside, strict=True):
-        if abs(value - bound) > BEYOND:
+        if abs(value - bound) > ON_LIMIT:
             unit = "m" if name == "axis_a" else "rad"
             raise JointLimitError(name, float(value), float(bound), unit)
     return inside

@@ -8,6 +8,8 @@ import { inverse_kinematics } from "./inverse_kinematics.js";
 
 export const root = data.tree[0].parent;
 export const joints = data.sliders.map((name) => data.tree.find((joint) => joint.name === name));
+// A joint this far beyond a limit is on it [rad or m]: the number may have been printed with six digits.
+export const ON_LIMIT = 1e-6;
 // Link -> the links that move with it, itself included.
 export const carried = {};
 for (const joint of data.tree.slice().reverse()) {

@@ -1,6 +1,6 @@
 // What the page shares with others: a live program sends and gets poses, and a link restores what a person has changed.
 import { data } from "./data.js";
-import { joints } from "./kinematics.js";
+import { ON_LIMIT, joints } from "./kinematics.js";
 import { change, isPose, onChange, state } from "./state.js";
 import { added, byId, fixed, say } from "./page.js";
 import { onCommand, viewer } from "./scene.js";
@@ -94,7 +94,7 @@ function linkView(name, text) {
 }
 const within = (end, count = 3) => Array.from({ length: count }, () => [-end, end]);
 // Limits of joints are written with all digits, but an angle of a link may be rounded.
-const withinLimits = () => joints.map((joint) => [joint.lower - 1e-9, joint.upper + 1e-9]);
+const withinLimits = () => joints.map((joint) => [joint.lower - ON_LIMIT, joint.upper + ON_LIMIT]);
 const groups = () => Object.keys(state.shown);
 
 // Entry -> [its text now, or null if there is none; what a text says, as entries of the state].

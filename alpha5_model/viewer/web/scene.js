@@ -1,7 +1,7 @@
 // meshcat's viewer and what it draws: bodies and groups from Python's commands, arrows of forces, and the payload.
 import { data } from "./data.js";
 import { touching } from "./collision.js";
-import { joints, root } from "./kinematics.js";
+import { ON_LIMIT, joints, root } from "./kinematics.js";
 import { flow, gravity } from "./statics.js";
 import { change, onChange, state } from "./state.js";
 import { byId, dark } from "./page.js";
@@ -33,7 +33,7 @@ export const bodiesOf = (link) => data.links[link] ? meshesUnder(viewer.scene_tr
 // The limit that a joint is beyond by more than rounding, or undefined.
 export function limitBeyond(joint) {
   const at = state.q[joints.indexOf(joint)];
-  return [joint.lower, joint.upper].find((end, i) => (i ? 1 : -1) * (at - end) > 1e-9);
+  return [joint.lower, joint.upper].find((end, i) => (i ? 1 : -1) * (at - end) > ON_LIMIT);
 }
 
 // ---- commands that build and move the scene, from this file or from a live server
