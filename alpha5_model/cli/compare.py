@@ -107,7 +107,7 @@ def run(given: Namespace) -> int:
     if other is None:
         raise InputError("FILE", None, "a URDF or xacro file, or --explain ID")
     if not 1 <= given.samples <= _MOST_SAMPLES:
-        raise InputError("samples", given.samples, f"1 to {_MOST_SAMPLES}")
+        raise InputError("--samples", given.samples, f"1 to {_MOST_SAMPLES}")
     _check_outputs(other, write_arm, given.plot)
     names = common.pairs("map", given.map.split(","), "=")
     packages = common.pairs("package", given.package, "=")

@@ -117,8 +117,10 @@ class Vector:
         units = dict.fromkeys(quantity.si for quantity in self.quantities)
         unit = ", ".join(filter(None, units))
         numbers = "number" if self.counts == (1,) else "numbers"
-        words = f"{' or '.join(names)} {numbers}".strip()
-        return ", or ".join([*self.named, f"{words} ({unit})" if unit else words])
+        words = f"{' or '.join(names)} {numbers}".strip() + (
+            f" ({unit})" if unit else ""
+        )
+        return ", ".join([*self.named, f"or {words}"]) if self.named else words
 
 
 class Scalar:

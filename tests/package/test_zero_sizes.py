@@ -57,7 +57,7 @@ def test_check_of_a_link_whose_com_is_its_origin(
     own = tmp_path / "own.toml"
     own.write_text(a5.arm_file_text(record), encoding="utf-8")
     model = tmp_path / "own.urdf"
-    assert main(["generate", "--arm", str(own), "--output", str(model)]) == 0
+    assert main(["generate", "urdf", "--arm", str(own), "--output", str(model)]) == 0
     assert main(["check", str(model), "--arm", str(own)]) == 0
 
     text = model.read_text(encoding="utf-8")

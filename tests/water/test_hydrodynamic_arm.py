@@ -321,6 +321,7 @@ def test_what_is_asked_of_the_arm_in_still_water():
         "jacobian",
         "joint_names",
         "limits",
+        "payload_mass",
         "potential_energy",
         "total_mass",
     }
