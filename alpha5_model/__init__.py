@@ -22,6 +22,7 @@ __version__ = "1.0.0"
 
 if TYPE_CHECKING:
     from alpha5_model import trajectory, workspace
+    from alpha5_model._support import paths
     from alpha5_model._support.paths import PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH
     from alpha5_model.collision.self_collision import without_self_collision
     from alpha5_model.description.srdf import named_pose
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
         nearest_reachable,
         reachable,
     )
+    from alpha5_model.numbers import corrections, fluids, inertia
     from alpha5_model.numbers.arm_file import arm_file
     from alpha5_model.numbers.arm_writing import arm_file_text
     from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
@@ -83,10 +85,13 @@ __all__ = [
     "backend",
     "calibrate",
     "compare",
+    "corrections",
     "devices_from_q",
     "dh",
     "distance_to_reach",
+    "fluids",
     "gravity_in_base",
+    "inertia",
     "inverse_kinematics",
     "inverse_kinematics_path",
     "inverse_kinematics_pose",
@@ -94,6 +99,7 @@ __all__ = [
     "named_pose",
     "nearest_reachable",
     "parameters",
+    "paths",
     "plan",
     "planar",
     "published",
@@ -202,4 +208,4 @@ def _imported(module: str, needed_for: str) -> ModuleType:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_NAMES, *_MODULES})
+    return __all__
