@@ -56,7 +56,7 @@ $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.demo: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[plot,mesh]'
+	$(BIN)/python -m pip install --quiet --editable '.[plot]'
 	touch $@
 
 $(VENV)/.test: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections import Counter
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -175,6 +176,7 @@ def run(given: Namespace) -> int:
 def _plan(given: Namespace, own: Alpha5Parameters | None) -> int:
     """Poses to take, or a motion."""
     file = given.file
+    check_outputs([given.arm, given.vehicle], file=(file, _FORMATS))
     if str(file) != STDOUT and file.exists():
         raise OutputError(file, "it exists; name another file")
     from alpha5_model.studies.calibration import plan_poses, session_text
@@ -246,6 +248,8 @@ def _sensor(given: Namespace) -> Sensor:
         settings["zeroed"] = True
     if given.vehicle is not None:
         settings["vehicle"] = _tables(given.vehicle)
+    if given.ballast and kind not in ("scales", "weight"):
+        raise InputError("ballast", given.ballast, f"nothing: {kind} weighs no ballast")
     for name, value in settings.items():
         if name not in arguments:
             raise InputError(name, value, f"nothing: {kind} has no such option")
@@ -279,6 +283,11 @@ def _fit(given: Namespace, own: Alpha5Parameters | None) -> int:
     """Fit the readings of files; 1 if they contradict the model."""
     from alpha5_model.studies.calibration import fit, read_session
 
+    twice = [
+        file for file, n in Counter(map(Path.resolve, given.files)).items() if n > 1
+    ]
+    if twice:
+        raise InputError("files", str(twice[0]), "each file once")
     sessions = [read_session(file, own) for file in given.files]
     with printing.spinner("fitting"):
         found = fit(

@@ -86,13 +86,7 @@ def options(parser: Parser) -> None:
         default="text",
         help="junit is a report for CI. Default: text",
     )
-    parser.add_argument(
-        "--json",
-        dest="format",
-        action="store_const",
-        const="json",
-        help="the same as --format json",
-    )
+    common.as_json(parser)
     common.plot(parser)
     parser.add_argument(
         "--explain", metavar="ID", help="say what a finding means, by its id"
@@ -105,7 +99,9 @@ def run(given: Namespace) -> int:
         return 0
     other, write_arm = given.other, given.write_arm
     if other is None:
-        raise InputError("FILE", None, "a URDF or xacro file, or --explain ID")
+        raise InputError("FILE", "nothing", "a URDF or xacro file, or --explain ID")
+    if given.json and given.format == "junit":
+        raise InputError("--json", True, "--json or --format junit, not both")
     if not 1 <= given.samples <= _MOST_SAMPLES:
         raise InputError("--samples", given.samples, f"1 to {_MOST_SAMPLES}")
     _check_outputs(other, write_arm, given.plot)
@@ -138,7 +134,8 @@ def run(given: Namespace) -> int:
         print(junit_report(comparison, other.stem), end="")
     else:
         written = None if described is None else write_arm
-        _show(given.format == "json", comparison, described, picture, written)
+        as_record = given.json or given.format == "json"
+        _show(as_record, comparison, described, picture, written)
     return 0 if comparison.agrees else 1
 
 

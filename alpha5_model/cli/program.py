@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 #: Command -> what it does; each is a module of its name with ``options`` and ``run``.
 #: Only the module of the command that is called is imported.
 COMMANDS = {
-    "demo": "Generate the arm, check it, solve it, compute with water, and draw it.",
+    "demo": "Generate the arm, check it, solve it, compute, and draw it.",
     "generate": "Write the description of any variant of the arm.",
     "check": "Check the documents against their own numbers, or a URDF against them.",
     "arm": "Your own arm in a file: write one, say what it changes, print it.",
@@ -104,7 +104,7 @@ def _status(args: list[str]) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
         return _complain(str(error))
-    except ImportError as error:
+    except ModuleNotFoundError as error:
         remedy = "python -m pip install alpha5-model, without --no-deps"
         needs = f"needs {error.name}, which is not installed: {remedy}"
         return _complain(f"the command line {needs}")
@@ -146,7 +146,7 @@ def _help() -> str:
         "",
         "The Reach Alpha 5 arm: generate, check, solve, compute, look.",
         "",
-        *(f"  {name:12}{summary}" for name, summary in COMMANDS.items()),
+        *(f"  {name:11}{summary}" for name, summary in COMMANDS.items()),
         "",
         "alpha5 COMMAND --help explains a command; --version also names the kernels.",
     ]

@@ -55,7 +55,10 @@ DENSITY = Quantity("kg/m^3", {"kg/m^3": 1.0}, largest=1e5)
 NUMBER = Quantity("")
 
 #: Units that may stand alone after numbers, for all of them that it fits.
-ALONE = ("deg", "rad", "mm", "m", "kg", "g", "L")
+ALONE = (
+    *("deg", "rad", "mm", "m", "kg", "g", "L"),
+    *("deg/s", "rad/s", "m/s", "deg/s^2", "rad/s^2", "m/s^2", "kg/m^3"),
+)
 _COUNTS = {1: "one", 2: "two", 3: "three", 4: "four", 5: "five"}
 
 

@@ -109,6 +109,6 @@ def _draw_mount_load(
 
     speed = math.hypot(*current) if current else 0.0
     if speed == 0.0:
-        raise InputError("plot", plot, "a --current that flows, with it")
+        raise InputError("plot", str(plot), "a --current that flows, with it")
     page: Any = mount_load_figure(arm, state.q, speed)
     figures.write_figure(page, plot)

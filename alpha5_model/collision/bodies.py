@@ -1,7 +1,7 @@
 """The collision bodies of an arm: shapes, the chain that moves them, pairs to compare.
 
 They are made from the record alone, so that inverse kinematics can ask about collisions
-without Pinocchio. A URDF has fewer shapes (`alpha5_model.geometry.exported_shapes`).
+without Pinocchio. A URDF has fewer shapes (`alpha5_model.geometry.collision_shapes`).
 """
 
 from __future__ import annotations

@@ -68,8 +68,12 @@ def motion_track(
         beyond = ((0, 0), (0, n - common))
         return np.pad(rows[:, :common], beyond, constant_values=missing)
 
+    # It has been checked: what is checked again might lose samples.
     moved = replace(
-        motion(time, positions, widened(played.velocity, 0.0)),
+        played,
+        joints=tuple(arm.joint_names),
+        position=positions,
+        velocity=widened(played.velocity, 0.0),
         effort=widened(played.effort, np.nan),
         current=widened(played.current, np.nan),
     )

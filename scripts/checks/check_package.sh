@@ -51,19 +51,19 @@ assert len(models) == 3, models
 PYTHON
 "$work/venv/bin/alpha5" --version
 "$work/venv/bin/alpha5" --version | grep -q ', kernels: compiled'
-"$work/venv/bin/alpha5" generate --gripper jaws --output arm.urdf
+"$work/venv/bin/alpha5" generate urdf --gripper jaws --output arm.urdf
 grep -q '<mimic joint="axis_a"' arm.urdf
 test -s meshes/link_0.obj
-for format in mjcf sdf; do "$work/venv/bin/alpha5" generate --format $format --output $format; done
+for format in mjcf sdf; do "$work/venv/bin/alpha5" generate $format --output $format; done
 test -s mjcf/assets/link_0.obj && test -s sdf/meshes/link_0.obj
-if "$work/venv/bin/alpha5" generate --format c --output c 2>error.txt; then exit 1; fi
+if "$work/venv/bin/alpha5" generate c --output c 2>error.txt; then exit 1; fi
 grep -q "pip install casadi" error.txt
 "$work/venv/bin/alpha5" view --html arm.html
 grep -q "const formulas" arm.html
 "$work/venv/bin/alpha5" check >check.txt || { cat check.txt; exit 1; }
 "$work/venv/bin/alpha5" ik 0.3 0.1 0.1
 "$work/venv/bin/python" -m alpha5_model --version
-if "$work/venv/bin/alpha5" generate --gripper none 2>error.txt; then exit 1; fi
+if "$work/venv/bin/alpha5" generate urdf --gripper none 2>error.txt; then exit 1; fi
 test "$(wc -l <error.txt)" = 1
 
 # Kinematics, kernels and files with NumPy alone.

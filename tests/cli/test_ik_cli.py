@@ -136,7 +136,7 @@ def test_importing_the_kinematics_loads_numpy_only() -> None:
         "a5.reachable([9, 0, 0])\n"
         "a5.workspace.volume()\n"
         "a5.inverse_kinematics_path([[.2, 0, .1]])\n"
-        "heavy = {'scipy', 'matplotlib', 'typer', 'rich'}\n"
+        "heavy = {'scipy', 'matplotlib', 'rich'}\n"
         # Without compiled kernels Pinocchio tests for self-collision.
         "heavy |= {'pinocchio'} if a5.backend() == 'compiled' else set()\n"
         "print(heavy & set(sys.modules))"

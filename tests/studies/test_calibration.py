@@ -273,7 +273,7 @@ def test_friction_and_inertia_of_an_arm_that_moves() -> None:
 
 @pytest.mark.slow
 def test_the_stiffness_of_a_vehicle() -> None:
-    """As `fit_tilt` finds it: what the facts give, over the gain."""
+    """What the facts give, over the gain."""
     facts = {**VEHICLE, "com": [0.01, 0.0, -0.02], "cob": [0.0, 0.01, 0.035]}
     stiffer = {**facts, "cob": [0.0, 0.01, 0.045]}
     q = random_q(15, seed=3)

@@ -453,7 +453,7 @@ def test_import_stays_light() -> None:
         check=True,
         cwd=root,
     )
-    assert {"pinocchio", "scipy", "matplotlib", "typer"}.isdisjoint(done.stdout.split())
+    assert {"pinocchio", "scipy", "matplotlib"}.isdisjoint(done.stdout.split())
 
 
 @needs_recordings

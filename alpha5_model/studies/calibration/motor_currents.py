@@ -324,6 +324,10 @@ def _check_columns(states: _States, arm: Arm) -> None:
         columns = states.of_motor(motion)
         for current in range(_JOINTS):
             used = states.used[:, motion] & np.isfinite(states.current[:, current])
+            if used.sum() < _LEAST_SAMPLES:
+                # Joints that are read in turn share no sample: none can be exchanged.
+                left[motion, current] = 0.0 if motion == current else np.inf
+                continue
             measured = states.current[used, current]
             fitted = columns[used] @ np.linalg.lstsq(columns[used], measured)[0]
             size = np.sqrt(np.mean((measured - fitted) ** 2))

@@ -122,6 +122,10 @@ def with_motors(
         drives["backward_frictions"][k] = constant * max(joint.friction_backward, 0.0)
         drives["viscous_frictions"][k] = constant * max(joint.viscous, 0.0) / gear
         drives["rotor_inertias"][k] = constant * max(joint.armature, 0.0) / gear
+        # Whose loss is in the torque constant.
+        measurements.append(
+            Measurement(key=f"motors.efficiency.{joint.name}", half_width=0.0)
+        )
         replaced |= {f"motors.{key}.{joint.name}" for key in _KEYS}
         if joint.known:
             measurement = Measurement(

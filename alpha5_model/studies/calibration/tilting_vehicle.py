@@ -3,7 +3,7 @@
 At rest, weight and buoyancy of vehicle and arm have no moment about the vehicle's
 origin. With the lever ``S = sum (m c - rho V b)`` of all bodies in the vehicle's axes,
 the moment is ``S x g``. So -S points up. For small changes the tilt is the arm's moment
-over a stiffness, as in `alpha5_model.fit_tilt`.
+over a stiffness.
 
 If weight and buoyancy of the whole differ, a thrust holds the depth. It is taken to act
 at the vehicle's origin.

@@ -152,10 +152,11 @@ def _computed(study: Study, number: int, digest: str) -> Part:
             compression="none",
             study=study.head,
         )
+    name = part_name(study, number, digest)
     return Part(
         number=number,
-        name=part_name(study, number, digest),
-        kept=parquet_file(entries, units={}, rows=str(count)),
+        name=name,
+        kept=parquet_file(entries, units={}, rows=str(count), part=name),
         rows=table,
     )
 
@@ -224,6 +225,8 @@ def merge(file: Path, reductions: Mapping[str, Reduction]) -> int:
         table = parquet.read_table(file)
         columns = {name: table[name].to_numpy() for name in table.column_names}
         count = int(table.schema.metadata[b"rows"])
+        if table.schema.metadata[b"part"] != file.name.encode():
+            raise ValueError("it is another part")
         for k, reduction in enumerate(reductions.values()):
             own = columns["output"] == k
             reduction.merge({name: values[own] for name, values in columns.items()})

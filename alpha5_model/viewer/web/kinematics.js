@@ -183,4 +183,3 @@ function elbowRanges(low, high, flipped) {
   return found;
 }
 // A point of base_link in the world.
-export const toWorld = (point, poses) => placed(poses[root], point);
