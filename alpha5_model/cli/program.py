@@ -20,20 +20,20 @@ if TYPE_CHECKING:
 COMMANDS = {
     "demo": "Generate the arm, check it, solve it, compute, and draw it.",
     "generate": "Write the description of any variant of the arm.",
-    "check": "Check the documents against their own numbers, or a URDF against them.",
+    "check": "Check the documents against themselves, or a URDF against them.",
     "arm": "Your own arm in a file: write one, say what it changes, print it.",
-    "compare": "Compare another URDF of this arm with the printed tables, or your arm.",
+    "compare": "Compare a URDF of this arm with the printed tables, or your arm.",
     "torque": "Joint torques by cause, motor currents and the load on the mount.",
     "trajectory": "Torques, motor currents, power and loads of a recorded motion.",
     "fk": "Where the tcp and the links are at a joint position, in base_link.",
     "ik": "All inverse kinematics solutions of a tcp position.",
-    "move": "Move from one place to another without collision, within all limits.",
+    "move": "Move between two places without collision, within all limits.",
     "workspace": "The exact workspace, and how much of the published one is wrong.",
     "dh": "Standard Denavit-Hartenberg table and frames, of any serial arm.",
     "planar": "Workspace and dexterous workspace of a planar arm, and the theorem.",
     "view": "Look at the arm: live in a browser, or as a page or a picture.",
-    "sweep": "Torques, currents and loads over many states: extremes, maps, tables.",
-    "calibrate": "Weigh your own arm: poses to take, and an arm file of what you read.",
+    "sweep": "Torques, currents and loads over many states: extremes, maps.",
+    "calibrate": "Weigh your own arm: poses to take, and an arm file of the readings.",
 }
 
 
