@@ -1,5 +1,7 @@
 // Play a motion in real time, and draw its curves: torque by cause, load on the mount, a recording beside the model, and signals
 // of the user. Drag in them to move through the motion. A slow browser drops frames.
+//
+// The curves of a long motion have two rows for each span of time: the lowest and the highest value in it.
 import { data } from "./data.js";
 import { joints } from "./kinematics.js";
 import { change, onChange, state } from "./state.js";
@@ -11,6 +13,7 @@ let started = null;
 const times = data.motion ? data.motion.time : [0];
 const last = times[times.length - 1];
 let now = 0;
+const spans = data.motion && data.motion.spans; // their starts, or null if each sample is drawn
 
 // Interpolate rows of numbers linearly at a time of the motion.
 function between(columns, time) {
@@ -53,6 +56,7 @@ if (data.motion) {
   byId("strip").hidden = false;
   byId("time").max = last;
   byId("clock").append("", added(byId("clock"), "span", { textContent: data.motion.name, title: data.motion.name }));
+  byId("thinned").textContent = thinnedText();
   byId("play").onclick = () => (started === null ? play() : pause());
   byId("time").oninput = () => { pause(); seek(byId("time").valueAsNumber); };
   onChange((part, by) => {
@@ -61,6 +65,11 @@ if (data.motion) {
     byId("clock").firstChild.textContent = `${now.toFixed(1)} / ${last.toFixed(1)} s`;
     showStrip();
   });
+}
+function thinnedText() {
+  const { samples } = data.motion;
+  const played = samples > times.length ? `The arm plays ${times.length} of ${samples} samples. ` : "";
+  return spans ? `${played}Curves show the lowest and highest of each ${fixed(last / 1000, 2)} s.` : "";
 }
 
 // ---- curves
@@ -82,8 +91,7 @@ const degree = 180 / Math.PI;
 function torqueCurves(k) {
   const known = CAUSES.filter(([cause]) => data.motion[cause]);
   const parts = known.map(([cause, name, color]) => ({ name, color, values: data.motion[cause].map((row) => row[k]) }));
-  const total = times.map((_, i) => parts.reduce((sum, part) => sum + part.values[i], 0));
-  return [...parts, { name: "total", color: "var(--ink)", values: total }];
+  return [...parts, { name: "total", color: "var(--ink)", values: data.motion.total.map((row) => row[k]) }];
 }
 function axisCurves(first) {
   return AXES.map(([name, color], k) => ({ name, color, values: data.motion.mount.map((row) => row[first + k]) }));
@@ -94,16 +102,12 @@ const COMPARED = {
   effort: { title: "Effort", computed: "model", unit: (k) => isRod(k) ? "N" : "N\u00b7m", each: () => 1 },
   current: { title: "Motor current", computed: "model", unit: () => "A", each: () => 1 },
 };
+const compared = (name, kind, k) => data.motion.compared[name][kind].map((row) => row[k] === null ? null : COMPARED[name].each(k) * row[k]);
 function comparison(name, k) {
-  const { each, computed } = COMPARED[name];
-  const column = (kind) => data.motion.compared[name][kind].map((row) => row[k] === null ? null : each(k) * row[k]);
-  return [{ name: "recorded", color: RECORDED, values: column("recorded") }, { name: computed, color: "var(--accent)", values: column("computed") }];
+  const computed = { name: COMPARED[name].computed, color: "var(--accent)", values: compared(name, "computed", k) };
+  return [{ name: "recorded", color: RECORDED, values: compared(name, "recorded", k) }, computed];
 }
-function residual(name, k) {
-  const [recorded, computed] = comparison(name, k).map(({ values }) => values);
-  const values = recorded.map((value, i) => value === null || computed[i] === null ? null : value - computed[i]);
-  return [{ name: "recorded minus computed", color: RECORDED, values }];
-}
+const residual = (name, k) => [{ name: "recorded minus computed", color: RECORDED, values: compared(name, "residual", k) }];
 const extent = (curves) => curves.flatMap((curve) => curve.values).reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [0, 0]);
 // The range of the known values of curves.
 function tight(curves) {
@@ -185,18 +189,24 @@ function draw(chart) {
     const item = added(chart.legend, "span", { className: "item", textContent: name });
     item.dataset.curve = name;
     item.style.setProperty("--own", color);
-    return { rows: values.map((value) => [value]), output: added(item, "output") };
+    return { values, rows: values.map((value) => [value]), output: added(item, "output") };
   });
   const digits = high - low < 0.2 ? 3 : high - low < 2 ? 2 : 1;
   chart.digits = Math.max(digits, 2);
   chart.ends.forEach((end, i) => { end.textContent = fixed([low, high][i], digits); });
+}
+// Where row i of a curve is on the time axis: the two of a span are in its middle.
+function timeOf(i) {
+  if (!spans) return times[i];
+  const span = i >> 1;
+  return (spans[span] + (spans[span + 1] ?? last)) / 2;
 }
 // The points of a curve, in pieces between values that are not known.
 function pieces(values, height) {
   const found = [[]];
   values.forEach((value, i) => {
     if (value === null) found.push([]);
-    else found[found.length - 1].push(`${(1000 * times[i] / last).toFixed(2)},${height(value)}`);
+    else found[found.length - 1].push(`${(1000 * timeOf(i) / last).toFixed(2)},${height(value)}`);
   });
   return found.filter((points) => points.length).map((points) => points.join(" "));
 }
@@ -207,12 +217,22 @@ function showStrip() {
   byId("charts").title = apart ? "The arm has left the motion: drag here to return to it." : "";
   for (const { curves, cursor, digits } of charts) {
     cursor.style.transform = `translateX(${(100 * now / last).toFixed(3)}%)`;
-    for (const { rows, output } of curves) {
+    for (const { values, rows, output } of curves) {
+      if (spans) {
+        write(output, rangeText(values, digits));
+        continue;
+      }
       const [value] = between(rows, now);
       output.dataset.value = value;
       write(output, Number.isFinite(value) ? fixed(value, digits) : "\u2013");
     }
   }
+}
+// The lowest and the highest value in the span of the cursor.
+function rangeText(values, digits) {
+  const i = Math.max(0, spans.findLastIndex((start) => start <= now));
+  const [low, high] = values.slice(2 * i, 2 * i + 2);
+  return low === null ? "\u2013" : `${fixed(low, digits)} to ${fixed(high, digits)}`;
 }
 
 if (drawable.length) {
