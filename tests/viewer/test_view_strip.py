@@ -56,6 +56,31 @@ def test_the_numbers_of_the_curves_belong_to_the_pose(tab: Tab) -> None:
     assert tab.complaints == []
 
 
+@pytest.mark.parametrize(
+    ("part", "named"),
+    [
+        ({"payload": {"mass": 0.5, "com": [0, 0, 0], "volume": 0}}, "payload"),
+        ({"density": 0.0}, "fluid"),
+        ({"attitude": [0.0, 0.5]}, "mount"),
+        ({"shown": {"current": True}}, "current"),
+    ],
+)
+def test_curves_of_other_loads_than_the_panels_are_grey(
+    tab: Tab, part: dict[str, Any], named: str
+) -> None:
+    """Until the page again has what the motion was computed with."""
+    stale = "() => document.querySelectorAll('figure.stale').length"
+    keys = "(keys) => Object.fromEntries(keys.map((key) => [key, alpha5.state[key]]))"
+    before = tab.run(keys, list(part))
+    assert tab.run(stale) == 0
+    tab.change(**part)
+    assert tab.run(stale) == 3
+    assert f"another {named} than" in str(tab.page.locator("#other").text_content())
+    tab.change(**before)
+    assert tab.run(stale) == 0
+    assert tab.page.locator("#other").text_content() == ""
+
+
 def test_a_distance_that_is_printed_as_zero_is_none(tab: Tab) -> None:
     """Targets that axis_d reaches 0.02 mm beyond its lower limit."""
     arm = a5.load()

@@ -83,6 +83,20 @@ const CAUSES = [
 const AXES = [["x", "#d0482a"], ["y", "#0a9a70"], ["z", "#2f6fd0"]];
 const RECORDED = "#d0482a";
 const charts = [];
+// What the page has set that the curves were not computed with.
+function changed() {
+  const flowing = data.motion.moving_water ? data.water.current : [0, 0, 0];
+  const { mass, com, volume } = state.payload;
+  const held = [mass, volume, ...com];
+  const { payload } = data;
+  const apart = {
+    fluid: state.density !== data.water.density,
+    current: state.density > 0 && largestDifference(state.shown.current ? state.current : [0, 0, 0], flowing) > 0,
+    payload: largestDifference(held, [payload.mass, payload.volume, ...payload.com]) > 0,
+    mount: data.fixed && largestDifference(state.attitude, data.attitude) > 1e-9,
+  };
+  return Object.keys(apart).filter((name) => apart[name]);
+}
 const isRod = (k) => joints[k].kind === "prismatic";
 const degree = 180 / Math.PI;
 
@@ -121,14 +135,15 @@ function quantities() {
     const unit = (k) => isRod(k) ? "N" : "N\u00b7m";
     // Joints with the same unit share a scale, so that a small torque looks small.
     const range = (k) => extent(joints.flatMap((_, other) => unit(other) === unit(k) ? torqueCurves(other) : []));
-    add({ title: "Torque", ofJoint: true, unit, curves: torqueCurves, range });
-    add({ title: "Force on the mount", unit: () => "N", curves: () => axisCurves(0) });
-    add({ title: "Moment on the mount", unit: () => "N\u00b7m", curves: () => axisCurves(3) });
+    add({ title: "Torque", ofJoint: true, modelled: true, unit, curves: torqueCurves, range });
+    add({ title: "Force on the mount", modelled: true, unit: () => "N", curves: () => axisCurves(0) });
+    add({ title: "Moment on the mount", modelled: true, unit: () => "N\u00b7m", curves: () => axisCurves(3) });
   }
   for (const name in data.motion.compared) {
     const { title, unit } = COMPARED[name];
-    add({ title, ofJoint: true, unit, curves: (k) => comparison(name, k), range: (k) => tight(comparison(name, k)) });
-    add({ title: `${title}, residual`, ofJoint: true, unit, curves: (k) => residual(name, k) });
+    const modelled = name !== "position";
+    add({ title, ofJoint: true, modelled, unit, curves: (k) => comparison(name, k), range: (k) => tight(comparison(name, k)) });
+    add({ title: `${title}, residual`, ofJoint: true, modelled, unit, curves: (k) => residual(name, k) });
   }
   for (const [name, values] of Object.entries(data.motion.signals)) {
     const curves = [{ name: "value", color: "var(--accent)", values }];
@@ -154,7 +169,7 @@ function addChart(place) {
       <div class="plot"><svg viewBox="0 0 1000 100" preserveAspectRatio="none"></svg><small></small><small></small><i></i></div>`,
   });
   const [what, name, sign, legend, svg, high, low, cursor] = [".what", "b", "b + span", ".legend", "svg", "small", "small + small", "i"].map((part) => element.querySelector(part));
-  const chart = { what, name, sign, legend, svg, ends: [low, high], cursor };
+  const chart = { element, what, name, sign, legend, svg, ends: [low, high], cursor };
   what.setAttribute("aria-label", "What is drawn");
   for (const { title } of drawable) added(what, "option", { textContent: title });
   what.selectedIndex = place;
@@ -214,6 +229,9 @@ function pieces(values, height) {
 function showStrip() {
   const apart = charts.length && !showsMotion();
   byId("charts").classList.toggle("apart", apart);
+  const other = changed();
+  write(byId("other"), other.length ? `Grey: the panel has another ${other.join(" and ")} than the motion was computed with.` : "");
+  for (const chart of charts) chart.element.classList.toggle("stale", other.length > 0 && Boolean(drawable[chart.what.selectedIndex].modelled));
   byId("charts").title = apart ? "The arm has left the motion: drag here to return to it." : "";
   for (const { curves, cursor, digits } of charts) {
     cursor.style.transform = `translateX(${(100 * now / last).toFixed(3)}%)`;
