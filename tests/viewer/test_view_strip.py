@@ -81,6 +81,28 @@ def test_curves_of_other_loads_than_the_panels_are_grey(
     assert tab.page.locator("#other").text_content() == ""
 
 
+@pytest.mark.parametrize(
+    ("width", "height"), [(1280, 480), (720, 450), (640, 360), (390, 844), (844, 390)]
+)
+def test_the_strip_leaves_room_for_the_arm(tab: Tab, width: int, height: int) -> None:
+    """As it opens, and unfolded; 720 by 450 is a laptop's window at 200 % zoom."""
+    tab.page.set_viewport_size({"width": width, "height": height})
+    tab.page.reload()
+    tab.wait(lambda: tab.run("() => document.documentElement.dataset.ready"))
+    unfolded = "() => !document.getElementById('charts').hidden"
+    assert tab.run(unfolded) == (height > 600)
+    for _ in range(2):
+        tab.settle()
+        _, top, _, bottom = tab.run("() => alpha5.free()")
+        strip = tab.page.locator("#strip").bounding_box()
+        assert bottom <= strip["y"]
+        assert bottom - top > 0.25 * height
+        tab.page.screenshot(path=f"/tmp/strip-{width}-{tab.run(unfolded)}.png")
+        if tab.run(unfolded):
+            break
+        tab.page.locator("#curves").click()
+
+
 def test_a_distance_that_is_printed_as_zero_is_none(tab: Tab) -> None:
     """Targets that axis_d reaches 0.02 mm beyond its lower limit."""
     arm = a5.load()
