@@ -39,11 +39,16 @@ export function seek(time) {
 const showsMotion = () => largestDifference(state.q, between(data.motion.q, now)) < 1e-6;
 function tick(clock) {
   if (started === null) return;
-  seek(((clock - started) / 1e3) % last);
-  requestAnimationFrame(tick);
+  const time = (clock - started) / 1e3 * speed();
+  const ends = time >= last && byId("loop").getAttribute("aria-pressed") === "false";
+  seek(ends ? last : time % last);
+  if (ends) pause();
+  else requestAnimationFrame(tick);
 }
+const speed = () => Number(byId("speed").value);
+const startHere = () => start(performance.now() - 1e3 * (now % last) / speed());
 export function play() {
-  start(performance.now() - 1e3 * (now % last));
+  startHere();
   requestAnimationFrame(tick);
 }
 export const pause = () => start(null);
@@ -56,6 +61,9 @@ if (data.motion) {
   byId("strip").hidden = false;
   byId("time").max = last;
   byId("clock").append("", added(byId("clock"), "span", { textContent: data.motion.name, title: data.motion.name }));
+  for (const times of [0.1, 0.25, 0.5, 1, 2, 5, 10]) added(byId("speed"), "option", { value: times, textContent: `${times}\u00d7`, selected: times === 1 });
+  byId("speed").onchange = () => { if (started !== null) startHere(); };
+  byId("loop").onclick = () => byId("loop").setAttribute("aria-pressed", byId("loop").getAttribute("aria-pressed") === "false");
   byId("thinned").textContent = thinnedText();
   byId("play").onclick = () => (started === null ? play() : pause());
   byId("time").oninput = () => { pause(); seek(byId("time").valueAsNumber); };
@@ -163,10 +171,16 @@ function atFirst() {
 
 // ---- charts
 let chartedJoint = 1;
+// Times at round steps, of which the last leaves room for its number.
+function ticks() {
+  const power = 10 ** Math.floor(Math.log10(last / 4));
+  const step = power * [1, 2, 5, 10].find((digit) => digit * power >= last / 4 * (1 - 1e-9));
+  return Array.from({ length: 4 }, (_, i) => i * step).filter((time) => time < 0.95 * last);
+}
 function addChart(place) {
   const element = added(byId("charts"), "figure", {
     innerHTML: `<figcaption><select class="what"></select><b></b><span></span><span class="legend"></span></figcaption>
-      <div class="plot"><svg viewBox="0 0 1000 100" preserveAspectRatio="none"></svg><small></small><small></small><i></i></div>`,
+      <div class="plot"><svg viewBox="0 0 1000 100" preserveAspectRatio="none"></svg><small></small><small></small><i></i></div><div class="axis"></div>`,
   });
   const [what, name, sign, legend, svg, high, low, cursor] = [".what", "b", "b + span", ".legend", "svg", "small", "small + small", "i"].map((part) => element.querySelector(part));
   const chart = { element, what, name, sign, legend, svg, ends: [low, high], cursor };
@@ -184,6 +198,10 @@ function addChart(place) {
     pause();
     seek(last * (event.clientX - box.left) / box.width);
   };
+  for (const time of ticks()) {
+    const tick = added(element.querySelector(".axis"), "span", { textContent: time ? Number(time.toPrecision(6)) : "0 s" });
+    tick.style.left = `${100 * time / last}%`;
+  }
   charts.push(chart);
   return chart;
 }
@@ -195,7 +213,8 @@ function draw(chart) {
   chart.name.hidden = !ofJoint;
   chart.sign.textContent = unit(chartedJoint);
   chart.svg.replaceChildren();
-  chart.svg.innerHTML = `<line x2="1000" y1="${height(0)}" y2="${height(0)}"/>`;
+  chart.svg.innerHTML = `<line x2="1000" y1="${height(0)}" y2="${height(0)}"/>` +
+    ticks().map((time) => `<line class="tick" x1="${1000 * time / last}" x2="${1000 * time / last}" y2="100"/>`).join("");
   chart.legend.replaceChildren();
   chart.curves = curves.map(({ name, color, values }) => {
     for (const points of pieces(values, height)) {
