@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose, rpy_from_rotation
@@ -83,8 +84,10 @@ _OF_JOINT = (
 )
 #: The page's heading and title.
 _HEADING = "Reach Alpha 5"
-#: Most samples of a motion in a page.
-_SAMPLES = 2000
+#: Most samples of a motion that a page plays: 22 a second for half an hour.
+_PLAYED = 40_000
+#: Spans of time of the curves of a long motion; no screen has more pixels for one.
+_SPANS = 1000
 
 
 def static_page(scene: Scene, commands: Iterable[bytes] | None = None) -> str:
@@ -214,20 +217,60 @@ def _groups(scene: Scene) -> list[dict[str, Any]]:
 
 
 def _track(motion: MotionTrack) -> dict[str, Any]:
-    """A motion of at most `_SAMPLES` samples, with no more digits than can be seen."""
+    """A motion to play, and its curves, with no more digits than can be seen.
+
+    Of a long one, rows at even steps are played. Its curves keep the lowest and the
+    highest value in each of `_SPANS` equal spans of time.
+    """
     count = len(motion.time)
-    rows = np.linspace(0, count - 1, min(count, _SAMPLES)).round().astype(int)
-    columns = {"time": motion.time, "q": motion.q, **motion.loads}
-    thinned = {name: column[rows].round(6) for name, column in columns.items()}
+    rows = np.linspace(0, count - 1, min(count, _PLAYED)).round().astype(int)
+    curves = dict(motion.loads)
+    causes = [curves[name] for name in curves if name != "mount"]
+    if causes:
+        # The lowest values of the causes do not add up to the lowest sum.
+        curves["total"] = np.sum(causes, axis=0)
     compared = {
         name: {
-            "recorded": _known(each.recorded[rows]),
-            "computed": _known(each.computed[rows]),
+            "recorded": each.recorded,
+            "computed": each.computed,
+            "residual": each.recorded - each.computed,
         }
         for name, each in motion.compared.items()
     }
-    signals = {name: values[rows] for name, values in motion.signals.items()}
-    return {"name": motion.name, **thinned, "compared": compared, "signals": signals}
+    starts = _span_starts(motion.time)
+    if len(starts) == count:
+
+        def drawn(values: FloatArray) -> FloatArray:
+            return values
+
+    else:
+
+        def drawn(values: FloatArray) -> FloatArray:
+            low, high = (f.reduceat(values, starts) for f in (np.fmin, np.fmax))
+            return np.stack([low, high], axis=1).reshape(-1, *values.shape[1:])
+
+    return {
+        "name": motion.name,
+        "samples": count,
+        "time": motion.time[rows].round(6),
+        "q": motion.q[rows].round(6),
+        # None if each sample is drawn.
+        "spans": None if len(starts) == count else motion.time[starts].round(6),
+        **{name: drawn(values).round(6) for name, values in curves.items()},
+        "compared": {
+            name: {kind: _known(drawn(values)) for kind, values in each.items()}
+            for name, each in compared.items()
+        },
+        "signals": {name: drawn(values) for name, values in motion.signals.items()},
+    }
+
+
+def _span_starts(time: FloatArray) -> NDArray[np.intp]:
+    """The first row of each span that has samples, or all rows of a short motion."""
+    if len(time) <= 2 * _SPANS:
+        return np.arange(len(time))
+    span = np.floor((time - time[0]) / (time[-1] - time[0]) * _SPANS)
+    return np.unique(np.minimum(span, _SPANS - 1), return_index=True)[1]
 
 
 def _known(values: FloatArray) -> list[list[float | None]]:

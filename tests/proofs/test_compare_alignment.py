@@ -6,6 +6,7 @@ import json
 import math
 import re
 import xml.etree.ElementTree as ET
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from urdf_edits import OWN
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
+from alpha5_model.viewer import comparison_plot
 from alpha5_model.viewer.comparison_plot import plot_comparison
 
 MODELS = recordings.RECORDINGS / "models"
@@ -474,6 +476,30 @@ def test_costs_of_axes_are_gravity_torques_by_pinocchio():
     assert cost.keys() == expected.keys()
     for key, torque in expected.items():
         assert cost[key] == pytest.approx(np.abs(torque - ours).max(), rel=1e-4), key
+
+
+def test_the_picture_shows_a_length_and_all_of_its_titles(tmp_path, monkeypatch):
+    """An upper arm 10 mm too long, of a robot with a long name."""
+    longer = OWN.replace("0.1507053084665567", "0.1607053084665567")
+    named = longer.replace('"alpha5"', f'"{"an arm with a long name " * 8}"', 1)
+    assert len(named) > len(longer) + 100
+    path = tmp_path / "longer.urdf"
+    path.write_text(named)
+    drawn = []
+    monkeypatch.setattr(comparison_plot, "write_figure", lambda *a: drawn.append(a))
+    plot_comparison(a5.compare(path), tmp_path / "errors.png")
+    ((page, _),) = drawn
+    page.canvas.draw()
+    (lengths,) = [axes for axes in page.axes if axes.get_title().startswith("length")]
+    names = [text.get_text() for text in lengths.get_yticklabels()]
+    widths = dict(zip(names, (bar.get_width() for bar in lengths.patches), strict=True))
+    assert widths == pytest.approx({"a_0": 0, "a_1": 10, "a_2": 0, "d_1": 0}, abs=1e-6)
+    titles = [page._suptitle, *(axes.title for axes in page.axes)]
+    boxes = [text.get_window_extent() for text in titles]
+    assert min(box.x0 for box in boxes) >= 0
+    assert max(box.x1 for box in boxes) <= page.bbox.width
+    for one, other in pairwise(boxes[1:]):
+        assert one.x1 < other.x0
 
 
 def test_another_arm_has_no_picture(tmp_path, capsys):

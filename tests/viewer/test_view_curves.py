@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -106,6 +107,56 @@ def test_a_recording_stands_beside_the_model(
             assert shown(tab, 1)["recorded minus computed"] == pytest.approx(
                 recorded[AT, k] - computed[AT, k], abs=6e-5
             )
+
+
+@needs_browser
+def test_half_an_hour_keeps_its_swing_and_its_peak(
+    chromium: Any, arm: a5.Arm, tmp_path: Path
+) -> None:
+    """1 Hz for 30 minutes, and 6 N m for 0.2 s: both are played and drawn."""
+    time = np.arange(0.0, 1800.0, 0.05)
+    swing = 0.3 * np.sin(2 * np.pi * time)
+    effort = np.zeros((len(time), 4))
+    effort[:, 1] = 0.8 * np.sin(2 * np.pi * time)
+    effort[20_000:20_004, 1] = 6.0
+    moved = a5.trajectory.motion(
+        time, a5.named_pose("home") + np.outer(swing, [0, 1, 0, 0])
+    )
+    path = tmp_path / "page.html"
+    scene = build_scene(arm, motion=replace(moved, effort=effort))
+    path.write_text(static_page(scene), "utf-8")
+    assert path.stat().st_size < 9e6
+    tab = new_tab(chromium, (1200, 800))
+    tab.open(path.as_uri())
+
+    # Played: each quarter of a period is there, long after the start.
+    home = a5.named_pose("home")[1]
+    for at, expected in ((1501.25, 0.3), (1501.5, 0.0), (1501.75, -0.3)):
+        tab.run("(time) => alpha5.seek(time)", at)
+        assert tab.run("() => alpha5.state.q[1]") - home == pytest.approx(
+            expected, abs=0.01
+        )
+    # Drawn: the heights of the recorded curve, from the numbers at the chart's ends.
+    ends, points = tab.run("""() => {
+      const figure = document.querySelector('#charts figure');
+      const ends = [...figure.querySelectorAll('small')].map((e) => e.textContent);
+      const line = figure.querySelector('polyline.recorded');
+      return [ends, [...line.points].map((p) => [p.x, p.y])];
+    }""")
+    high, low = (float(text.replace("\u2212", "-")) for text in ends)
+    x, y = np.array(points).T
+    drawn = low + (96 - y) / 92 * (high - low)
+    assert drawn.max() == pytest.approx(6.0, rel=0.01)
+    assert x[drawn.argmax()] == pytest.approx(1000 * 1000 / time[-1], abs=1.0)
+    for part in np.array_split(drawn, 50):
+        assert part.min() == pytest.approx(-0.8, abs=0.02)
+        assert np.sort(part)[-3] == pytest.approx(0.8, abs=0.02)
+    said = tab.page.locator("#thinned").text_content()
+    assert said == "Curves show the lowest and highest of each 1.80 s."
+    tab.run("() => alpha5.seek(1000.1)")
+    at_peak = tab.page.locator("#charts [data-curve=recorded] output").first
+    assert at_peak.text_content() == "\u22120.80 to 6.00"
+    assert tab.complaints == []
 
 
 @needs_browser

@@ -248,7 +248,7 @@ def test_views_by_button_and_key_frame_the_whole_motion(
         ("1", "Front", (1, 0, 0)),
         ("2", "Side", (0, -1, 0)),
         ("3", "Top", (0, 0, 1)),
-        ("h", "Home", np.array([0.35, -1, 0.42]) / np.linalg.norm([0.35, -1, 0.42])),
+        ("h", "Corner", np.array([0.35, -1, 0.42]) / np.linalg.norm([0.35, -1, 0.42])),
     ):
         tab.run("() => { alpha5.viewer.camera.position.set(2, 1, 1); }")
         if tab.size()[0] > 1000:

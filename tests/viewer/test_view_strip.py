@@ -56,6 +56,96 @@ def test_the_numbers_of_the_curves_belong_to_the_pose(tab: Tab) -> None:
     assert tab.complaints == []
 
 
+@pytest.mark.parametrize(
+    ("part", "named"),
+    [
+        ({"payload": {"mass": 0.5, "com": [0, 0, 0], "volume": 0}}, "payload"),
+        ({"density": 0.0}, "fluid"),
+        ({"attitude": [0.0, 0.5]}, "mount"),
+        ({"shown": {"current": True}}, "current"),
+    ],
+)
+def test_curves_of_other_loads_than_the_panels_are_grey(
+    tab: Tab, part: dict[str, Any], named: str
+) -> None:
+    """Until the page again has what the motion was computed with."""
+    stale = "() => document.querySelectorAll('figure.stale').length"
+    keys = "(keys) => Object.fromEntries(keys.map((key) => [key, alpha5.state[key]]))"
+    before = tab.run(keys, list(part))
+    assert tab.run(stale) == 0
+    tab.change(**part)
+    assert tab.run(stale) == 3
+    assert f"another {named} than" in str(tab.page.locator("#other").text_content())
+    tab.change(**before)
+    assert tab.run(stale) == 0
+    assert tab.page.locator("#other").text_content() == ""
+
+
+@pytest.mark.parametrize(
+    ("width", "height"), [(1280, 480), (720, 450), (640, 360), (390, 844), (844, 390)]
+)
+def test_the_strip_leaves_room_for_the_arm(tab: Tab, width: int, height: int) -> None:
+    """As it opens, and unfolded; 720 by 450 is a laptop's window at 200 % zoom."""
+    tab.page.set_viewport_size({"width": width, "height": height})
+    tab.page.reload()
+    tab.wait(lambda: tab.run("() => document.documentElement.dataset.ready"))
+    unfolded = "() => !document.getElementById('charts').hidden"
+    assert tab.run(unfolded) == (height > 600)
+    for _ in range(2):
+        tab.settle()
+        _, top, _, bottom = tab.run("() => alpha5.free()")
+        strip = tab.page.locator("#strip").bounding_box()
+        assert bottom <= strip["y"]
+        assert bottom - top > 0.25 * height
+        if tab.run(unfolded):
+            break
+        tab.page.locator("#curves").click()
+
+
+def test_the_time_axis_has_ticks_where_the_cursor_is(tab: Tab) -> None:
+    """Ticks of each chart, in seconds; the cursor at that time is under each."""
+    read = """() => [...document.querySelectorAll('.axis')].map((axis) =>
+      [...axis.children].map((tick) => [parseFloat(tick.textContent),
+        tick.getBoundingClientRect().left + (parseFloat(tick.textContent)
+          ? tick.getBoundingClientRect().width / 2 : 0)]))"""
+    tab.page.click("#curves")
+    axes = tab.run(read)
+    assert len(axes) == 3
+    for i, ticks in enumerate(axes):
+        assert [time for time, _ in ticks] == [0.0, 0.5, 1.0, 1.5]
+        for time, x in ticks:
+            tab.run("(time) => alpha5.seek(time)", time)
+            cursor = tab.page.locator(".plot i").nth(i).bounding_box()
+            assert cursor["x"] == pytest.approx(x, abs=2.5)
+
+
+def test_a_motion_plays_at_a_chosen_speed_once_or_in_a_loop(tab: Tab) -> None:
+    """The page's own clock is turned on by hand: each picture comes when it says."""
+    tab.run("""() => {
+      let clock = 0;
+      let next = null;
+      performance.now = () => clock;
+      globalThis.requestAnimationFrame = (step) => { next = step; };
+      globalThis.turn = (seconds) => { clock += 1e3 * seconds; next(clock); };
+      alpha5.seek(0);
+    }""")
+    shown = "() => document.getElementById('time').valueAsNumber"
+    name = "() => document.getElementById('play').getAttribute('aria-label')"
+    tab.page.select_option("#speed", "0.25")
+    tab.page.click("#play")
+    tab.run("() => turn(2)")
+    assert tab.run(shown) == pytest.approx(0.5)
+    tab.page.select_option("#speed", "2")
+    tab.run("() => turn(0.5)")
+    assert tab.run(shown) == pytest.approx(1.5)
+    tab.run("() => turn(0.75)")  # in a loop: 1 s after the end
+    assert tab.run(shown) == pytest.approx(1.0)
+    tab.page.click("#loop")
+    tab.run("() => turn(3)")
+    assert tab.run(shown) == pytest.approx(2.0)
+    assert tab.run(name) == "Play"
+
+
 def test_a_distance_that_is_printed_as_zero_is_none(tab: Tab) -> None:
     """Targets that axis_d reaches 0.02 mm beyond its lower limit."""
     arm = a5.load()

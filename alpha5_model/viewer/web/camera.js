@@ -8,6 +8,8 @@ import { THREE, bodiesOf, matrix, meshesOf, onCommand, vector, viewer } from "./
 import { root } from "./kinematics.js";
 import { clamp, placed } from "./vectors.js";
 
+// "home" is the pose, so the button of its view has another word.
+const TITLES = { home: "Corner", fit: "Fit", front: "Front", side: "Side", top: "Top" };
 const KEYS = new Map([["h", "home"], ["f", "fit"], ["1", "front"], ["2", "side"], ["3", "top"]]);
 const swap = ([x, y, z]) => [x, z, -y];
 const unswap = ({ x, y, z }) => new THREE.Vector3(x, -z, y);
@@ -21,7 +23,7 @@ viewer.controls.addEventListener("start", () => {
 });
 
 for (const [key, name] of KEYS) {
-  const title = name[0].toUpperCase() + name.slice(1);
+  const title = TITLES[name];
   added(byId("views"), "button", { textContent: title, title: `${title} view (key ${key.toUpperCase()})`, onclick: () => look(name) });
 }
 document.addEventListener("keydown", (event) => {

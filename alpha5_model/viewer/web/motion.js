@@ -1,5 +1,7 @@
 // Play a motion in real time, and draw its curves: torque by cause, load on the mount, a recording beside the model, and signals
 // of the user. Drag in them to move through the motion. A slow browser drops frames.
+//
+// The curves of a long motion have two rows for each span of time: the lowest and the highest value in it.
 import { data } from "./data.js";
 import { joints } from "./kinematics.js";
 import { change, onChange, state } from "./state.js";
@@ -11,6 +13,7 @@ let started = null;
 const times = data.motion ? data.motion.time : [0];
 const last = times[times.length - 1];
 let now = 0;
+const spans = data.motion && data.motion.spans; // their starts, or null if each sample is drawn
 
 // Interpolate rows of numbers linearly at a time of the motion.
 function between(columns, time) {
@@ -36,11 +39,16 @@ export function seek(time) {
 const showsMotion = () => largestDifference(state.q, between(data.motion.q, now)) < 1e-6;
 function tick(clock) {
   if (started === null) return;
-  seek(((clock - started) / 1e3) % last);
-  requestAnimationFrame(tick);
+  const time = (clock - started) / 1e3 * speed();
+  const ends = time >= last && byId("loop").getAttribute("aria-pressed") === "false";
+  seek(ends ? last : time % last);
+  if (ends) pause();
+  else requestAnimationFrame(tick);
 }
+const speed = () => Number(byId("speed").value);
+const startHere = () => start(performance.now() - 1e3 * (now % last) / speed());
 export function play() {
-  start(performance.now() - 1e3 * (now % last));
+  startHere();
   requestAnimationFrame(tick);
 }
 export const pause = () => start(null);
@@ -53,6 +61,10 @@ if (data.motion) {
   byId("strip").hidden = false;
   byId("time").max = last;
   byId("clock").append("", added(byId("clock"), "span", { textContent: data.motion.name, title: data.motion.name }));
+  for (const times of [0.1, 0.25, 0.5, 1, 2, 5, 10]) added(byId("speed"), "option", { value: times, textContent: `${times}\u00d7`, selected: times === 1 });
+  byId("speed").onchange = () => { if (started !== null) startHere(); };
+  byId("loop").onclick = () => byId("loop").setAttribute("aria-pressed", byId("loop").getAttribute("aria-pressed") === "false");
+  byId("thinned").textContent = thinnedText();
   byId("play").onclick = () => (started === null ? play() : pause());
   byId("time").oninput = () => { pause(); seek(byId("time").valueAsNumber); };
   onChange((part, by) => {
@@ -61,6 +73,11 @@ if (data.motion) {
     byId("clock").firstChild.textContent = `${now.toFixed(1)} / ${last.toFixed(1)} s`;
     showStrip();
   });
+}
+function thinnedText() {
+  const { samples } = data.motion;
+  const played = samples > times.length ? `The arm plays ${times.length} of ${samples} samples. ` : "";
+  return spans ? `${played}Curves show the lowest and highest of each ${fixed(last / 1000, 2)} s.` : "";
 }
 
 // ---- curves
@@ -74,6 +91,20 @@ const CAUSES = [
 const AXES = [["x", "#d0482a"], ["y", "#0a9a70"], ["z", "#2f6fd0"]];
 const RECORDED = "#d0482a";
 const charts = [];
+// What the page has set that the curves were not computed with.
+function changed() {
+  const flowing = data.motion.moving_water ? data.water.current : [0, 0, 0];
+  const { mass, com, volume } = state.payload;
+  const held = [mass, volume, ...com];
+  const { payload } = data;
+  const apart = {
+    fluid: state.density !== data.water.density,
+    current: state.density > 0 && largestDifference(state.shown.current ? state.current : [0, 0, 0], flowing) > 0,
+    payload: largestDifference(held, [payload.mass, payload.volume, ...payload.com]) > 0,
+    mount: data.fixed && largestDifference(state.attitude, data.attitude) > 1e-9,
+  };
+  return Object.keys(apart).filter((name) => apart[name]);
+}
 const isRod = (k) => joints[k].kind === "prismatic";
 const degree = 180 / Math.PI;
 
@@ -82,8 +113,7 @@ const degree = 180 / Math.PI;
 function torqueCurves(k) {
   const known = CAUSES.filter(([cause]) => data.motion[cause]);
   const parts = known.map(([cause, name, color]) => ({ name, color, values: data.motion[cause].map((row) => row[k]) }));
-  const total = times.map((_, i) => parts.reduce((sum, part) => sum + part.values[i], 0));
-  return [...parts, { name: "total", color: "var(--ink)", values: total }];
+  return [...parts, { name: "total", color: "var(--ink)", values: data.motion.total.map((row) => row[k]) }];
 }
 function axisCurves(first) {
   return AXES.map(([name, color], k) => ({ name, color, values: data.motion.mount.map((row) => row[first + k]) }));
@@ -94,16 +124,12 @@ const COMPARED = {
   effort: { title: "Effort", computed: "model", unit: (k) => isRod(k) ? "N" : "N\u00b7m", each: () => 1 },
   current: { title: "Motor current", computed: "model", unit: () => "A", each: () => 1 },
 };
+const compared = (name, kind, k) => data.motion.compared[name][kind].map((row) => row[k] === null ? null : COMPARED[name].each(k) * row[k]);
 function comparison(name, k) {
-  const { each, computed } = COMPARED[name];
-  const column = (kind) => data.motion.compared[name][kind].map((row) => row[k] === null ? null : each(k) * row[k]);
-  return [{ name: "recorded", color: RECORDED, values: column("recorded") }, { name: computed, color: "var(--accent)", values: column("computed") }];
+  const computed = { name: COMPARED[name].computed, color: "var(--accent)", values: compared(name, "computed", k) };
+  return [{ name: "recorded", color: RECORDED, values: compared(name, "recorded", k) }, computed];
 }
-function residual(name, k) {
-  const [recorded, computed] = comparison(name, k).map(({ values }) => values);
-  const values = recorded.map((value, i) => value === null || computed[i] === null ? null : value - computed[i]);
-  return [{ name: "recorded minus computed", color: RECORDED, values }];
-}
+const residual = (name, k) => [{ name: "recorded minus computed", color: RECORDED, values: compared(name, "residual", k) }];
 const extent = (curves) => curves.flatMap((curve) => curve.values).reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [0, 0]);
 // The range of the known values of curves.
 function tight(curves) {
@@ -117,14 +143,15 @@ function quantities() {
     const unit = (k) => isRod(k) ? "N" : "N\u00b7m";
     // Joints with the same unit share a scale, so that a small torque looks small.
     const range = (k) => extent(joints.flatMap((_, other) => unit(other) === unit(k) ? torqueCurves(other) : []));
-    add({ title: "Torque", ofJoint: true, unit, curves: torqueCurves, range });
-    add({ title: "Force on the mount", unit: () => "N", curves: () => axisCurves(0) });
-    add({ title: "Moment on the mount", unit: () => "N\u00b7m", curves: () => axisCurves(3) });
+    add({ title: "Torque", ofJoint: true, modelled: true, unit, curves: torqueCurves, range });
+    add({ title: "Force on the mount", modelled: true, unit: () => "N", curves: () => axisCurves(0) });
+    add({ title: "Moment on the mount", modelled: true, unit: () => "N\u00b7m", curves: () => axisCurves(3) });
   }
   for (const name in data.motion.compared) {
     const { title, unit } = COMPARED[name];
-    add({ title, ofJoint: true, unit, curves: (k) => comparison(name, k), range: (k) => tight(comparison(name, k)) });
-    add({ title: `${title}, residual`, ofJoint: true, unit, curves: (k) => residual(name, k) });
+    const modelled = name !== "position";
+    add({ title, ofJoint: true, modelled, unit, curves: (k) => comparison(name, k), range: (k) => tight(comparison(name, k)) });
+    add({ title: `${title}, residual`, ofJoint: true, modelled, unit, curves: (k) => residual(name, k) });
   }
   for (const [name, values] of Object.entries(data.motion.signals)) {
     const curves = [{ name: "value", color: "var(--accent)", values }];
@@ -144,13 +171,19 @@ function atFirst() {
 
 // ---- charts
 let chartedJoint = 1;
+// Times at round steps, of which the last leaves room for its number.
+function ticks() {
+  const power = 10 ** Math.floor(Math.log10(last / 4));
+  const step = power * [1, 2, 5, 10].find((digit) => digit * power >= last / 4 * (1 - 1e-9));
+  return Array.from({ length: 4 }, (_, i) => i * step).filter((time) => time < 0.95 * last);
+}
 function addChart(place) {
   const element = added(byId("charts"), "figure", {
     innerHTML: `<figcaption><select class="what"></select><b></b><span></span><span class="legend"></span></figcaption>
-      <div class="plot"><svg viewBox="0 0 1000 100" preserveAspectRatio="none"></svg><small></small><small></small><i></i></div>`,
+      <div class="plot"><svg viewBox="0 0 1000 100" preserveAspectRatio="none"></svg><small></small><small></small><i></i></div><div class="axis"></div>`,
   });
   const [what, name, sign, legend, svg, high, low, cursor] = [".what", "b", "b + span", ".legend", "svg", "small", "small + small", "i"].map((part) => element.querySelector(part));
-  const chart = { what, name, sign, legend, svg, ends: [low, high], cursor };
+  const chart = { element, what, name, sign, legend, svg, ends: [low, high], cursor };
   what.setAttribute("aria-label", "What is drawn");
   for (const { title } of drawable) added(what, "option", { textContent: title });
   what.selectedIndex = place;
@@ -165,6 +198,10 @@ function addChart(place) {
     pause();
     seek(last * (event.clientX - box.left) / box.width);
   };
+  for (const time of ticks()) {
+    const tick = added(element.querySelector(".axis"), "span", { textContent: time ? Number(time.toPrecision(6)) : "0 s" });
+    tick.style.left = `${100 * time / last}%`;
+  }
   charts.push(chart);
   return chart;
 }
@@ -176,7 +213,8 @@ function draw(chart) {
   chart.name.hidden = !ofJoint;
   chart.sign.textContent = unit(chartedJoint);
   chart.svg.replaceChildren();
-  chart.svg.innerHTML = `<line x2="1000" y1="${height(0)}" y2="${height(0)}"/>`;
+  chart.svg.innerHTML = `<line x2="1000" y1="${height(0)}" y2="${height(0)}"/>` +
+    ticks().map((time) => `<line class="tick" x1="${1000 * time / last}" x2="${1000 * time / last}" y2="100"/>`).join("");
   chart.legend.replaceChildren();
   chart.curves = curves.map(({ name, color, values }) => {
     for (const points of pieces(values, height)) {
@@ -185,18 +223,24 @@ function draw(chart) {
     const item = added(chart.legend, "span", { className: "item", textContent: name });
     item.dataset.curve = name;
     item.style.setProperty("--own", color);
-    return { rows: values.map((value) => [value]), output: added(item, "output") };
+    return { values, rows: values.map((value) => [value]), output: added(item, "output") };
   });
   const digits = high - low < 0.2 ? 3 : high - low < 2 ? 2 : 1;
   chart.digits = Math.max(digits, 2);
   chart.ends.forEach((end, i) => { end.textContent = fixed([low, high][i], digits); });
+}
+// Where row i of a curve is on the time axis: the two of a span are in its middle.
+function timeOf(i) {
+  if (!spans) return times[i];
+  const span = i >> 1;
+  return (spans[span] + (spans[span + 1] ?? last)) / 2;
 }
 // The points of a curve, in pieces between values that are not known.
 function pieces(values, height) {
   const found = [[]];
   values.forEach((value, i) => {
     if (value === null) found.push([]);
-    else found[found.length - 1].push(`${(1000 * times[i] / last).toFixed(2)},${height(value)}`);
+    else found[found.length - 1].push(`${(1000 * timeOf(i) / last).toFixed(2)},${height(value)}`);
   });
   return found.filter((points) => points.length).map((points) => points.join(" "));
 }
@@ -204,15 +248,28 @@ function pieces(values, height) {
 function showStrip() {
   const apart = charts.length && !showsMotion();
   byId("charts").classList.toggle("apart", apart);
+  const other = changed();
+  write(byId("other"), other.length ? `Grey: the panel has another ${other.join(" and ")} than the motion was computed with.` : "");
+  for (const chart of charts) chart.element.classList.toggle("stale", other.length > 0 && Boolean(drawable[chart.what.selectedIndex].modelled));
   byId("charts").title = apart ? "The arm has left the motion: drag here to return to it." : "";
   for (const { curves, cursor, digits } of charts) {
     cursor.style.transform = `translateX(${(100 * now / last).toFixed(3)}%)`;
-    for (const { rows, output } of curves) {
+    for (const { values, rows, output } of curves) {
+      if (spans) {
+        write(output, rangeText(values, digits));
+        continue;
+      }
       const [value] = between(rows, now);
       output.dataset.value = value;
       write(output, Number.isFinite(value) ? fixed(value, digits) : "\u2013");
     }
   }
+}
+// The lowest and the highest value in the span of the cursor.
+function rangeText(values, digits) {
+  const i = Math.max(0, spans.findLastIndex((start) => start <= now));
+  const [low, high] = values.slice(2 * i, 2 * i + 2);
+  return low === null ? "\u2013" : `${fixed(low, digits)} to ${fixed(high, digits)}`;
 }
 
 if (drawable.length) {

@@ -16,7 +16,7 @@ import { linkText, openLink } from "./live.js";
 
 change({}, "page");
 fold(narrow.matches);
-unfold(narrow.matches || window.innerHeight > 720);
+unfold(window.innerHeight > (narrow.matches ? 600 : 720));
 look("home", false);
 openLink();
 globalThis.alpha5 = {
