@@ -348,7 +348,7 @@ def test_a_reader_that_leaves_is_no_error(motion_file: Path) -> None:
     commands = (
         "trajectory motion.csv -o -",
         "trajectory motion.csv --json",
-        "generate",
+        "generate urdf",
         "workspace",
     )
     for command, reader in zip(

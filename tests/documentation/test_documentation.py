@@ -17,11 +17,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pages import DOCS, PAGES, REPOSITORY, blocks, generated_text
+from pages import DOCS, PAGES, REPOSITORY, blocks
 from shared_recordings import RECORDINGS
 
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, main
+from alpha5_model.cli.program import parser_of
 
 #: Languages of blocks that hold nothing to run.
 SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml"}
@@ -168,12 +169,13 @@ def test_the_examples_of_the_help_run(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     files_of_a_reader()
-    examples = [
-        b for b in blocks(generated_text.TEXTS["commands"]()) if b.language == "sh"
-    ]
-    assert len(examples) == len(COMMANDS)
-    for block in examples:
-        run_shell(block.text)
+    for name in COMMANDS:
+        lines = re.findall(
+            r"^(?:Example: )?(alpha5 .*)", parser_of(name).description, re.M
+        )
+        assert lines, name
+        for line in lines:
+            run_shell(line)
 
 
 @pytest.mark.slow

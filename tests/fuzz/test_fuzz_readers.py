@@ -142,7 +142,7 @@ def test_containers(
 
 def study(path: Path) -> Any:
     found = read_study(path)
-    return found.cases, found.states, found.sizes()
+    return found.cases, found.states
 
 
 def obstacles(path: Path) -> Any:

@@ -68,7 +68,7 @@ KINDS = {
     "signs": ("[signs]\naxis_c = -1", "devices recordings"),
     "max_effort": (
         "[joint_limits.axis_c]\nmax_effort = 1.5",
-        f"limits trajectory sweep viewer {_ROBOTS}",
+        f"limits trajectory sweep {_ROBOTS}",
     ),
     "range of the jaws": (
         "[joint_limits.axis_a]\nmax_position = 0.0132",

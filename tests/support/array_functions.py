@@ -637,7 +637,6 @@ def _recording_calls(rows: _TheoryRows) -> list[_Row]:
             {},
         ),
         ("analyse", analysed, {"current": rows.com[0]}, {}),
-        ("Sample.base_parameters", drawn.base_parameters, {"gravity": rows.com[0]}, {}),
     ]
 
 

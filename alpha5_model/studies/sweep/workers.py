@@ -92,7 +92,8 @@ def _client(workers: int, scheduler: str | None) -> Any:
             return Client(
                 n_workers=workers,
                 threads_per_worker=1,
-                dashboard_address=None,
+                # A free port: 8787 may be taken by another study.
+                dashboard_address=":0",
                 preload=_SET_UP,
             )
 
