@@ -624,7 +624,6 @@ def _recording_calls(rows: _TheoryRows) -> list[_Row]:
     recording = a5.trajectory.motion(
         **moved, joints=("axis_e", "axis_d", "axis_c", "axis_b")
     )
-    drawn = a5.uncertainty.sample(3)
 
     def analysed(**given: Any) -> Any:
         return a5.trajectory.analyse(recording, **given).torque
