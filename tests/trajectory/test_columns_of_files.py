@@ -366,3 +366,12 @@ def test_a_record_is_shown_in_ten_lines() -> None:
     for shown in (motion, analysis, analysis.smooth, arm, planned, one, many):
         assert repr(shown).count("\n") < 10
         assert len(repr(shown)) < 1500
+
+
+def test_texts_in_parquet_are_refused_by_name(tmp_path: Path) -> None:
+    arrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    texts = arrow.table({"time_secs": ["0.0"], "axis_e_pos": ["3.1"]})
+    parquet.write_table(texts, tmp_path / "m.parquet")
+    with pytest.raises(FileFormatError, match="time_secs, axis_e_pos"):
+        a5.trajectory.read_motion(tmp_path / "m.parquet")
