@@ -66,9 +66,9 @@ def read_parquet(path: PathLike, episode: int | None = None) -> Table:
             if _is_numeric(field.type) or field.name.lower() in JOINT_COLUMNS
         ]
         if not wanted:
-            names = ", ".join(file.schema_arrow.names)[:200]
-            problem = f"no column holds numbers (convert its texts): got {names}"
-            raise FileFormatError(path, problem)
+            got = ", ".join(file.schema_arrow.names)[:200]
+            text = f"no column holds numbers (convert its texts): got {got}"
+            raise FileFormatError(path, text)
         most = _LEAST_EXPANSION + EXPANSION * len(content)
         refuse_expansion(path, _expanded_size(file.metadata, wanted), most)
         rows, first_row = _rows_of_episode(path, file.read(wanted), episode)
