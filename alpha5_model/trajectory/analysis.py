@@ -16,7 +16,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory import smoothing
-from alpha5_model.trajectory.checks import SUPPLY
+from alpha5_model.trajectory.checks import HOLD, SUPPLY
 from alpha5_model.trajectory.motions import Motion, MotionWarning
 from alpha5_model.trajectory.motors import Drive, drive_limits, motor_columns
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth_for
@@ -37,6 +37,14 @@ _ZERO_SHARE = 0.002
 #: Velocities outside these multiples of the slope of positions are implausible.
 _LEAST_GAIN = 0.8
 _MOST_GAIN = 1.25
+#: A fault of a moment, such as a spike, shows in means over this time [s], and over so
+#: many samples at least, by this share of the rated speed. Longer steps are gaps.
+_MOMENT = 0.5
+_MOMENT_SAMPLES = 10.0
+_MOMENT_SHARE = 0.3
+_GAP_SAMPLES = 3.0
+#: Lags to each side at which velocities and positions are compared.
+_LAGS = 5
 #: A payload may double the torque of the model and its friction. In milliamperes an
 #: effort is some 50 times that in N m: Table 4's motors give 1 N m with 43 to 108 mA.
 _MOST_OF_TORQUE = 2.0
@@ -367,23 +375,24 @@ def _velocity_warnings(
 ) -> list[MotionWarning]:
     """Warnings about velocities that are not the slope of their positions.
 
-    Only the slow parts of both are compared. `used` says whether the velocities are
-    used in spite of it.
+    `used` says whether the velocities are used in spite of it.
     """
     if motion.velocity is None:
         return []
-    window = max(_SLOW, _SLOW_SAMPLES * float(np.median(np.diff(motion.time))))
+    step = float(np.median(np.diff(motion.time)))
+    window = max(_SLOW, _SLOW_SAMPLES * step)
     steps = np.diff(motion.time)[:, None]
     sums = np.cumsum((motion.velocity[1:] + motion.velocity[:-1]) / 2 * steps, axis=0)
     way = np.vstack([np.zeros(len(motion.joints)), sums])
+    pieces = smoothing.pieces_of(parameters, motion)
     of_positions, given = (
         np.concatenate(
-            [
-                smoothing.mean_slope(motion.time[x], signals[x], window)
-                for x in smoothing.pieces_of(parameters, motion)
-            ]
+            [smoothing.mean_slope(motion.time[x], signals[x], window) for x in pieces]
         )
         for signals in (motion.position, way)
+    )
+    beyond = np.concatenate(
+        [_beyond(motion.time[x], motion.position[x], way[x], step) for x in pieces]
     )
 
     warnings = []
@@ -392,19 +401,65 @@ def _velocity_warnings(
         power = float(np.mean(slope**2))
         never_moves = not motion.velocity[:, k].any()
         least = _ZERO_SHARE if never_moves else _JUDGED_SHARE
-        if power <= (least * joint.velocity) ** 2:
-            continue
-        gain = float(np.mean(slope * given[:, k])) / power
+        judged = power > (least * joint.velocity) ** 2
+        gain = float(np.mean(slope * given[:, k])) / power if judged else 1.0
+        is_off = beyond[:, k] > _MOMENT_SHARE * joint.velocity
+        count, first = 1, "all samples"
         if not _LEAST_GAIN < gain < _MOST_GAIN:
-            times = f"{gain:.3g} times the slope of its positions"
-            if not used:
-                times += ", so that no velocities are used"
-            warning = MotionWarning(
-                kind="velocity",
-                count=1,
-                first="all samples",
-                text=f"{joint.name}'s velocities are {times}",
-                joint=joint.name,
-            )
-            warnings.append(warning)
+            what = f"are {gain:.3g} times the slope of its positions"
+        elif joint.name != JOINT_NAMES[4] and is_off.any():
+            edges = np.flatnonzero(np.diff(is_off, prepend=False, append=False))
+            count = edges.size // 2
+            middle = (edges[0] + edges[1] - 1) // 2
+            first = f"at {motion.time[middle]:.12g} s"
+            what = "are not the slope of its positions at some times"
+        else:
+            continue
+        if not used:
+            what += ", so that no velocities are used"
+        warning = MotionWarning(
+            kind="velocity",
+            count=count,
+            first=first,
+            text=f"{joint.name}'s velocities {what}",
+            joint=joint.name,
+        )
+        warnings.append(warning)
     return warnings
+
+
+def _beyond(
+    time: FloatArray, position: FloatArray, way: FloatArray, step: float
+) -> FloatArray:
+    """How far velocities are from all slopes of positions at nearly their time, (N, n).
+
+    Recordings hold positions, so that either may lag behind the other. Both are means
+    over a moment; the time of gaps, in which nothing is known, does not count.
+
+    Args:
+        time: (N,) [s].
+        position: (N, n) [rad], jaw rod [m].
+        way: Integral of the velocities, (N, n).
+        step: Median sample time [s].
+    """
+    window = max(_MOMENT, _MOMENT_SAMPLES * step)
+    is_gap = np.diff(time) > max(HOLD, _GAP_SAMPLES * step)
+
+    def slopes(signals: FloatArray) -> FloatArray:
+        changes = np.where(is_gap[:, None], 0.0, np.diff(signals, axis=0))
+        start = np.zeros((1, signals.shape[1]))
+        sums = np.cumsum(np.vstack([start, changes]), axis=0)
+        return smoothing.mean_slope(time, sums, window)
+
+    of_positions = slopes(position)
+    given = slopes(way)
+    lag = max(HOLD, step)
+    near = np.array(
+        [
+            [np.interp(time + shift, time, slope) for slope in of_positions.T]
+            for shift in np.linspace(-lag, lag, 2 * _LAGS + 1)
+        ]
+    )
+    below = near.min(axis=0).T - given
+    above = given - near.max(axis=0).T
+    return np.asarray(np.maximum(np.maximum(below, above), 0.0))

@@ -252,9 +252,11 @@ def with_columns_of_joints(table: Table, column: int, joints: Sequence[str]) -> 
     sources = [*shared]
     parts = [table.values[:, shared]]
     of_row = np.array(joints)
+    of_joints = {}
     for name in names:
-        is_its = (of_row == name)[:, None]
-        parts.append(np.where(is_its, table.values[:, own], np.nan))
+        is_its = of_row == name
+        of_joints[name] = range(len(header), len(header) + len(own)), is_its
+        parts.append(np.where(is_its[:, None], table.values[:, own], np.nan))
         sources += own
         for k in own:
             quantity = table.header[k]
@@ -268,6 +270,37 @@ def with_columns_of_joints(table: Table, column: int, joints: Sequence[str]) -> 
         in_seconds=frozenset(
             k for k, source in enumerate(sources) if source in table.in_seconds
         ),
+        of_joints=of_joints,
+    )
+
+
+def without_other_joints(table: Table, roles: Roles) -> Table:
+    """A table without the rows about joints that are not read, with a warning."""
+    read = roles.columns
+    other = {
+        name: rows
+        for name, (columns, rows) in table.of_joints.items()
+        if read.isdisjoint(columns)
+    }
+    if not other:
+        return table
+    is_other = np.any(list(other.values()), axis=0)
+    kept = np.flatnonzero(~is_other)
+    listed = ", ".join(name[:60] for name in [*other][:_LISTED])
+    if len(other) > _LISTED:
+        listed += ", ..."
+    warning = MotionWarning(
+        kind="not_used",
+        count=int(is_other.sum()),
+        first=table.place(int(np.argmax(is_other)), roles.time),
+        text=f"rows of joints that are not read ({listed}), left out",
+    )
+    return table._replace(
+        values=table.values[kept],
+        place=lambda row, k: table.place(int(kept[row]), k),
+        problem=lambda row, columns: table.problem(int(kept[row]), columns),
+        warnings=(*table.warnings, warning),
+        of_joints={},
     )
 
 

@@ -51,8 +51,8 @@ def read_parquet(path: PathLike, episode: int | None = None) -> Table:
         InputError: No such episode, or an episode of a file without.
         MissingFileError: No such file.
         MissingDependencyError: pyarrow is not installed.
-        FileFormatError: No Parquet file, several episodes, or one that expands to more
-            than 100 times its size.
+        FileFormatError: No Parquet file, no numbers, several episodes, or one that
+            expands to more than 100 times its size.
     """
     with library(path, "parquet"):
         from pyarrow import BufferReader, parquet, types
@@ -65,6 +65,10 @@ def read_parquet(path: PathLike, episode: int | None = None) -> Table:
             for field in file.schema_arrow
             if _is_numeric(field.type) or field.name.lower() in JOINT_COLUMNS
         ]
+        if not wanted:
+            got = ", ".join(file.schema_arrow.names)[:200]
+            text = f"no column holds numbers (convert its texts): got {got}"
+            raise FileFormatError(path, text)
         most = _LEAST_EXPANSION + EXPANSION * len(content)
         refuse_expansion(path, _expanded_size(file.metadata, wanted), most)
         rows, first_row = _rows_of_episode(path, file.read(wanted), episode)

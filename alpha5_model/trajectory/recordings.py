@@ -28,6 +28,7 @@ from alpha5_model.trajectory.columns import (
     Roles,
     find_roles,
     likely_time_unit,
+    without_other_joints,
 )
 from alpha5_model.trajectory.csv_file import read_csv
 from alpha5_model.trajectory.motions import Motion, MotionWarning
@@ -131,6 +132,7 @@ def read_motion(
         header = named.renamed(table.header)
 
     roles = find_roles(path, table, header, prefix, flag("degrees", degrees), time)
+    table = without_other_joints(table, roles)
     record = chosen_arm(arm)
     raw, rows = _recorded(path, table, header, roles, record, named)
     return checked(raw, record, _FileOrigin(path, table, roles, rows))

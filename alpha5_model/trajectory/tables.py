@@ -6,14 +6,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from alpha5_model import errors
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.files import PathLike
 from alpha5_model.trajectory.motions import MotionWarning
 
@@ -54,6 +55,8 @@ class Table(NamedTuple):
         ignored: Names in the file that are no columns.
         every_row: Whether a row without positions is odd. Messages of other nodes are
             not.
+        of_joints: Name -> its columns and its rows, (N,), of a table whose rows are
+            about one joint each.
     """
 
     header: list[str]
@@ -65,6 +68,7 @@ class Table(NamedTuple):
     warnings: tuple[MotionWarning, ...] = ()
     ignored: tuple[str, ...] = ()
     every_row: bool = True
+    of_joints: Mapping[str, tuple[range, BoolArray]] = MappingProxyType({})
 
 
 def seconds(whole: Iterable[int | None], per_second: int) -> FloatArray:

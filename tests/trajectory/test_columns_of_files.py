@@ -60,6 +60,21 @@ def test_rows_about_one_joint_each(tmp_path: Path) -> None:
     check_long(a5.trajectory.read_motion(path, joints=numbers))
 
 
+def test_rows_about_joints_of_another_thing_are_left_out(tmp_path: Path) -> None:
+    rows = long_rows()
+    count = len(JOINTS)
+    with_camera = []
+    for start in range(0, len(rows), count):
+        camera = [rows[start][0], "camera_tilt", "0.3", "0.0", "0.0"]
+        with_camera += [*rows[start : start + count], camera]
+    path = written(tmp_path / "m.csv", LONG, with_camera)
+    motion = a5.trajectory.read_motion(path)
+    check_long(motion)
+    [found] = [w for w in motion.warnings if "camera_tilt" in w.text]
+    assert found.count == len(rows) // count
+    assert f"line {count + 2}" in found.first
+
+
 def test_rows_about_one_joint_with_a_time_of_another_name(tmp_path: Path) -> None:
     header = ["tick", "axis", "angle_deg", "temperature", "state"]
     rows = [
@@ -351,3 +366,12 @@ def test_a_record_is_shown_in_ten_lines() -> None:
     for shown in (motion, analysis, analysis.smooth, arm, planned, one, many):
         assert repr(shown).count("\n") < 10
         assert len(repr(shown)) < 1500
+
+
+def test_texts_in_parquet_are_refused_by_name(tmp_path: Path) -> None:
+    arrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    texts = arrow.table({"time_secs": ["0.0"], "axis_e_pos": ["3.1"]})
+    parquet.write_table(texts, tmp_path / "m.parquet")
+    with pytest.raises(FileFormatError, match="time_secs, axis_e_pos"):
+        a5.trajectory.read_motion(tmp_path / "m.parquet")

@@ -127,6 +127,36 @@ def test_velocities_that_contradict_the_positions_are_not_used(factor: float) ->
     assert given.smooth.from_velocity
 
 
+@pytest.mark.parametrize("fault", ["spike", "zeros"])
+def test_a_moment_of_wrong_velocities_is_found(fault: str) -> None:
+    velocity = np.gradient(MOVED, TIME, axis=0)
+    if fault == "spike":
+        at = int(np.argmin(np.abs(velocity[50:-50, 1]))) + 50
+        velocity[at, 1] = 50.0
+    else:
+        at = int(np.argmax(np.abs(velocity[50:-50, 1]))) + 50
+        velocity[at - 20 : at + 21] = 0.0
+    wrong = a5.trajectory.motion(TIME, MOVED, velocity)
+    analysis = a5.trajectory.analyse(wrong, a5.load())
+    assert not analysis.smooth.from_velocity
+    np.testing.assert_allclose(np.abs(analysis.torque).max(axis=0), TRUE_PEAKS)
+    [found] = [w for w in analysis.warnings if w.joint == "axis_d"]
+    place = float(found.first.removeprefix("at ").removesuffix(" s"))
+    assert place == pytest.approx(TIME[at], abs=0.1)
+
+
+def test_velocities_beside_a_gap_or_late_by_a_hold_are_used() -> None:
+    velocity = np.gradient(MOVED, TIME, axis=0)
+    gap = (TIME < 3.0) | (TIME > 4.5)
+    late = np.stack([np.interp(TIME - 0.1, TIME, v) for v in velocity.T], axis=1)
+    for time, position, given in (
+        (TIME[gap], MOVED[gap], velocity[gap]),
+        (TIME, MOVED, late),
+    ):
+        motion = a5.trajectory.motion(time, position, given)
+        assert a5.trajectory.analyse(motion, a5.load()).smooth.from_velocity
+
+
 def test_slow_motion_with_velocities_of_zero() -> None:
     slow = MOVED[0] + 0.02 * np.sin(0.4 * TIME)[:, None]
     motion = a5.trajectory.motion(TIME, slow, np.zeros_like(slow))
