@@ -159,7 +159,7 @@ def files_of_a_reader() -> None:
     ours = Path(a5.URDF_PATH).read_text("utf-8")
     Path("my_arm.urdf").write_text(ours, "utf-8")
     for number, axis in enumerate("edcb", 1):
-        ours = ours.replace(f'"axis_{axis}"', f'"joint{number}"')
+        ours = ours.replace(f'"axis_{axis}"', f'"j{number}"')
     Path("other.urdf").write_text(ours, "utf-8")
 
 
