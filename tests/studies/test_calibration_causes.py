@@ -90,7 +90,9 @@ def test_a_scale_that_was_zeroed_again_is_named() -> None:
     """In a file of a lab: from pose 7 on."""
     folder = RECORDINGS / "field" / "25_scales_session"
     if not folder.exists():
-        pytest.skip("no recordings")
+        pytest.skip(
+            "no recordings: the folder shared/data beside the checkout is absent"
+        )
     session = calibrate.read_session(folder / "autozero_from_7.toml")
     problem = calibrate.fit(session).problems[0]
     assert problem.name == "tare"
