@@ -59,7 +59,7 @@ test -s mjcf/assets/link_0.obj && test -s sdf/meshes/link_0.obj
 if "$work/venv/bin/alpha5" generate c --output c 2>error.txt; then exit 1; fi
 grep -q "pip install casadi" error.txt
 "$work/venv/bin/alpha5" view --html arm.html
-grep -q "const formulas" arm.html
+grep -q "function inverse_kinematics" arm.html
 "$work/venv/bin/alpha5" check >check.txt || { cat check.txt; exit 1; }
 "$work/venv/bin/alpha5" ik 0.3 0.1 0.1
 "$work/venv/bin/python" -m alpha5_model --version
