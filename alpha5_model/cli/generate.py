@@ -285,14 +285,7 @@ def _collision(parser: Parser, words: str) -> None:
 
 
 def _fluid(parser: Parser) -> None:
-    parser.add_argument(
-        "--fluid",
-        dest="fluid_density",
-        metavar="FLUID",
-        type=common.density,
-        default="sea",
-        help=f"{common.FLUID}. Default: %(default)s",
-    )
+    common.fluid(parser, dest="fluid_density")
 
 
 def _record_and_output(parser: Parser) -> None:

@@ -95,9 +95,16 @@ def arm_file(parser: Parser) -> None:
     )
 
 
-def fluid(parser: Parser, default: str | None = "sea") -> None:
-    words = f"{FLUID}. Default: {default}" if default else FLUID
-    parser.add_argument("--fluid", type=density, default=default, help=words)
+def fluid(parser: Parser, default: str = "sea", dest: str = "fluid") -> None:
+    """``--fluid``; ``dest`` is the name of its density in what is given."""
+    parser.add_argument(
+        "--fluid",
+        dest=dest,
+        metavar="FLUID",
+        type=density,
+        default=default,
+        help=f"{FLUID}. Default: %(default)s",
+    )
 
 
 def gravity(parser: Parser, default: str | None = DOWN, words: str = "") -> None:

@@ -8,11 +8,11 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
-from alpha5_model.cli.quantities import ALONE, Vector
+from alpha5_model.cli.quantities import ALONE, UNITS, Vector
 from alpha5_model.errors import Alpha5Error
 
 #: One number or several in one word, each perhaps with its unit: 1, -0.4,0.2, 90deg.
-_UNIT = r"(?:(?:deg|rad|mm|m)(?:/s(?:\^2)?)?|kg|g|L|m\^3|kg/m\^3)"
+_UNIT = f"(?:{'|'.join(map(re.escape, UNITS))})"
 _NUMBER = rf"[-+−]?(?:\d+\.?\d*|\.\d+|inf|nan)(?:e[-+]?\d+)?{_UNIT}?"
 _NUMBERS = re.compile(rf"\s*{_NUMBER}(?:[\s,]+{_NUMBER})*[\s,]*", re.IGNORECASE)
 _SEPARATED = re.compile(r"[\s,]+")

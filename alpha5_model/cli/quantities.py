@@ -54,6 +54,18 @@ VOLUME = Quantity("m^3", {"m^3": 1.0, "L": 1e-3})
 DENSITY = Quantity("kg/m^3", {"kg/m^3": 1.0}, largest=1e5)
 NUMBER = Quantity("")
 
+#: All units that may follow a number, the longest first.
+UNITS = sorted(
+    {
+        unit
+        for quantity in (
+            *(ANGLE, ANGULAR_SPEED, ANGULAR_ACCELERATION),
+            *(LENGTH, SPEED, ACCELERATION, MASS, VOLUME, DENSITY),
+        )
+        for unit in quantity.units
+    },
+    key=lambda unit: (-len(unit), unit),
+)
 #: Units that may stand alone after numbers, for all of them that it fits.
 ALONE = (
     *("deg", "rad", "mm", "m", "kg", "g", "L"),
