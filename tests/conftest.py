@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -25,11 +24,6 @@ settings.load_profile("any machine")
 
 #: Set in CI, which has everything installed: a test is skipped for listed reasons only.
 ONLY_ALLOWED_SKIPS = "ALPHA5_ONLY_ALLOWED_SKIPS" in os.environ
-#: Set in CI: what a fast test may take [s].
-MOST = os.environ.get("ALPHA5_FAST_TEST_SECONDS")
-LAYERS = {"slow", "browser", "tools"}
-#: A test after which so many more modules are loaded has imported a package.
-IMPORTS = 20
 
 
 @pytest.fixture(scope="session")
@@ -48,22 +42,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if "chromium" in getattr(item, "fixturenames", ()):
             item.add_marker("browser")
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
-    """In CI, a fast test fails if it takes more than `MOST` of processor time.
-
-    One that imports packages first pays for others, too.
-    """
-    modules = len(sys.modules)
-    start = time.process_time()
-    yield
-    used = time.process_time() - start
-    is_fast = not LAYERS & {mark.name for mark in item.iter_markers()}
-    imported = len(sys.modules) - modules
-    if MOST and is_fast and imported < IMPORTS and used > float(MOST):
-        pytest.fail(f"took {used:.1f} s: mark it as slow", pytrace=False)
 
 
 @pytest.hookimpl(wrapper=True)
