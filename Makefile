@@ -22,7 +22,7 @@ test: $(VENV)/.test ## the fast tests; they need nothing else on the machine
 test-all: $(VENV)/.test ## every test that can run with what is installed
 	$(PYTEST)
 
-docs: $(VENV)/.docs ## the documentation, build/docs/index.html; a warning or a dead link is an error
+docs: $(VENV)/.docs ## the documentation, build/docs/index.html (1.6 GB of packages); a warning or a dead link is an error
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs
 
 lint: $(VENV)/.test ## ruff (lint and format), mypy in strict mode, layers of imports, dependencies

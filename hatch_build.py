@@ -26,6 +26,7 @@ except ModuleNotFoundError:  # in place, beside an installed package
 
 ROOT = Path(__file__).resolve().parent
 FOLDER = Path("alpha5_model", "kernels")
+MODULE = "_compiled.abi3.so"
 #: For GCC and Clang, whose vector extensions the kernels are written in.
 #: `-ffp-contract=off`: the same bits on every processor; gcc 12 contracts nevertheless
 #: where it vectorizes straight lines (a vfmsubadd). Nothing reads errno.
@@ -53,8 +54,19 @@ def made_of() -> str:
     return f"{digest()} {' '.join(FLAGS)}"
 
 
-def compiled(output: Path) -> Path:
-    """Compile the module into a folder; returns the file."""
+def compiled() -> Path:
+    """The module, compiled below ``build/`` unless one of these sources is there."""
+    # Where the sources cannot be written, such as on a read-only mount, for this once.
+    root = ROOT if os.access(ROOT, os.W_OK) else Path(tempfile.mkdtemp())
+    folder = root / "build" / "kernels" / sysconfig.get_platform()
+    module = folder / MODULE
+    if not (module.is_file() and made_of().encode() in module.read_bytes()):
+        compile_into(folder)
+    return module
+
+
+def compile_into(folder: Path) -> None:
+    """Compile the module."""
     import numpy
     from setuptools import Distribution, Extension
 
@@ -69,20 +81,19 @@ def compiled(output: Path) -> Path:
     with tempfile.TemporaryDirectory() as objects:
         distribution = Distribution({"ext_modules": [extension]})
         command = distribution.get_command_obj("build_ext")
-        command.build_lib = str(output)
+        command.build_lib = str(folder)
         command.build_temp = objects
         command.force = True
         command.ensure_finalized()
         command.run()
-    return Path(command.get_outputs()[0])
 
 
 def compiled_in_place() -> Path:
-    """Compile beside the sources, unless the module there is made of them; the file."""
-    module = ROOT / FOLDER / "_compiled.abi3.so"
-    if module.is_file() and made_of().encode() in module.read_bytes():
-        return module
-    return compiled(ROOT / FOLDER)
+    """The module, beside its sources."""
+    place = ROOT / FOLDER / MODULE
+    # As a new file: a running program keeps the one that it has loaded.
+    copy = shutil.copy(compiled(), place.with_suffix(".new"))
+    return Path(copy).replace(place)
 
 
 def mjcf_files(output: Path) -> dict[str, str]:
@@ -112,7 +123,7 @@ class KernelHook(BuildHookInterface):
         if self.folder:
             build_data["force_include"] |= mjcf_files(self.folder)
         try:
-            module = compiled(self.folder) if self.folder else compiled_in_place()
+            module = compiled_in_place() if editable else compiled()
         except (Exception, SystemExit) as error:
             self._without_kernels(error)
             return

@@ -43,10 +43,10 @@ def built(
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
 
-    def compiled(output: Path) -> Path:
+    def compiled() -> Path:
         if not compiler:
             raise RuntimeError("no compiler")
-        return Path(output) / "_compiled.abi3.so"
+        return tmp_path / "_compiled.abi3.so"
 
     class App:
         def display_warning(self, text: str) -> None:
