@@ -23,6 +23,7 @@ from shared_recordings import RECORDINGS
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, main
 from alpha5_model.cli.program import parser_of
+from alpha5_model.numbers import arm_schema as schema
 
 #: Languages of blocks that hold nothing to run.
 SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml"}
@@ -220,3 +221,11 @@ def test_every_public_name_has_its_place_in_the_api_pages() -> None:
     )
     modules |= set(vars(a5.errors)) if "errors" in modules else set()
     assert set(a5.__all__) - named - modules == {"__version__"}
+
+
+def test_every_key_of_arm_files_is_in_a_page() -> None:
+    tables = [schema.MOUNT, schema.LENGTHS, schema.ATTACHED, schema.TOOL, schema.DRIVES]
+    tables += [*schema.LINKS.values(), *schema.JOINT_LIMITS.values()]
+    text = "".join(page.read_text("utf-8") for page in PAGES)
+    keys = {key for table in tables for key in table}
+    assert {key for key in keys if f"`{key}`" not in text} == set()

@@ -1,4 +1,4 @@
-"""Tables of README and documentation are tables, and its links lead to files.
+"""Tables of README and documentation are tables, and links and paths lead to files.
 
 A blank line or a missing cell turns the rest of a table into plain text.
 """
@@ -65,6 +65,31 @@ def test_every_link_leads_to_a_file() -> None:
         page.name: [] for page in PAGES
     }
     assert broken(PAGES[0], "[a](README.md#x) [b](docs/none.md)") == ["docs/none.md"]
+
+
+def gone(text: str) -> list[str]:
+    """Files and folders that a page on the code names, and that are not there.
+
+    Paths begin in the package or at the root; a name without a folder is beside the
+    file before it.
+    """
+    path = r"[\w/.]+(?:\.(?:py|js|h|md|toml|txt|urdf|xacro|yaml)|/)"
+    missing = []
+    beside = REPOSITORY
+    for name in re.findall(f"`({path})`", text):
+        for folder in (REPOSITORY / "alpha5_model", REPOSITORY, beside):
+            if (folder / name).exists():
+                beside = (folder / name).parent
+                break
+        else:
+            missing.append(name)
+    return missing
+
+
+def test_the_architecture_page_names_files_that_exist() -> None:
+    page = REPOSITORY / "docs" / "architecture.md"
+    assert gone(page.read_text("utf-8")) == []
+    assert gone("`cli/torque.py` and `fk.py`, `no.py`, `none/`") == ["no.py", "none/"]
 
 
 # --- generated tables -----------------------------------------------------------------

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import reference
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -309,8 +310,10 @@ def test_the_arm_is_consistent(i: int) -> None:
         return
     # Table 2's link 1 is longer than its visible part: some of its mass turns inside
     # link 0's hub. From the printed digits, the spread is sqrt((Ixx + Iyy - Izz) / 2m).
-    spread = np.sqrt((109.469 + 122.362 - 43.987) / 2 / 0.161)
-    assert spread > np.sqrt((67 - 25.038) * (25.038 - 14))
+    xx, yy, zz, *_ = reference.INERTIA[1]
+    spread = np.sqrt((xx + yy - zz) / 2 / reference.MASS[1])
+    height = reference.COM[1][2]
+    assert spread > np.sqrt((67 - height) * (height - 14))
     assert len(found) == 1
     assert f"the mass spreads {spread:.1f} mm along z" in found[0]
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import tomllib
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import alpha5_model as a5
 from alpha5_model.errors import ImplausibleWarning, InputError
@@ -20,10 +23,34 @@ SUPPLEMENTARY = (DATA / "supplementary.toml").read_text("utf-8")
 Part = Callable[[Published, Alpha5Parameters], list[AuditRow]]
 
 
-def changed(text: str, old: str, new: str) -> str:
-    """A text with other digits at one place."""
-    assert text.count(old) == 1, old
-    return text.replace(old, new)
+def changed(text: str, place: str, new: Any) -> str:
+    """The text of a file with another value at one place.
+
+    The place is named, not its present digits: a corrected digit of the document
+    leaves such a test alone.
+
+    Args:
+        text: TOML.
+        place: Keys and numbers of rows, for example ``table_2.rows.1.mass``.
+        new: A text, or lists of texts.
+    """
+    document = tomllib.loads(text)
+    *steps, last = [int(step) if step.isdigit() else step for step in place.split(".")]
+    table: Any = document
+    for step in steps:
+        table = table[step]
+    assert table[last] != new, place
+    table[last] = new
+    return "".join(f"{name} = {_toml(value)}\n" for name, value in document.items())
+
+
+def _toml(value: Any) -> str:
+    """A value of TOML in one line."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{k} = {_toml(v)}' for k, v in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    return json.dumps(value, ensure_ascii=False)
 
 
 def audit_of(

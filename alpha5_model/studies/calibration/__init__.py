@@ -1,11 +1,10 @@
 """Calibration from your own measurements: which poses to take, and what they say.
 
-`plan_poses` proposes poses for a sensor: `scales`, `weight`, `force_torque`, `efforts`
-or `vehicle_tilt`. `session` holds their readings, or those of a recorded motion. `fit`
-makes an arm file of them, with the covariance of its numbers, and names what is wrong
-with the readings. A plan is written by `session_text`, and read with its readings by
-`read_session`. `motors` estimates friction and torque per ampere of the motors from
-recorded currents.
+`plan_poses` proposes poses for a sensor, such as `scales` or `force_torque`. `session`
+holds their readings, or those of a recorded motion. `fit` makes an arm file of them,
+with the covariance of its numbers, and names what is wrong with the readings. A plan is
+written by `session_text`, and read with its readings by `read_session`. `motors`
+estimates friction and torque per ampere of the motors from recorded currents.
 """
 
 from alpha5_model.studies.calibration.causes import Problem

@@ -1,7 +1,8 @@
 """What a sensor is: it reads the loads of an arm, and names its own unknowns.
 
 To add a sensor, write a file with a subclass of `Sensor` and the function that makes
-it, and add this function to `alpha5_model.studies.calibration.sensors`.
+it. Add this function to `alpha5_model.studies.calibration.sensors`, which makes it a
+sensor of files and of the command, and to the public names of this package.
 """
 
 from __future__ import annotations
@@ -74,11 +75,11 @@ class Own(NamedTuple):
 class Sensor(ABC):
     """A sensor that weighs an arm.
 
-    Make one with `scales`, `weight`, `force_torque`, `efforts` or `vehicle_tilt`. Its
-    fields are the arguments of that function, and the settings in a file.
+    Make one with a function such as `scales` or `force_torque`. Its fields are the
+    arguments of that function, and the settings in a file.
 
     Attributes:
-        kind: ``scales``, ``weight``, ``force-torque``, ``efforts`` or ``vehicle-tilt``.
+        kind: Its name in files and for the command, such as ``force-torque``.
         channels: Names of the readings, (k,).
         unit: Of the readings in the package, one for each, (k,).
         units: Units that a file may have, and their sizes; the first is usual.
