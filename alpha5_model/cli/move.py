@@ -216,12 +216,12 @@ def _text(motion: PlannedMotion) -> printing.Lines:
     arm = motion.analysis.arm
     yield f"fluid: {arm.fluid_density:g} kg/m^3"
     yield printing.payload(arm.payload_mass)
+    yield f"obstacles: {', '.join(motion.obstacles) or 'none'}"
     if motion.slowed > 1.0:
         yield f"{motion.slowed:.2f} times as long for the limits of the motors"
 
     least = motion.clearance
     if least is not None:
-        yield f"obstacles: {', '.join(motion.obstacles)}"
         yield (
             f"nearest: {least.link} and {least.obstacle}, "
             f"{least.distance * 1e3:.1f} mm at {motion.time[least.sample]:.2f} s"

@@ -189,7 +189,7 @@ class ArmModel:
         try:
             return self._frames[name]
         except (KeyError, TypeError):
-            raise UnknownNameError("frame", name, self._frames) from None
+            raise UnknownNameError("frame", name, [*self._frames, "tip"]) from None
 
     @property
     def payload_mass(self) -> float:

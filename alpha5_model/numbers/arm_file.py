@@ -478,7 +478,8 @@ def _numbers(key: str, given: Any, shape: tuple[int, ...]) -> list[Decimal]:
             raise InputError(key, _shown(given), "a number")
         number = Decimal(given)
         if not number.is_finite() or number.copy_abs() > _LARGEST:
-            raise InputError(key, float(number), f"a number below {_LARGEST:g}")
+            expected = f"a finite number of at most {_LARGEST:g}"
+            raise InputError(key, float(number), expected)
         return [number]
     if not isinstance(given, list) or len(given) != shape[0]:
         what = "numbers" if len(shape) == 1 else f"rows of {shape[1]} numbers"

@@ -209,7 +209,9 @@ def _checked_bandwidth(bandwidth: float, time: FloatArray) -> float:
     lowest = LEAST_BANDWIDTH * rate
     if wanted < lowest:
         least = f"at least {LEAST_BANDWIDTH:g} of the sample rate, {lowest:.4g} Hz"
-        raise InputError("bandwidth", wanted, least)
+        doubt = f" ({rate:.4g} samples/s: is the unit of the time right?)"
+        expected = least + (doubt if rate > 1e4 else "")
+        raise InputError("bandwidth", wanted, expected)
     return wanted
 
 

@@ -183,6 +183,13 @@ def test_a_robots_own_xacro_and_a_start_within_the_limits(tmp_path: Path) -> Non
             "max_effort must be above 0, not -1",
         ),
         (
+            "joint_limits: {axis_e: {min_position: 100, max_position: 260}}",
+            "axis_e: min_position 100 is too large; if it is in degrees, write "
+            "!degrees 100",
+        ),
+        ("joint_limits: {axis_d: {max_velocity: 30}}", "write !degrees 30"),
+        ("joint_limits: {axis_a: {max_position: 10}}", "write !millimeters 10"),
+        (
             "joint_limits: {axis_d: {min_position: 3.5}}",
             "axis_d: min_position 3.5 is not below max_position 3.40339",
         ),

@@ -403,7 +403,7 @@ def test_frames_and_reference_frames():
     arm = a5.load()
     q = np.zeros(4)
     with pytest.raises(
-        UnknownNameError, match=r"unknown frame 'gripper'; choose from .*tcp"
+        UnknownNameError, match=r"unknown frame 'gripper'; choose from .*tcp, tip"
     ):
         arm.forward_kinematics(q, frame="gripper")
     for bad in ("gripper", None, 3, ["tcp"]):
