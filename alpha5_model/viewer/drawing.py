@@ -236,17 +236,17 @@ def _center(
     if not force:
         return
     tip = ARROW_SCALE * kind.sense * force * down
-    red, green, blue = _COLORS[kind.arrow]
-    darker = (0.8 * red, 0.8 * green, 0.8 * blue)
     yield Shape(
         group=kind.force,
         name=name,
         anchor=at,
         mesh=arrow(tip, 0.004 if whole else 0.0022),
-        color=darker if whole else (red, green, blue),
+        color=_COLORS[kind.arrow],
         on_top=1,
     )
     if whole:
+        red, green, blue = _COLORS[kind.arrow]
+        darker = (0.8 * red, 0.8 * green, 0.8 * blue)
         text = f"{kind.force} {force:.2f} N"
         yield Label(kind.force, text, Mean(points, tip), darker)
 

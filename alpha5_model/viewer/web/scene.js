@@ -103,9 +103,9 @@ onChange(() => {
   viewer.set_dirty();
 });
 
-// ---- the backdrop is lighter than the dark bodies and, in the light colour scheme, darker than the jaws
+// ---- backdrop and lights
 function backdrop() {
-  const [top, bottom] = dark.matches ? [[0.42, 0.47, 0.51], [0.20, 0.24, 0.28]] : [[0.78, 0.83, 0.87], [0.56, 0.65, 0.71]];
+  const [top, bottom] = data.backdrop[dark.matches ? "dark" : "light"];
   viewer.set_property(["Background"], "top_color", top);
   viewer.set_property(["Background"], "bottom_color", bottom);
 }
