@@ -205,7 +205,8 @@ function addChart(place) {
   });
   const [what, name, sign, legend, svg, high, low, cursor, axis] = [".what", "b", "b + span", ".legend", "svg", "small", "small + small", "i", ".axis"].map((part) => element.querySelector(part));
   const chart = { element, what, name, sign, legend, svg, ends: [low, high], cursor, axis };
-  what.setAttribute("aria-label", "What is drawn");
+  what.setAttribute("aria-label", `What chart ${charts.length + 1} shows`);
+  svg.setAttribute("role", "img");
   for (const { title } of drawable) added(what, "option", { textContent: title });
   what.selectedIndex = place;
   what.onchange = () => {
@@ -246,7 +247,7 @@ function addChart(place) {
   return chart;
 }
 function draw(chart) {
-  const { ofJoint, unit, curves: of, range } = drawable[chart.what.selectedIndex];
+  const { title, ofJoint, unit, curves: of, range } = drawable[chart.what.selectedIndex];
   const curves = of(chartedJoint);
   const [low, high] = range ? range(chartedJoint) : extent(curves);
   const height = (value) => (96 - 92 * (value - low) / (high - low || 1)).toFixed(2);
@@ -263,11 +264,13 @@ function draw(chart) {
     const item = added(chart.legend, "span", { className: "item", textContent: name });
     item.dataset.curve = name;
     item.style.setProperty("--own", color);
-    return { values, rows: values.map((value) => [value]), output: added(item, "output") };
+    return { values, rows: values.map((value) => [value]), output: added(item, "output", { ariaLive: "off" }) };
   });
   const digits = high - low < 0.2 ? 3 : high - low < 2 ? 2 : 1;
   chart.digits = Math.max(digits, 2);
   chart.ends.forEach((end, i) => { end.textContent = fixed([low, high][i], digits); });
+  const whose = ofJoint ? ` of ${joints[chartedJoint].name}` : "";
+  chart.svg.setAttribute("aria-label", `${title}${whose} over time, ${chart.ends[0].textContent} to ${chart.ends[1].textContent} ${unit(chartedJoint)}`.trim());
 }
 // The numbers and lines of the part of the motion that is shown.
 function drawAxis({ svg, axis }) {
@@ -302,8 +305,8 @@ function showStrip() {
   const other = changed();
   write(byId("other"), other.length ? `Grey: the panel has another ${other.join(" and ")} than the motion was computed with.` : "");
   for (const chart of charts) chart.element.classList.toggle("stale", other.length > 0 && Boolean(drawable[chart.what.selectedIndex].modelled));
-  byId("charts").title = apart ? "The arm has left the motion: drag here to return to it." : "";
-  for (const { curves, cursor, digits } of charts) {
+  for (const { curves, svg, cursor, digits } of charts) {
+    svg.parentElement.title = apart ? "The arm has left the motion: drag here to return to it." : "Drag to move in time. Wheel or pinch to zoom, double click to see all.";
     cursor.style.transform = `translateX(${(100 * shareOf(now)).toFixed(3)}%)`;
     for (const { values, rows, output } of curves) {
       if (spans) {
