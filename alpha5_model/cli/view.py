@@ -134,8 +134,8 @@ def run(given: Namespace) -> None:
         image=(image, (".png",)),
         video=(video, VIDEO_FORMATS),
     )
-    if video is not None and given.motion is None:
-        raise InputError("video", str(video), "a --motion to show in it")
+    written = [path for path in (html, image, video) if path is not None]
+    _check_effect(given, bool(written))
 
     record = common.record_of(given)
     arm = common.arm_of(given, given.gripper, record, payload=False)
@@ -158,7 +158,6 @@ def run(given: Namespace) -> None:
         obstacles=() if given.obstacles is None else read_obstacles(given.obstacles),
     )
 
-    written = [path for path in (html, image, video) if path is not None]
     if written:
         _write(arm, shown, given.size, html, image, video)
         printing.show(False, None, (), *written)
@@ -166,6 +165,21 @@ def run(given: Namespace) -> None:
     if not given.serve:
         _check_display()
     _serve(arm, shown, given.port, open_browser=not given.serve)
+
+
+def _check_effect(given: Namespace, writes: bool) -> None:
+    """Refuse options that do nothing beside the others."""
+    if given.video is not None and given.motion is None:
+        raise InputError("--video", str(given.video), "a --motion to show in it")
+    of_motion = ("topic", "prefix", "map", "degrees", "time", "episode")
+    for names, has_effect, needed in (
+        (of_motion, given.motion, "a --motion beside it"),
+        (("size",), given.image or given.video, "an --image or --video beside it"),
+        (("port", "serve"), not writes, "no --html, --image or --video beside it"),
+    ):
+        for name in names:
+            if getattr(given, name) and not has_effect:
+                raise InputError(f"--{name}", getattr(given, name), needed)
 
 
 def _size(text: str) -> Size:

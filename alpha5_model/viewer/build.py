@@ -118,6 +118,7 @@ def build_scene(
         show = _default_show(target=target is not None, current=current is not None)
 
     bodies = list(drawing.bodies(urdf, _FOLDER))
+    bodies += drawing.spacer(bodies, record.spacer)
     things: list[Shape | Label] = [
         *bodies,
         *drawing.frames(tree, _beyond_limits(arm, position)),

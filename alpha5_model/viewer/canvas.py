@@ -13,16 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.viewer.scene import Camera
+from alpha5_model.viewer.scene import LOOK, Camera
 
 IntArray = NDArray[np.int64]
 FaceArray = NDArray[np.uint32]
 #: Rows of triangles, and pixels in them, computed at once: they fit in a cache.
 _LINES = 8192
 _PIXELS = 32768
-#: Colour behind everything, at the top and at the bottom, each 0 to 1.
-_SKY = (1.0, 1.0, 1.0)
-_GROUND = (0.80, 0.86, 0.90)
 #: Least distance from an edge that counts, in pixels.
 _EDGE = 1e-7
 #: Triangles of a smaller area, doubled, are not drawn [square pixels].
@@ -293,7 +290,7 @@ def _focal(camera: Camera, height: int) -> float:
 
 def backdrop(height: int) -> NDArray[np.float32]:
     """Colours behind everything, of rows from the top down, (height, 3)."""
-    return np.linspace(_SKY, _GROUND, height, dtype=np.float32)
+    return np.linspace(*LOOK["backdrop"]["light"], height, dtype=np.float32)
 
 
 def _visible(screen: FloatArray, faces: FaceArray, two_sided: bool) -> _Triangles:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -34,7 +35,15 @@ from alpha5_model.viewer.scene import (
     Water,
     WeightedPoint,
 )
-from alpha5_model.viewer.shapes import arrow, ball, drawn, faceted, primitive, triad
+from alpha5_model.viewer.shapes import (
+    arrow,
+    ball,
+    cylinder,
+    drawn,
+    faceted,
+    primitive,
+    triad,
+)
 
 #: Length of an arrow per force [m/N].
 ARROW_SCALE = ARROWS["force"]
@@ -65,6 +74,22 @@ def bodies(urdf: str, folder: str) -> Iterator[Shape]:
             # Only highlights show the form of a dark body.
             shine=0.9 if dark else 0.4,
         )
+
+
+def spacer(bodies: Sequence[Shape], length: float) -> Iterator[Shape]:
+    """A cylinder of the wrist's diameter, where spacers moved the jaws away from it.
+
+    Args:
+        bodies: All bodies; the first of link_4 is the wrist.
+        length: How far the jaws are moved along -z of link_4 [m].
+    """
+    if not length:
+        return
+    wrist = next(body for body in bodies if body.name.startswith("link_4/"))
+    x, y, z = wrist.mesh.vertices.T
+    middle = transform(translation=(0.0, 0.0, z.min() - length / 2))
+    between = cylinder(np.hypot(x, y).max(), length).moved(middle)
+    yield replace(wrist, name="link_4/spacer", mesh=between)
 
 
 def collision_bodies(urdf: str, folder: str) -> Iterator[Shape]:
@@ -211,17 +236,17 @@ def _center(
     if not force:
         return
     tip = ARROW_SCALE * kind.sense * force * down
-    red, green, blue = _COLORS[kind.arrow]
-    darker = (0.8 * red, 0.8 * green, 0.8 * blue)
     yield Shape(
         group=kind.force,
         name=name,
         anchor=at,
         mesh=arrow(tip, 0.004 if whole else 0.0022),
-        color=darker if whole else (red, green, blue),
+        color=_COLORS[kind.arrow],
         on_top=1,
     )
     if whole:
+        red, green, blue = _COLORS[kind.arrow]
+        darker = (0.8 * red, 0.8 * green, 0.8 * blue)
         text = f"{kind.force} {force:.2f} N"
         yield Label(kind.force, text, Mean(points, tip), darker)
 

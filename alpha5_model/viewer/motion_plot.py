@@ -21,6 +21,9 @@ _STRETCHES = 2000
 _BAND_POINTS = 500
 #: Widths of the curves of `CAUSES`.
 _CAUSE_WIDTHS = (3.8, 3.2, 2.9, 1.3, 1.3)
+#: Least heights of the panels of torques [N m] and currents [A].
+_LEAST_TORQUE = 1e-3
+_LEAST_CURRENT = 1e-2
 _GRAY = "#999999"
 #: Behind a text, so that it stays readable over a curve.
 _PAPER = {"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.5}
@@ -59,7 +62,7 @@ def motion_figure(analysis: Analysis) -> Any:
     _draw_mount(mount, analysis)
     _draw_path(path, analysis)
     for axes in (power, mount, path):
-        axes.legend()
+        axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.13), ncols=3)
 
     # The lowest current has the path below it, which has no time axis.
     lowest_current = panels[-2, 2]
@@ -72,7 +75,7 @@ def motion_figure(analysis: Analysis) -> Any:
 
 
 def _title_columns(panels: Any, analysis: Analysis) -> None:
-    """Titles over the columns of the joints' panels (n, 3), and equal scales."""
+    """Titles over the columns of the joints' panels (n, 3)."""
     positions, torques, currents = panels.T
     positions[0].set_title("joint position (dots: samples)")
     joints = analysis.smooth.joints
@@ -80,24 +83,12 @@ def _title_columns(panels: Any, analysis: Analysis) -> None:
     torques[0].set_title(f"joint torque by cause, {most}")
     most = _most(analysis.current, joints, "A")
     currents[0].set_title(f"motor current, {most}; band: friction")
-    _equal_scales(torques, "N·m")
-    _equal_scales(currents, "A")
 
 
 def _most(values: FloatArray, joints: tuple[str, ...], unit: str) -> str:
     """The largest magnitude of values (N, n) among the rotary joints, and its joint."""
     sizes = np.nanmax(np.abs(values[:, :4]), axis=0)
     return f"at most {number(sizes.max())} {unit} ({joints[int(sizes.argmax())]})"
-
-
-def _equal_scales(column: Any, unit: str) -> None:
-    """Give panels with the same unit the same scale, so that noise looks small."""
-    alike = [axes for axes in column if axes.get_ylabel().endswith(f"[{unit}]")]
-    limits = [axes.get_ylim() for axes in alike if axes.has_data()]
-    lowest = min(low for low, _ in limits)
-    highest = max(high for _, high in limits)
-    for axes in alike:
-        axes.set_ylim(lowest, highest)
 
 
 def _title_page(page: Any, torque_axes: Axes, analysis: Analysis) -> None:
@@ -135,11 +126,7 @@ def _draw_position(axes: Axes, analysis: Analysis, k: int) -> None:
     axes.plot(*samples, ".", color=_GRAY, markersize=4, label="samples")
     _curve(axes, analysis, scale * analysis.smooth.position[:, k], color=Color.BLUE)
 
-    # The noise of a joint at rest does not fill the panel.
-    low, high = axes.get_ylim()
-    least = 0.04 * scale * (upper - lower)
-    spare = max(0.0, least - (high - low)) / 2
-    axes.set_ylim(low - spare, high + spare)
+    _span_at_least(axes, 0.04 * scale * (upper - lower))
     _bounds(axes, scale * lower, scale * upper)
     axes.set_ylabel(f"{name} [{unit}]")
 
@@ -157,6 +144,7 @@ def _draw_torque(axes: Axes, analysis: Analysis, k: int) -> None:
     if analysis.effort is not None:
         _draw_recorded(axes, analysis, analysis.effort[:, k], "recorded effort")
     _mark(axes, smooth.time, torque)
+    _span_at_least(axes, _LEAST_TORQUE)
     unit = "N" if k == 4 else "N·m"
     axes.set_ylabel(f"{smooth.joints[k]} [{unit}]")
 
@@ -224,6 +212,7 @@ def _draw_current(axes: Axes, analysis: Analysis, k: int) -> None:
     _band(axes, analysis, analysis.current_lower[:, k], analysis.current_upper[:, k])
     _curve(axes, analysis, current, color=Color.BLUE)
     _mark(axes, analysis.smooth.time, current)
+    _span_at_least(axes, _LEAST_CURRENT)
     limit = analysis.current_limits[k] if analysis.current_limits else None
     if limit is not None:
         _bounds(axes, -limit, limit)
@@ -307,6 +296,13 @@ def _mark(axes: Axes, time: FloatArray, values: FloatArray) -> None:
         textcoords="offset points",
         fontsize=8,
     )
+
+
+def _span_at_least(axes: Axes, least: float) -> None:
+    """Widen the axis of the values, so that noise does not fill the panel."""
+    low, high = axes.get_ylim()
+    spare = max(0.0, least - (high - low)) / 2
+    axes.set_ylim(low - spare, high + spare)
 
 
 def _bounds(axes: Axes, *bounds: float) -> None:

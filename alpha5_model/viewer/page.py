@@ -140,6 +140,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "shape": _lengths_and_zeros(scene.geometry),
         "kinematics": scene.geometry.ik_parameters,
         "arrows": ARROWS,
+        "backdrop": LOOK["backdrop"],
         "motion": None if scene.motion is None else _track(scene.motion),
     }
 

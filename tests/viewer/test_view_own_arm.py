@@ -111,6 +111,24 @@ def test_a_spacer_moves_the_jaws() -> None:
         still = scene_of(printed, gripper)
         ends = [far_end(scene, link) for scene in (moved, still)]
         assert ends[0] - ends[1] == pytest.approx(record.spacer, abs=1e-9)
+        # The hand has no gap, neither in the page nor in the picture.
+        assert gap_of_hand(moved) <= gap_of_hand(still) == 0.0
+        bare = [shape for shape in moved.shapes if shape.name != "link_4/spacer"]
+        assert gap_of_hand(dataclasses.replace(moved, shapes=tuple(bare))) > 0.005
+
+
+def gap_of_hand(scene: Scene) -> float:
+    """Longest stretch along the wrist axis without a body of wrist or jaws [m]."""
+    to_link_4 = np.linalg.inv(scene.poses["link_4"])
+    hand = [
+        shape.placed(scene.poses).moved(to_link_4).vertices[:, 2]
+        for shape in scene.shapes
+        if shape.group == "bodies" and shape.name.startswith(("link_4/", "finger_"))
+    ]
+    ends = sorted((z.min(), z.max()) for z in hand)
+    highest = np.maximum.accumulate([high for _, high in ends])
+    gaps = [low - top for (low, _), top in zip(ends[1:], highest, strict=False)]
+    return max(0.0, *gaps)
 
 
 def far_end(scene: Scene, link: str) -> float:

@@ -172,6 +172,12 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["--fluid", "-3"], "at least 0"),
         (["--size", "big"], "1600x1000"),
         (["--motion", "nowhere.csv"], "nowhere.csv"),
+        # These would have no effect.
+        (["--degrees"], "--degrees"),
+        (["--topic", "/joints"], "--topic"),
+        (["--size", "160x100"], "--size"),
+        (["--serve"], "--serve"),
+        (["--port", "8000"], "--port"),
     ],
 )
 def test_bad_options_end_in_one_line(
@@ -190,7 +196,8 @@ def test_unwritable_files_end_in_one_line(
     folder = tmp_path / "folder.png"
     folder.mkdir()
     for option in ("--html", "--image"):
-        small = ["--gripper", "locked", "--size", "160x100", option]
+        size = ["--size", "160x100"] if option == "--image" else []
+        small = ["--gripper", "locked", *size, option]
         assert "cannot write" in refused([*small, str(blocker / "arm.png")], capsys)
         assert "it is a folder" in refused([*small, str(folder)], capsys)
 

@@ -223,13 +223,11 @@ def test_every_group_changes_the_picture(arm: a5.Arm) -> None:
         assert (np.abs(shown - plain).max(axis=2) > 8).sum() > 60, group
 
 
-def test_a_label_has_its_colour_and_the_ground_is_light(arm: a5.Arm) -> None:
+def test_a_label_has_its_colour(arm: a5.Arm) -> None:
     scene = build_scene(arm, show=["labels", "com"])
     red = tuple(replace(label, color=(1.0, 0.0, 0.0)) for label in scene.labels)
     pixels = picture(replace(scene, labels=red), SIZE).reshape(-1, 3)
     assert (pixels == [255, 0, 0]).all(axis=1).any()
-    corner = pixels[-1].astype(int)
-    assert 190 < corner[0] < corner[1] < corner[2]
 
 
 def test_bars_say_how_long_things_are_where_the_camera_looks(arm: a5.Arm) -> None:

@@ -119,6 +119,84 @@ def test_the_time_axis_has_ticks_where_the_cursor_is(tab: Tab) -> None:
             assert cursor["x"] == pytest.approx(x, abs=2.5)
 
 
+def axis_of(tab: Tab) -> list[list[float]]:
+    """Of each tick of the first chart: time, its place, and that of the curves then."""
+    return tab.run("""() => {
+      const figure = document.querySelector('#charts figure');
+      const svg = figure.querySelector('svg');
+      const last = alpha5.data.motion.time.at(-1);
+      const across = (x) => new DOMPoint(x, 0).matrixTransform(svg.getScreenCTM()).x;
+      return [...figure.querySelectorAll('.axis span')].map((tick) => {
+        const { left, width } = tick.getBoundingClientRect();
+        const middle = left + (tick.style.transform === 'none' ? 0 : width / 2);
+        const time = parseFloat(tick.textContent);
+        return [time, middle, across(1000 * time / last)];
+      });
+    }""")
+
+
+def test_charts_zoom_in_time(tab: Tab) -> None:
+    """By wheel, keys and a double click; the ticks, curves and cursor stay together."""
+    tab.page.click("#curves")
+    svg = tab.page.locator("#charts svg").first
+    box = svg.bounding_box()
+    at_half_a_second = box["x"] + box["width"] / 4
+    tab.page.mouse.move(at_half_a_second, box["y"] + 20)
+    tab.page.mouse.wheel(0, -800)
+    tab.wait(lambda: axis_of(tab)[-1][0] < 1.0)
+    ticks = axis_of(tab)
+    # exp(0.002 * 800) times as near around 0.5 s, of 2 s
+    shown = 2.0 * np.exp(-1.6)
+    assert ticks[1][0] - ticks[0][0] == pytest.approx(0.2)
+    for time, place, curve in ticks:
+        meant = box["x"] + box["width"] * ((time - 0.5) / shown + 0.25)
+        assert place == pytest.approx(meant, abs=1.0)
+        assert curve == pytest.approx(meant, abs=1.0)
+        tab.run("(time) => alpha5.seek(time)", time)
+        cursor = tab.page.locator(".plot i").first.bounding_box()
+        assert cursor["x"] == pytest.approx(meant, abs=2.5)
+
+    # A drag moves to the time under the pointer.
+    tab.page.mouse.down()
+    assert tab.run("() => document.getElementById('time').valueAsNumber") == (
+        pytest.approx(0.5, abs=0.01)
+    )
+    tab.page.mouse.up()
+    # The charts follow the cursor, and a double click shows all.
+    tab.run("() => alpha5.seek(1.8)")
+    assert axis_of(tab)[0][0] > 1.5
+    svg.dblclick()
+    assert [time for time, *_ in axis_of(tab)] == [0.0, 0.5, 1.0, 1.5]
+    tab.page.focus("#time")
+    tab.page.keyboard.press("+")
+    assert axis_of(tab)[-1][0] - axis_of(tab)[0][0] < 1.0
+    tab.page.keyboard.press("0")
+    assert [time for time, *_ in axis_of(tab)] == [0.0, 0.5, 1.0, 1.5]
+    assert tab.complaints == []
+
+
+def test_two_fingers_stretch_the_charts(tab: Tab) -> None:
+    """Each finger stays on its time: 0.5 s and 1 s end at a tenth and nine tenths."""
+    tab.page.click("#curves")
+    tab.run("""() => {
+      const svg = document.querySelector('#charts svg');
+      const box = svg.getBoundingClientRect();
+      svg.setPointerCapture = () => {};
+      const finger = (type, pointerId, share) => svg.dispatchEvent(new PointerEvent(
+        type, { pointerId, clientX: box.left + share * box.width, buttons: 1 }));
+      finger('pointerdown', 7, 0.25);
+      finger('pointerdown', 8, 0.5);
+      finger('pointermove', 7, 0.1);
+      finger('pointermove', 8, 0.9);
+      finger('pointerup', 7, 0.1);
+      finger('pointerup', 8, 0.9);
+    }""")
+    box = tab.page.locator("#charts svg").first.bounding_box()
+    for time, place, _ in axis_of(tab):
+        meant = 0.1 + 0.8 * (time - 0.5) / 0.5
+        assert (place - box["x"]) / box["width"] == pytest.approx(meant, abs=0.005)
+
+
 def test_a_motion_plays_at_a_chosen_speed_once_or_in_a_loop(tab: Tab) -> None:
     """The page's own clock is turned on by hand: each picture comes when it says."""
     tab.run("""() => {

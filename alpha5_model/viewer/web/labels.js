@@ -45,7 +45,8 @@ const labels = [
   { group: "ghosts", text: () => "target", color: [0.75, 0.05, 0.4], where: aim },
 ];
 for (const label of labels) {
-  label.element = added(byId("labels"), label.ghost ? "button" : "div", { onclick: label.ghost?.choose });
+  // The panel has the same buttons for a keyboard.
+  label.element = added(byId("labels"), label.ghost ? "button" : "div", { onclick: label.ghost?.choose, tabIndex: -1 });
   label.element.style.setProperty("--own", `rgb(${label.color.map((c) => Math.round(255 * c))})`);
   label.line = added(byId("leaders"), "i");
 }

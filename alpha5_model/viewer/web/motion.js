@@ -1,5 +1,6 @@
 // Play a motion in real time, and draw its curves: torque by cause, load on the mount, a recording beside the model, and signals
-// of the user. Drag in them to move through the motion. A slow browser drops frames.
+// of the user. Drag in them to move through the motion, and turn the wheel or pinch to zoom in time. A slow browser drops
+// frames.
 //
 // The curves of a long motion have two rows for each span of time: the lowest and the highest value in it.
 import { data } from "./data.js";
@@ -9,6 +10,7 @@ import { added, byId, fixed, write } from "./page.js";
 import { viewer } from "./scene.js";
 import { clamp, largestDifference } from "./vectors.js";
 
+const ZOOM_KEYS = { "+": 0.5, "-": 2 }; // in the slider of the time; 0 shows all
 let started = null;
 const times = data.motion ? data.motion.time : [0];
 const last = times[times.length - 1];
@@ -33,6 +35,7 @@ function between(columns, time) {
 export function seek(time) {
   if (!Number.isFinite(time)) return;
   now = clamp(time, 0, last);
+  if (now < from || now > to) zoom(now - (to - from) / 2, now + (to - from) / 2);
   change({ q: between(data.motion.q, now) }, "motion");
 }
 // Whether the arm is where the motion has it at the time of the cursor, to the digits of its data.
@@ -67,6 +70,10 @@ if (data.motion) {
   byId("thinned").textContent = thinnedText();
   byId("play").onclick = () => (started === null ? play() : pause());
   byId("time").oninput = () => { pause(); seek(byId("time").valueAsNumber); };
+  byId("time").onkeydown = ({ key }) => {
+    if (key === "0") zoom(0, last);
+    else if (key in ZOOM_KEYS) zoomAt(now, ZOOM_KEYS[key]);
+  };
   onChange((part, by) => {
     if ("q" in part && by !== "motion" && started !== null) pause();
     byId("time").value = now;
@@ -171,50 +178,84 @@ function atFirst() {
 
 // ---- charts
 let chartedJoint = 1;
+let [from, to] = [0, last]; // the part of the motion that the charts show
+const shareOf = (time) => (time - from) / (to - from || 1);
 // Times at round steps, of which the last leaves room for its number.
 function ticks() {
-  const power = 10 ** Math.floor(Math.log10(last / 4));
-  const step = power * [1, 2, 5, 10].find((digit) => digit * power >= last / 4 * (1 - 1e-9));
-  return Array.from({ length: 4 }, (_, i) => i * step).filter((time) => time < 0.95 * last);
+  const quarter = (to - from) / 4;
+  const power = 10 ** Math.floor(Math.log10(quarter));
+  const step = power * [1, 2, 5, 10].find((digit) => digit * power >= quarter * (1 - 1e-9));
+  const first = Math.ceil(from / step - 1e-9);
+  return Array.from({ length: 5 }, (_, i) => (first + i) * step).filter((time) => shareOf(time) < 0.95);
 }
+// Show a part of the motion, no shorter than a thousandth of it.
+function zoom(start, end) {
+  const length = clamp(end - start, last / 1000, last);
+  from = clamp(start, 0, last - length);
+  to = from + length;
+  for (const chart of charts) drawAxis(chart);
+  showStrip();
+}
+// Make the part some times as long; a time stays where it is in the charts.
+const zoomAt = (time, times) => zoom(time - times * (time - from), time + times * (to - time));
 function addChart(place) {
   const element = added(byId("charts"), "figure", {
     innerHTML: `<figcaption><select class="what"></select><b></b><span></span><span class="legend"></span></figcaption>
-      <div class="plot"><svg viewBox="0 0 1000 100" preserveAspectRatio="none"></svg><small></small><small></small><i></i></div><div class="axis"></div>`,
+      <div class="plot"><svg preserveAspectRatio="none"></svg><small></small><small></small><i></i></div><div class="axis"></div>`,
   });
-  const [what, name, sign, legend, svg, high, low, cursor] = [".what", "b", "b + span", ".legend", "svg", "small", "small + small", "i"].map((part) => element.querySelector(part));
-  const chart = { element, what, name, sign, legend, svg, ends: [low, high], cursor };
-  what.setAttribute("aria-label", "What is drawn");
+  const [what, name, sign, legend, svg, high, low, cursor, axis] = [".what", "b", "b + span", ".legend", "svg", "small", "small + small", "i", ".axis"].map((part) => element.querySelector(part));
+  const chart = { element, what, name, sign, legend, svg, ends: [low, high], cursor, axis };
+  what.setAttribute("aria-label", `What chart ${charts.length + 1} shows`);
+  svg.setAttribute("role", "img");
   for (const { title } of drawable) added(what, "option", { textContent: title });
   what.selectedIndex = place;
   what.onchange = () => {
     draw(chart);
     showStrip();
   };
-  svg.onpointerdown = svg.onpointermove = (event) => {
-    if (!event.buttons) return;
-    svg.setPointerCapture(event.pointerId);
+  // One pointer moves through the motion; two stretch it, so that each stays on its time.
+  const held = new Map();
+  const timeAt = (event) => {
     const box = svg.getBoundingClientRect();
-    pause();
-    seek(last * (event.clientX - box.left) / box.width);
+    return from + (to - from) * (event.clientX - box.left) / box.width;
   };
-  for (const time of ticks()) {
-    const tick = added(element.querySelector(".axis"), "span", { textContent: time ? Number(time.toPrecision(6)) : "0 s" });
-    tick.style.left = `${100 * time / last}%`;
-  }
+  svg.onpointerdown = (event) => {
+    svg.setPointerCapture(event.pointerId);
+    held.set(event.pointerId, { time: timeAt(event) });
+    svg.onpointermove(event);
+  };
+  svg.onpointermove = (event) => {
+    if (!held.has(event.pointerId)) return;
+    const box = svg.getBoundingClientRect();
+    Object.assign(held.get(event.pointerId), { x: event.clientX - box.left });
+    const [one, other] = held.values();
+    if (!other) {
+      pause();
+      return seek(timeAt(event));
+    }
+    const perPixel = (other.time - one.time) / (other.x - one.x);
+    const start = one.time - perPixel * one.x;
+    if (perPixel > 0) zoom(start, start + perPixel * box.width);
+  };
+  svg.onpointerup = svg.onpointercancel = (event) => held.delete(event.pointerId);
+  svg.onwheel = (event) => {
+    event.preventDefault();
+    zoomAt(timeAt(event), Math.exp(0.002 * event.deltaY));
+  };
+  svg.ondblclick = () => zoom(0, last);
   charts.push(chart);
   return chart;
 }
 function draw(chart) {
-  const { ofJoint, unit, curves: of, range } = drawable[chart.what.selectedIndex];
+  const { title, ofJoint, unit, curves: of, range } = drawable[chart.what.selectedIndex];
   const curves = of(chartedJoint);
   const [low, high] = range ? range(chartedJoint) : extent(curves);
   const height = (value) => (96 - 92 * (value - low) / (high - low || 1)).toFixed(2);
   chart.name.hidden = !ofJoint;
   chart.sign.textContent = unit(chartedJoint);
   chart.svg.replaceChildren();
-  chart.svg.innerHTML = `<line x2="1000" y1="${height(0)}" y2="${height(0)}"/>` +
-    ticks().map((time) => `<line class="tick" x1="${1000 * time / last}" x2="${1000 * time / last}" y2="100"/>`).join("");
+  chart.svg.innerHTML = `<line x2="1000" y1="${height(0)}" y2="${height(0)}"/><g></g>`;
+  drawAxis(chart);
   chart.legend.replaceChildren();
   chart.curves = curves.map(({ name, color, values }) => {
     for (const points of pieces(values, height)) {
@@ -223,11 +264,24 @@ function draw(chart) {
     const item = added(chart.legend, "span", { className: "item", textContent: name });
     item.dataset.curve = name;
     item.style.setProperty("--own", color);
-    return { values, rows: values.map((value) => [value]), output: added(item, "output") };
+    return { values, rows: values.map((value) => [value]), output: added(item, "output", { ariaLive: "off" }) };
   });
   const digits = high - low < 0.2 ? 3 : high - low < 2 ? 2 : 1;
   chart.digits = Math.max(digits, 2);
   chart.ends.forEach((end, i) => { end.textContent = fixed([low, high][i], digits); });
+  const whose = ofJoint ? ` of ${joints[chartedJoint].name}` : "";
+  chart.svg.setAttribute("aria-label", `${title}${whose} over time, ${chart.ends[0].textContent} to ${chart.ends[1].textContent} ${unit(chartedJoint)}`.trim());
+}
+// The numbers and lines of the part of the motion that is shown.
+function drawAxis({ svg, axis }) {
+  svg.setAttribute("viewBox", `${1000 * from / last} 0 ${1000 * (to - from) / last} 100`);
+  svg.querySelector("g").innerHTML = ticks().map((time) => `<line class="tick" x1="${1000 * time / last}" x2="${1000 * time / last}" y2="100"/>`).join("");
+  axis.replaceChildren();
+  ticks().forEach((time, i) => {
+    const tick = added(axis, "span", { textContent: `${Number(time.toPrecision(6))}${i ? "" : " s"}` });
+    tick.style.left = `${100 * shareOf(time)}%`;
+    if (shareOf(time) < 0.03) tick.style.transform = "none";
+  });
 }
 // Where row i of a curve is on the time axis: the two of a span are in its middle.
 function timeOf(i) {
@@ -251,9 +305,9 @@ function showStrip() {
   const other = changed();
   write(byId("other"), other.length ? `Grey: the panel has another ${other.join(" and ")} than the motion was computed with.` : "");
   for (const chart of charts) chart.element.classList.toggle("stale", other.length > 0 && Boolean(drawable[chart.what.selectedIndex].modelled));
-  byId("charts").title = apart ? "The arm has left the motion: drag here to return to it." : "";
-  for (const { curves, cursor, digits } of charts) {
-    cursor.style.transform = `translateX(${(100 * now / last).toFixed(3)}%)`;
+  for (const { curves, svg, cursor, digits } of charts) {
+    svg.parentElement.title = apart ? "The arm has left the motion: drag here to return to it." : "Drag to move in time. Wheel or pinch to zoom, double click to see all.";
+    cursor.style.transform = `translateX(${(100 * shareOf(now)).toFixed(3)}%)`;
     for (const { values, rows, output } of curves) {
       if (spans) {
         write(output, rangeText(values, digits));

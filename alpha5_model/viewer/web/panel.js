@@ -89,6 +89,7 @@ onChange((part, by) => {
     slider.setAttribute("aria-valuetext", amount(joint, at(joint)));
     if (value !== document.activeElement) value.value = shownValue(joint);
     write(sign, unit(joint));
+    value.setAttribute("aria-label", `${joint.name} in ${unit(joint)}`);
     row.classList.toggle("beyond", limitBeyond(joint) !== undefined);
     if (loads[i]) showTorque(torque, loads[i]); // there is none for the jaws' rod
   });

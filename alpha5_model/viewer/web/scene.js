@@ -4,17 +4,21 @@ import { touching } from "./collision.js";
 import { ON_LIMIT, joints, root } from "./kinematics.js";
 import { flow, gravity } from "./statics.js";
 import { change, onChange, state } from "./state.js";
-import { byId, dark } from "./page.js";
+import { byId, dark, say } from "./page.js";
 import { IDENTITY, compose, placed, plus, scaled } from "./vectors.js";
 
 export const { THREE } = MeshCat;
 export const viewer = makeViewer();
+// Without WebGL nothing is drawn: look.css hides what only serves the picture, and all else works.
 function makeViewer() {
   try {
     return new MeshCat.Viewer(byId("pane"));
-  } catch (error) {
-    document.querySelector("#panel h1").textContent = "This page needs WebGL, which this browser does not offer.";
-    throw error;
+  } catch {
+    document.documentElement.dataset.drawn = "false";
+    say("webgl", "The arm is not drawn: this browser offers no WebGL. The numbers and their controls work without it.");
+    const none = () => {};
+    const renderer = { domElement: document.createElement("canvas"), setPixelRatio: none, setSize: none, render: none };
+    return new MeshCat.Viewer(byId("pane"), true, renderer);
   }
 }
 export const split = (path) => path.split("/").filter((part) => part);
@@ -99,9 +103,9 @@ onChange(() => {
   viewer.set_dirty();
 });
 
-// ---- the backdrop is lighter than the dark bodies and, in the light colour scheme, darker than the jaws
+// ---- backdrop and lights
 function backdrop() {
-  const [top, bottom] = dark.matches ? [[0.42, 0.47, 0.51], [0.20, 0.24, 0.28]] : [[0.78, 0.83, 0.87], [0.56, 0.65, 0.71]];
+  const [top, bottom] = data.backdrop[dark.matches ? "dark" : "light"];
   viewer.set_property(["Background"], "top_color", top);
   viewer.set_property(["Background"], "bottom_color", bottom);
 }

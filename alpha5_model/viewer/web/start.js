@@ -15,7 +15,7 @@ import { picture } from "./labels.js";
 import { linkText, openLink } from "./live.js";
 
 change({}, "page");
-fold(narrow.matches);
+fold(narrow.matches && document.documentElement.dataset.drawn !== "false");
 unfold(window.innerHeight > (narrow.matches ? 600 : 720));
 look("home", false);
 openLink();

@@ -80,7 +80,7 @@ const payload = foldable("payload", "Payload");
 const setPayload = (part) => change({ payload: { ...state.payload, ...part }, shown: { payload: true } });
 const massRow = added(payload.box, "div", { className: "line" });
 const massSlider = added(massRow, "input", { type: "range", min: 0, max: SLIDER_END, step: 0.01, name: "payload" });
-massSlider.setAttribute("aria-label", "Payload in g");
+massSlider.setAttribute("aria-label", "Payload");
 massSlider.oninput = () => setPayload({ mass: massSlider.valueAsNumber });
 numberField(massRow, {
   name: "Payload", unit: "g", each: 1e-3, low: 0, high: 1e3 * HEAVIEST, digits: 1,
@@ -111,7 +111,7 @@ const barGrid = added(capacity.box, "div", { id: "bars" });
 const torqueBars = data.sliders.slice(0, 4).map((name, i) => {
   added(barGrid, "span", { textContent: name });
   const track = added(barGrid, "div", { className: "bar" });
-  const bar = { track, fill: added(track, "i"), value: added(barGrid, "output") };
+  const bar = { track, fill: added(track, "i"), value: added(barGrid, "output", { ariaLive: "off" }) };
   numberField(barGrid, {
     name: `Limit of ${name}`, unit: "N\u00b7m", each: 1, low: 0, high: STRONGEST, digits: 3, optional: true,
     get: () => state.limits[i], set: (limit) => change({ limits: state.limits.with(i, limit) }),
