@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray, flag, float_array
+from alpha5_model._support.spatial import wrap
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry, on_axis
 from alpha5_model.kinematics.half_plane import (
@@ -33,6 +34,7 @@ from alpha5_model.kinematics.half_plane import (
     bounded_geometry,
     branches_reaching,
     contains,
+    middle_azimuth,
 )
 from alpha5_model.kinematics.solver import BLOCK, solve
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -169,6 +171,39 @@ def nearest_reachable(
         far = np.maximum(largest / _FAR, 1.0)
         nearest[rows] = _projected(geometry, points / far, limits)
     return nearest.reshape(target.shape)
+
+
+def reach_margins(geometry: Geometry, points: FloatArray) -> FloatArray:
+    """How far points that a pose reaches are from those that it does not, exactly.
+
+    All within this distance of a point is reached by the same pose, the elbow aside.
+
+    Args:
+        geometry: Of the arm.
+        points: In ``base_link``, (..., 3) [m].
+
+    Returns:
+        For underarm and overarm, (..., 2) [m]; 0 where a pose does not reach.
+    """
+    flat = points.reshape(-1, 3)
+    reached = branches_reaching(geometry, flat, limits=True)
+    radius = np.hypot(flat[:, 0], flat[:, 1])
+    azimuth = np.arctan2(flat[:, 1], flat[:, 0])
+    foot = np.stack([radius, flat[:, 2]], axis=-1)
+    half = (geometry.upper[0] - geometry.lower[0]) / 2
+
+    margins = np.zeros((len(flat), len(POSES)))
+    for number, pose in enumerate(POSES):
+        # The arm's plane turns to the limits of theta_0, which meet at the yaw axis.
+        off = wrap(azimuth - middle_azimuth(geometry, pose))
+        left = np.clip(half - np.abs(off), 0.0, math.pi / 2)
+        margin = radius * np.sin(left)
+        for arc in boundary_of(geometry, pose, True):
+            away = np.linalg.norm(_nearest_on_arc(arc, foot) - foot, axis=-1)
+            margin = np.minimum(margin, away)
+        by_pose = reached[:, number :: len(POSES)].any(axis=-1)
+        margins[by_pose, number] = margin[by_pose]
+    return margins.reshape(*points.shape[:-1], len(POSES))
 
 
 def _projected(geometry: Geometry, points: FloatArray, limits: bool) -> FloatArray:
