@@ -213,6 +213,7 @@ def placements(
         tilt=tilt,
         hull=on_vehicle,
         world=in_world,
+        tried=len(tried),
     ).ranked()
 
 

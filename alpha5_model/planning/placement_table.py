@@ -61,6 +61,7 @@ class Placements:
             vehicle's static trim, (N,) [rad]; NaN if nothing is known of its weight.
         hull: Fixed to the vehicle, in base_link.
         world: The obstacles in the world.
+        tried: How many poses were tried.
     """
 
     points: FloatArray
@@ -76,12 +77,17 @@ class Placements:
     tilt: FloatArray
     hull: tuple[Obstacle, ...]
     world: tuple[Obstacle, ...]
+    tried: int
 
     def __len__(self) -> int:
         return len(self.pose)
 
     def __repr__(self) -> str:
         return short_repr(self)
+
+    def branches(self, row: int = 0) -> tuple[str, ...]:
+        """Names of the branches at a pose, one for each point."""
+        return tuple(BRANCHES[branch] for branch in self.branch[row])
 
     def take(self, rows: ArrayLike) -> Placements:
         """Some poses, or all in another order.
@@ -151,15 +157,14 @@ class Placements:
                 *(self.clearance[row], self.hull_clearance[row]),
                 *(self.reach_margin[row], self.holding[row], self.tilt[row]),
             ]
-            for point in range(len(self.points)):
-                cells: list[Any] = [row, point, *map(_digits, of_pose)]
-                cells.append(BRANCHES[self.branch[row, point]])
+            for point, branch in enumerate(self.branches(row)):
+                cells: list[Any] = [row, point, *map(_digits, of_pose), branch]
                 cells += map(_digits, self.q[row, point])
                 lines.append(",".join(map(str, cells)))
         return atomic_write(Path(path), "\n".join(lines) + "\n")
 
     def _rows(self, index: np.ndarray) -> Placements:
-        shared = ("points", "hull", "world")
+        shared = ("points", "hull", "world", "tried")
         values = {f.name: getattr(self, f.name) for f in fields(self)}
         for name in values.keys() - set(shared):
             values[name] = values[name][index]
