@@ -173,37 +173,51 @@ def nearest_reachable(
     return nearest.reshape(target.shape)
 
 
-def reach_margins(geometry: Geometry, points: FloatArray) -> FloatArray:
-    """How far points that a pose reaches are from those that it does not, exactly.
-
-    All within this distance of a point is reached by the same pose, the elbow aside.
+def reach_margin(geometry: Geometry, points: FloatArray) -> FloatArray:
+    """How far points in reach are from the nearest one that is not, exactly.
 
     Args:
-        geometry: Of the arm.
+        geometry: Of the arm, whose boundary arcs have.
         points: In ``base_link``, (..., 3) [m].
 
     Returns:
-        For underarm and overarm, (..., 2) [m]; 0 where a pose does not reach.
+        (...) [m]; 0 for points out of reach.
     """
-    flat = points.reshape(-1, 3)
-    reached = branches_reaching(geometry, flat, limits=True)
-    radius = np.hypot(flat[:, 0], flat[:, 1])
-    azimuth = np.arctan2(flat[:, 1], flat[:, 0])
-    foot = np.stack([radius, flat[:, 2]], axis=-1)
-    half = (geometry.upper[0] - geometry.lower[0]) / 2
+    x, y, z = np.moveaxis(points, -1, 0)
+    radius = np.hypot(x, y)
+    off = np.abs(wrap(np.arctan2(y, x) - middle_azimuth(geometry, "underarm")))
 
-    margins = np.zeros((len(flat), len(POSES)))
-    for number, pose in enumerate(POSES):
-        # The arm's plane turns to the limits of theta_0, which meet at the yaw axis.
-        off = wrap(azimuth - middle_azimuth(geometry, pose))
-        left = np.clip(half - np.abs(off), 0.0, math.pi / 2)
-        margin = radius * np.sin(left)
-        for arc in boundary_of(geometry, pose, True):
-            away = np.linalg.norm(_nearest_on_arc(arc, foot) - foot, axis=-1)
-            margin = np.minimum(margin, away)
-        by_pose = reached[:, number :: len(POSES)].any(axis=-1)
-        margins[by_pose, number] = margin[by_pose]
-    return margins.reshape(*points.shape[:-1], len(POSES))
+    # Azimuths, from the one that underarm faces in mid-range, at which it alone, both
+    # or none, and overarm alone can be.
+    half = (geometry.upper[0] - geometry.lower[0]) / 2
+    first, last = sorted((half, math.pi - half))
+    between = "both" if half >= math.pi / 2 else ""
+    sectors = (
+        (0.0, first, "underarm"),
+        (first, last, between),
+        (last, math.pi, "overarm"),
+    )
+    margin = np.full(radius.shape, math.inf)
+    for start, end, side in sectors:
+        # The nearest half-plane of the sector, and the point as seen there.
+        turn = np.maximum(np.maximum(start - off, off - end), 0.0)
+        foot = radius * np.cos(turn)
+        across = radius * np.sin(turn)
+        away = np.minimum(foot, 0.0)
+        if side:
+            inside = contains(geometry, np.maximum(foot, 0.0), z, side, True)
+            in_plane = np.stack([foot, z], axis=-1)
+            away = np.where(inside, _to_boundary(geometry, in_plane, side), away)
+        margin = np.minimum(margin, np.hypot(across, away))
+    return margin
+
+
+def _to_boundary(geometry: Geometry, points: FloatArray, side: str) -> FloatArray:
+    """Distance of points (..., 2) of a half-plane from a side's boundary, (...) [m]."""
+    flat = points.reshape(-1, 2)
+    feet = [_nearest_on_arc(arc, flat) for arc in boundary_of(geometry, side, True)]
+    distance = np.linalg.norm(np.array(feet) - flat, axis=-1).min(axis=0)
+    return np.asarray(distance.reshape(points.shape[:-1]))
 
 
 def _projected(geometry: Geometry, points: FloatArray, limits: bool) -> FloatArray:

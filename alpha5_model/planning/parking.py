@@ -35,9 +35,9 @@ from alpha5_model.errors import (
     ShapeError,
 )
 from alpha5_model.kinematics.geometry import Geometry
-from alpha5_model.kinematics.half_plane import POSES, bounded_geometry
+from alpha5_model.kinematics.half_plane import bounded_geometry
 from alpha5_model.kinematics.ik import BRANCHES
-from alpha5_model.kinematics.reach import distance_to_reach, reach_margins
+from alpha5_model.kinematics.reach import distance_to_reach, reach_margin
 from alpha5_model.kinematics.solver import solve
 from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers import plausibility
@@ -66,6 +66,7 @@ class _Task(NamedTuple):
     """What is asked of each pose.
 
     Attributes:
+        asked: Names of the arguments that give the points.
         points: In the world, (T, 3) [m].
         record: Of the arm.
         geometry: Of the arm.
@@ -75,6 +76,7 @@ class _Task(NamedTuple):
         clearance: That is kept to obstacles [m].
     """
 
+    asked: str
     points: FloatArray
     record: Alpha5Parameters
     geometry: Geometry
@@ -123,8 +125,8 @@ def placements(
     obstacles. link_0 and the hull may touch. How the arm gets there is not looked at:
     see `alpha5_model.plan`.
 
-    Of several branches of the inverse kinematics, one that is free at all points is
-    taken before one that is not, and then the one with the greatest reach margin.
+    If several branches of the inverse kinematics are free at all points, the one with
+    the greatest clearance is taken; if none is, the first that is free at each point.
 
     Args:
         targets: Of the tcp in the world, (3,) or (T, 3) [m].
@@ -172,6 +174,7 @@ def placements(
     in_world = checked_obstacles(obstacles)
     checked_obstacles((*on_vehicle, *in_world))
     task = _Task(
+        asked="targets" if box is None else "targets, box",
         points=_points(targets, box),
         record=record,
         geometry=bounded_geometry(record),
@@ -332,10 +335,8 @@ def _grid(
         places = places[np.linalg.norm(places - point, axis=1) <= reach]
     if not len(places):
         away = np.linalg.norm(task.points - (low + high) / 2, axis=1).max()
-        expected = (
-            f"points at most {reach:.3g} m from their middle: the arm is no longer"
-        )
-        raise InputError("targets", float(away), expected)
+        expected = f"points within the arm's length, {reach:.3g} m, of their middle"
+        raise InputError(task.asked, f"{away:.3g} m", expected)
 
     attitudes = np.array([(*lean, turn) for turn in turns for lean in leanings])
     # The vehicle is beside the place of base_link.
@@ -394,18 +395,14 @@ def _free_of_block(task: _Task, bases: FloatArray, rows: np.ndarray) -> _Found:
     kept = _at_all_points(free)
     rows, local, q, free = rows[kept], local[kept], q[kept], free[kept]
 
-    margins = reach_margins(task.geometry, local)
-    margins = np.tile(margins, len(BRANCHES) // len(POSES))
-    branch = _chosen(free, margins)
-    q = np.take_along_axis(q, branch[..., None, None], axis=2)[:, :, 0]
-    margin = np.take_along_axis(margins, branch[..., None], axis=2)[..., 0]
+    branch, clearance = _chosen(world, bases[rows], q, free)
     return _Found(
         row=rows,
-        q=q,
+        q=np.take_along_axis(q, branch[..., None, None], axis=2)[:, :, 0],
         branch=branch,
-        clearance=world.arm_clearance(bases[rows], q),
+        clearance=clearance,
         hull_clearance=world.vehicle_clearance(bases[rows]),
-        reach_margin=margin.min(axis=1),
+        reach_margin=reach_margin(task.geometry, local).min(axis=1),
     )
 
 
@@ -414,22 +411,33 @@ def _at_all_points(free: BoolArray) -> BoolArray:
     return np.asarray(np.logical_or.reduce(free, axis=2).all(axis=1))
 
 
-def _chosen(free: BoolArray, margins: FloatArray) -> np.ndarray:
-    """The branch for each point, (N, T).
-
-    One that is free at all points comes before one that is not, then the one with the
-    greatest margin.
+def _chosen(
+    world: World, bases: FloatArray, q: FloatArray, free: BoolArray
+) -> tuple[np.ndarray, FloatArray]:
+    """The branch for each point, (N, T), and the clearance of the arm, (N,) [m].
 
     Args:
+        world: The obstacles.
+        bases: (N, 4, 4).
+        q: Of all branches, (N, T, 4, 4) [rad].
         free: Which branches are free, (N, T, 4); at each point one is.
-        margins: Of the reach, (N, T, 4) [m].
     """
-    at_each = np.where(free, margins, -1.0)
-    at_all = at_each.min(axis=1)
-    common = at_all.argmax(axis=1)
-    has_common = at_all.max(axis=1) >= 0.0
-    best = at_each.argmax(axis=2)
-    return np.asarray(np.where(has_common[:, None], common[:, None], best))
+    at_all = np.logical_and.reduce(free, axis=1)
+    clearances = np.full(at_all.shape, -math.inf)
+    for number in range(len(BRANCHES)):
+        rows = np.flatnonzero(at_all[:, number])
+        clear = world.arm_clearance(bases[rows], q[rows, :, number])
+        clearances[rows, number] = clear
+    # A nanometre must not decide.
+    best = np.round(clearances, 6).argmax(axis=1)
+    branch = np.repeat(best[:, None], free.shape[1], axis=1)
+    clearance = clearances[np.arange(len(best)), best]
+
+    mixed = np.flatnonzero(~at_all.any(axis=1))
+    branch[mixed] = free[mixed].argmax(axis=2)
+    chosen = np.take_along_axis(q[mixed], branch[mixed, :, None, None], axis=2)
+    clearance[mixed] = world.arm_clearance(bases[mixed], chosen[:, :, 0])
+    return branch, clearance
 
 
 def _no_placement(

@@ -52,8 +52,8 @@ class Placements:
         hull_clearance: Least distance of hull and link_0 from the obstacles, (N,) [m];
             inf if there are none.
         reach_margin: Each point may be off by this in any direction, and the arm still
-            reaches it in the same pose, underarm or overarm; the least of all points,
-            (N,) [m]. It does not look at collisions.
+            reaches it within its limits; the least of all points, (N,) [m]. It does not
+            look at collisions.
         torque: That holds the arm still at each point, (N, T, 4) [N m].
         holding: Its greatest share of a joint's ``effort``, (N,). The catalogue's
             efforts are placeholders; no rating is published.

@@ -96,8 +96,8 @@ def _draw(axes: Axes, found: Placements, arm: Arm, view: FloatArray) -> Any:
     for number, part in enumerate(found.hull):
         corners = moved(found.base[0], _corners(part)) @ view.T
         label = "" if number else "its hull"
-        line = {"facecolor": "none", "edgecolor": Color.BLACK, "label": label}
-        _fill(axes, corners, zorder=3, **line)
+        outline = {"facecolor": "none", "edgecolor": Color.BLACK, "label": label}
+        _fill(axes, corners, zorder=3, **outline)
         seen.append(corners)
     for number, origins in enumerate(_arms(found, arm)):
         line = origins @ view.T
