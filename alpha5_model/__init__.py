@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from alpha5_model.numbers.parameters import parameters
     from alpha5_model.numbers.printed import published
     from alpha5_model.planning.obstacles import Obstacle
+    from alpha5_model.planning.parking import placements
     from alpha5_model.planning.planner import plan
     from alpha5_model.proofs.audit import audit
     from alpha5_model.proofs.audit.printed_inverse_kinematics import (
@@ -100,6 +101,7 @@ __all__ = [
     "nearest_reachable",
     "parameters",
     "paths",
+    "placements",
     "plan",
     "planar",
     "published",
@@ -155,6 +157,7 @@ _NAMES = {
     # Motions.
     "Obstacle": "planning.obstacles",
     "plan": "planning.planner",
+    "placements": "planning.parking",
     # Studies and proofs.
     "sweep": "studies.sweep",
     "audit": "proofs.audit",

@@ -275,6 +275,40 @@ class MotionLimitError(Alpha5Error, ValueError):
         )
 
 
+class NoPlacementError(Alpha5Error, ValueError):
+    """Points that the arm cannot reach from any of the tried poses of its vehicle.
+
+    Attributes:
+        tried: How many poses were tried.
+        reaching: How many of them reach all points.
+        beyond: By how much the best pose fails to reach one of the points [m]; 0 if
+            some pose reaches them all.
+        needed: The clearance that was asked for [m].
+        possible: The largest one with which a pose is free [m]; NaN if each pose that
+            reaches the points touches something.
+    """
+
+    def __init__(
+        self, tried: int, reaching: int, beyond: float, needed: float, possible: float
+    ) -> None:
+        self.tried = tried
+        self.reaching = reaching
+        self.beyond = beyond
+        self.needed = needed
+        self.possible = possible
+        if not reaching:
+            message = f"none of {tried} poses reaches all points"
+            message += f": the best is {beyond * 1e3:.3g} mm short of one"
+        elif math.isnan(possible):
+            message = f"at each of {reaching} poses that reach all points (of {tried}) "
+            message += "the arm touches itself, or arm or hull touch something"
+        else:
+            message = f"none of {reaching} poses that reach all points (of {tried}) "
+            message += f"keeps a clearance of {needed * 1e3:.4g} mm"
+            message += f": the best keeps {possible * 1e3:.3g} mm"
+        super().__init__(message)
+
+
 class MissingParameterError(Alpha5Error, ValueError):
     """A quantity that the documents do not give and the caller has not given either."""
 

@@ -109,6 +109,16 @@ def transform(
     return out
 
 
+def inverse(transform: FloatArray) -> FloatArray:
+    """The inverses of rigid transforms (..., 4, 4)."""
+    turned_back = np.swapaxes(transform[..., :3, :3], -1, -2)
+    out = np.zeros(transform.shape)
+    out[..., :3, :3] = turned_back
+    out[..., :3, 3] = -(turned_back @ transform[..., :3, 3:])[..., 0]
+    out[..., 3, 3] = 1.0
+    return out
+
+
 def moved(transform: FloatArray, points: FloatArray) -> FloatArray:
     """Points (..., 3) after transforms (..., 4, 4)."""
     rotated = (transform[..., :3, :3] @ points[..., None])[..., 0]

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray, count, float_array
 from alpha5_model.collision.bodies import (
+    Body,
     CollisionBodies,
     body_numbers,
     body_poses,
@@ -64,9 +65,32 @@ class SelfCollision:
         self.bodies = bodies
 
     @cached_property
+    def _shapes(self) -> FloatArray:
+        """`shape_numbers` of the bodies."""
+        return shape_numbers(self.bodies)
+
+    @cached_property
     def _compiled(self) -> _CompiledScene | None:
         """The compiled scene; None without the compiled kernels."""
-        return _CompiledScene(self.bodies) if hasattr(module(), "scene") else None
+        if not hasattr(module(), "scene"):
+            return None
+        return _CompiledScene(self.bodies, self._shapes)
+
+    def carried(self, placement: FloatArray) -> SelfCollision:
+        """The same, with all that the first body carries moved.
+
+        Args:
+            placement: Of the moved frame in the first body, (4, 4).
+        """
+        bodies = [
+            Body(body.name, 0, placement @ body.placement, body.shapes)
+            if body.parent == 0
+            else body
+            for body in self.bodies.bodies
+        ]
+        moved = SelfCollision(CollisionBodies(tuple(bodies), self.bodies.pairs))
+        moved._shapes = self._shapes
+        return moved
 
     @cached_property
     def _coal(self) -> CoalScene:
@@ -262,11 +286,11 @@ def without_self_collision(
 class _CompiledScene:
     """The bodies of an arm as the compiled kernels take them. Threads may share it."""
 
-    def __init__(self, bodies: CollisionBodies) -> None:
+    def __init__(self, bodies: CollisionBodies, shapes: FloatArray) -> None:
         self._kernels = module()
         self._scene = self._kernels.scene(
             body_numbers(bodies),
-            shape_numbers(bodies),
+            shapes,
             np.array(bodies.pairs, np.float64).reshape(-1, 2),
         )
         self.one = partial(self._kernels.self_collision, self._scene)

@@ -23,7 +23,7 @@ import math
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.spatial import moved, pose
+from alpha5_model._support.spatial import inverse, moved, pose
 from alpha5_model.collision.bodies import Body, CollisionBodies, carriers
 from alpha5_model.geometry.primitives import Primitive
 
@@ -83,17 +83,10 @@ def _left_behind_radius(bodies: CollisionBodies, body: int, joint: int) -> float
     points = _corners(bodies.bodies[body])
     between = [number for number in carriers(bodies, joint) if number > body]
     for number in reversed(between):
-        points = moved(_inverse(bodies.bodies[number].placement), points)
+        points = moved(inverse(bodies.bodies[number].placement), points)
         if number != joint:
             points = _turned_all_round(points)
     return _largest_radius(points)
-
-
-def _inverse(transform: FloatArray) -> FloatArray:
-    inverse = np.eye(4)
-    inverse[:3, :3] = transform[:3, :3].T
-    inverse[:3, 3] = -transform[:3, :3].T @ transform[:3, 3]
-    return inverse
 
 
 def _largest_radius(points: FloatArray) -> float:

@@ -185,6 +185,12 @@ class ArmModel:
             parameters=self.parameters,
         )
 
+    def _in_gravity(self, gravity: FloatArray) -> Self:
+        """The same arm in another gravity, (3,), in the frame of this one's [m/s^2]."""
+        model = self._own_joints.copy()
+        model.gravity.linear = gravity
+        return self._rebuilt(model, self.displacements)
+
     def _frame(self, name: str) -> int:
         try:
             return self._frames[name]

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray, flag, float_array
+from alpha5_model._support.spatial import wrap
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry, on_axis
 from alpha5_model.kinematics.half_plane import (
@@ -33,6 +34,7 @@ from alpha5_model.kinematics.half_plane import (
     bounded_geometry,
     branches_reaching,
     contains,
+    middle_azimuth,
 )
 from alpha5_model.kinematics.solver import BLOCK, solve
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -169,6 +171,53 @@ def nearest_reachable(
         far = np.maximum(largest / _FAR, 1.0)
         nearest[rows] = _projected(geometry, points / far, limits)
     return nearest.reshape(target.shape)
+
+
+def reach_margin(geometry: Geometry, points: FloatArray) -> FloatArray:
+    """How far points in reach are from the nearest one that is not, exactly.
+
+    Args:
+        geometry: Of the arm, whose boundary arcs have.
+        points: In ``base_link``, (..., 3) [m].
+
+    Returns:
+        (...) [m]; 0 for points out of reach.
+    """
+    x, y, z = np.moveaxis(points, -1, 0)
+    radius = np.hypot(x, y)
+    off = np.abs(wrap(np.arctan2(y, x) - middle_azimuth(geometry, "underarm")))
+
+    # Azimuths, from the one that underarm faces in mid-range, at which it alone, both
+    # or none, and overarm alone can be.
+    half = (geometry.upper[0] - geometry.lower[0]) / 2
+    first, last = sorted((half, math.pi - half))
+    between = "both" if half >= math.pi / 2 else ""
+    sectors = (
+        (0.0, first, "underarm"),
+        (first, last, between),
+        (last, math.pi, "overarm"),
+    )
+    margin = np.full(radius.shape, math.inf)
+    for start, end, side in sectors:
+        # The nearest half-plane of the sector, and the point as seen there.
+        turn = np.maximum(np.maximum(start - off, off - end), 0.0)
+        foot = radius * np.cos(turn)
+        across = radius * np.sin(turn)
+        away = np.minimum(foot, 0.0)
+        if side:
+            inside = contains(geometry, np.maximum(foot, 0.0), z, side, True)
+            in_plane = np.stack([foot, z], axis=-1)
+            away = np.where(inside, _to_boundary(geometry, in_plane, side), away)
+        margin = np.minimum(margin, np.hypot(across, away))
+    return margin
+
+
+def _to_boundary(geometry: Geometry, points: FloatArray, side: str) -> FloatArray:
+    """Distance of points (..., 2) of a half-plane from a side's boundary, (...) [m]."""
+    flat = points.reshape(-1, 2)
+    feet = [_nearest_on_arc(arc, flat) for arc in boundary_of(geometry, side, True)]
+    distance = np.linalg.norm(np.array(feet) - flat, axis=-1).min(axis=0)
+    return np.asarray(distance.reshape(points.shape[:-1]))
 
 
 def _projected(geometry: Geometry, points: FloatArray, limits: bool) -> FloatArray:

@@ -1,8 +1,18 @@
 """Motions that the arm can make: free of collision, and within its limits."""
 
 from alpha5_model.planning.obstacles import Mesh, Obstacle
+from alpha5_model.planning.parking import placements
+from alpha5_model.planning.placement_table import Placements
 from alpha5_model.planning.planned_motion import PlannedMotion
 from alpha5_model.planning.planner import plan
 from alpha5_model.planning.replay import Peak
 
-__all__ = ["Mesh", "Obstacle", "Peak", "PlannedMotion", "plan"]
+__all__ = [
+    "Mesh",
+    "Obstacle",
+    "Peak",
+    "Placements",
+    "PlannedMotion",
+    "placements",
+    "plan",
+]

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model._support.spatial import pose
+from alpha5_model._support.spatial import inverse, pose
 from alpha5_model.collision.bodies import Body, CollisionBodies, body_poses
 from alpha5_model.collision.coal_scene import coal_shape
 from alpha5_model.collision.turning_radii import carried_radius, corners_around
@@ -128,7 +128,7 @@ class BroadPhase:
         """Distance of the mesh from a link, whose pose is given [m]."""
         import coal
 
-        moved = coal.CollisionObject(self._geometry, _coal_pose(_inverse(link)))
+        moved = coal.CollisionObject(self._geometry, _coal_pose(inverse(link)))
         question = coal.DistanceCallBackDefault()
         tree, _ = self._trees[number - 1]
         tree.distance(moved, question)
@@ -169,13 +169,6 @@ class BroadPhase:
     def _trees(self) -> list[tuple[Any, list[Any]]]:
         """coal's tree of the shapes of each moving link, in its frame, and these."""
         return [_tree(self._bodies.bodies[number]) for number in self._moving]
-
-
-def _inverse(placement: FloatArray) -> FloatArray:
-    inverse = np.eye(4)
-    inverse[:3, :3] = placement[:3, :3].T
-    inverse[:3, 3] = -placement[:3, :3].T @ placement[:3, 3]
-    return inverse
 
 
 def _ball(link: Body) -> tuple[FloatArray, float]:

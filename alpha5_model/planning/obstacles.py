@@ -18,7 +18,7 @@ from alpha5_model._support.checks import (
     listed,
     real,
 )
-from alpha5_model._support.spatial import moved, pose, rotation_from_rpy
+from alpha5_model._support.spatial import inverse, moved, pose, rotation_from_rpy
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers import plausibility
@@ -180,12 +180,10 @@ def seen_from(frame: FloatArray, shape: Primitive | Mesh) -> Primitive | Mesh:
         frame: Its columns are unit vectors.
         shape: In base_link.
     """
-    inverse = np.eye(4)
-    inverse[:3, :3] = frame[:3, :3].T
-    inverse[:3, 3] = -frame[:3, :3].T @ frame[:3, 3]
+    to_frame = inverse(frame)
     if isinstance(shape, Primitive):
-        return shape.moved(inverse)
-    vertices = frozen(moved(inverse, shape.vertices))
+        return shape.moved(to_frame)
+    vertices = frozen(moved(to_frame, shape.vertices))
     return Mesh(vertices=vertices, triangles=shape.triangles)
 
 
@@ -238,18 +236,24 @@ def _primitive(
     )
 
 
-def checked_obstacles(obstacles: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
+def checked_obstacles(
+    obstacles: Iterable[Obstacle], name: str = "obstacles"
+) -> tuple[Obstacle, ...]:
     """Obstacles whose names differ.
+
+    Args:
+        obstacles: What was given.
+        name: Of the argument.
 
     Raises:
         InputError: Something else than obstacles, or a name twice.
     """
     expected = "a list of Obstacle"
-    given = tuple(listed("obstacles", obstacles, expected))
+    given = tuple(listed(name, obstacles, expected))
     names = set()
     for number, obstacle in enumerate(given):
-        name = instance(f"obstacles[{number}]", obstacle, Obstacle).name
-        if name in names:
-            raise InputError("obstacles", name, "names that differ")
-        names.add(name)
+        own_name = instance(f"{name}[{number}]", obstacle, Obstacle).name
+        if own_name in names:
+            raise InputError(name, own_name, "names that differ")
+        names.add(own_name)
     return given

@@ -134,7 +134,7 @@ def plan(
         DiscontinuousPathError: On the straight line a joint would have to jump.
         MotionLimitError: A joint is beyond a limit at any speed.
     """
-    loaded = _loaded(arm)
+    loaded = loaded_arm(arm)
     record = loaded.parameters
     limits = _limits(record, speed, acceleration)
     start = joint_position("q0", q0, record)
@@ -164,7 +164,7 @@ def plan(
     return _timed(route, samples_within, loaded, limits, drive, surroundings)
 
 
-def _loaded(arm: Alpha5Parameters | Arm | None) -> Arm:
+def loaded_arm(arm: Alpha5Parameters | Arm | None) -> Arm:
     """The arm that a caller means.
 
     Raises:

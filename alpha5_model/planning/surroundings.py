@@ -258,15 +258,20 @@ def _beside(arm: Alpha5Parameters, obstacle: Obstacle) -> _Compared:
     placement = base_placement(arm)
     shape = seen_from(pose(placement.xyz, placement.rpy), obstacle.shape)
     if isinstance(shape, Mesh):
-        box = _instead_of_link_0(bodies, obstacle.name, _box_around(shape))
+        box = instead_of_link_0(bodies, obstacle.name, _box_around(shape))
         return _MeshBody(obstacle.name, BroadPhase(bodies, shape), SelfCollision(box))
 
-    radius = 0.0
-    if shape.kind == "sphere":
-        (radius,) = shape.size
-        shape = replace(shape, kind="box", size=_POINT)
-    with_obstacle = _instead_of_link_0(bodies, obstacle.name, shape)
+    compared, radius = without_radius(shape)
+    with_obstacle = instead_of_link_0(bodies, obstacle.name, compared)
     return _ExactBodies(SelfCollision(with_obstacle), radius)
+
+
+def without_radius(shape: Primitive) -> tuple[Primitive, float]:
+    """A box or cylinder as it is and 0, or a sphere's centre and its radius [m]."""
+    if shape.kind != "sphere":
+        return shape, 0.0
+    (radius,) = shape.size
+    return replace(shape, kind="box", size=_POINT), radius
 
 
 @lru_cache(maxsize=16)
@@ -274,7 +279,7 @@ def _bodies_of(arm: Alpha5Parameters) -> CollisionBodies:
     return collision_bodies(arm)
 
 
-def _instead_of_link_0(
+def instead_of_link_0(
     bodies: CollisionBodies, name: str, shape: Primitive
 ) -> CollisionBodies:
     """An obstacle and the moving links, each of which is compared with it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -23,6 +24,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.hydrodynamics import added_mass
 from alpha5_model.numbers.inertia import check_possible
+from alpha5_model.water.carrier import Carrier, read_carrier
 
 #: With a shorter lever between weight and buoyancy, a vehicle has no trim [m].
 _LEAST_LEVER = 1e-9
@@ -92,6 +94,27 @@ class Vehicle:
             "added_mass": _added_mass(self.added_mass),
             "mount": rigid_transform("mount", self.mount),
         }
+
+
+def carrier_of(name: str, given: Vehicle | Mapping[str, Any]) -> Carrier:
+    """What the trim of a vehicle depends on.
+
+    Args:
+        name: Of the argument, for messages.
+        given: A vehicle, or a table as `read_carrier` has it.
+
+    Raises:
+        InputError, UnknownNameError: A table that `read_carrier` refuses.
+    """
+    if isinstance(given, Vehicle):
+        return Carrier(
+            mass=given.mass,
+            com=given.com,
+            volume=given.volume,
+            cob=given.cob,
+            mount=given.mount,
+        )
+    return read_carrier(name, dict(given) if isinstance(given, Mapping) else given)
 
 
 def _damping(name: str, value: ArrayLike) -> FloatArray:

@@ -381,10 +381,21 @@ def plans() -> list[Case]:
         "line": False,
         "obstacles": (),
     }
+    parked = {
+        "targets": (0.3, 0.1, 0.1),
+        "mount": np.eye(4),
+        "clearance": 0.005,
+        "wrist": 0.0,
+        "hull": (),
+        "spacing": 0.2,
+        "yaws": 1,
+        "tilts": (0.0, 0.0),
+    }
     return [
         (a5.Obstacle.box, box),
         (a5.Obstacle.sphere, ball),
         (a5.plan, way),
+        (a5.placements, parked),
     ]
 
 

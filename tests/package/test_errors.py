@@ -42,6 +42,9 @@ def instances() -> list[errors.Alpha5Error]:
             "no free way", ("post", "link_3"), (1.0, 1.0, 1.0, 1.0), -0.001
         ),
         errors.MotionLimitError("axis_d", "current", 0.4, 0.3, "A"),
+        errors.NoPlacementError(
+            tried=100, reaching=7, beyond=0.0, needed=0.1, possible=0.04
+        ),
         errors.MissingParameterError("rotor_inertia", "reflected inertia"),
         errors.MissingFileError("arm.urdf", "a URDF"),
         errors.FileFormatError("log.csv", "not a number", "line 3"),

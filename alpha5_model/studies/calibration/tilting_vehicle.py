@@ -29,8 +29,8 @@ from alpha5_model.studies.calibration.sensor import (
     deviations,
     scaled,
 )
-from alpha5_model.water.carrier import Carrier, read_carrier
-from alpha5_model.water.vehicle import Vehicle, trim_angles
+from alpha5_model.water.carrier import Carrier
+from alpha5_model.water.vehicle import Vehicle, carrier_of, trim_angles
 
 #: Share of its weight that buoyancy must carry: the tilt of thrust is not known.
 _LEAST_BUOYANCY = 0.8
@@ -153,20 +153,9 @@ def vehicle_tilt(
         InputError: Not such numbers, or a noise not above 0.
         UnknownNameError: Another fact of the vehicle.
     """
-    if isinstance(vehicle, Vehicle):
-        carrier = Carrier(
-            mass=vehicle.mass,
-            com=vehicle.com,
-            volume=vehicle.volume,
-            cob=vehicle.cob,
-            mount=vehicle.mount,
-        )
-    else:
-        given = dict(vehicle) if isinstance(vehicle, Mapping) else vehicle
-        carrier = read_carrier("vehicle", given)
     return VehicleTilt(
         gain=deviations("gain", gain, 2),
-        vehicle=carrier,
+        vehicle=carrier_of("vehicle", vehicle),
         noise=deviations("noise", noise, 2, above_zero=True),
         offset=deviations("offset", offset, 2),
         yaw=real("yaw", yaw, minimum=0.0),
