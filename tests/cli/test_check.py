@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from urdf_edits import with_mass
+from urdf_edits import mass_text, with_mass
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -29,7 +29,7 @@ def test_a_differing_document_is_not_a_failure(capsys: Any) -> None:
         assert row["category"] == ours.category
 
 
-@pytest.mark.parametrize(("mass", "status"), [("0.38", 0), ("0.5", 1)])
+@pytest.mark.parametrize(("mass", "status"), [(mass_text(OURS), 0), ("0.5", 1)])
 def test_a_file_is_compared(
     mass: str, status: int, tmp_path: Path, capsys: Any
 ) -> None:
@@ -57,7 +57,7 @@ def test_a_file_is_compared_with_an_arm_of_ones_own(tmp_path: Path) -> None:
     [
         OURS[:500],
         "<sdf/>",
-        OURS.replace('mass value="0.234"', 'mass value="nan"'),
+        with_mass(OURS, "nan"),
         OURS.replace('<child link="link_3"/>', ""),
         OURS.replace('<link name="link_4">', '<link name="elsewhere">'),
     ],

@@ -15,7 +15,7 @@ import pinocchio as pin
 import pytest
 from lazily import Lazy
 from own_arm_dynamics import RECORDS
-from reference import LOWER, UPPER
+from reference import LOWER, MASS, UPPER
 from water_reference import Reference
 
 import alpha5_model as a5
@@ -90,8 +90,9 @@ def test_the_parsed_articulation_is_table_2_in_its_frames(path, tmp_path):
     file = path("locked")
     heavier = tmp_path / "heavier.usda"
     text = Path(file).read_text("utf-8")
-    assert text.count("physics:mass = 0.38\n") == 1
-    heavier.write_text(text.replace("physics:mass = 0.38\n", "physics:mass = 0.39\n"))
+    printed = f"physics:mass = {MASS[2]}\n"
+    assert text.count(printed) == 1
+    heavier.write_text(text.replace(printed, "physics:mass = 0.39\n"))
     wrong = usd_model(str(heavier))
     model = usd_model(file)
     data, seen = model.createData(), wrong.createData()

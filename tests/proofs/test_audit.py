@@ -294,7 +294,6 @@ def test_densities(rows: dict[str, AuditRow]) -> None:
         assert row.expected == 2.7  # aluminium
         assert row.measured == pytest.approx(reference.MASS[i] / reference.VOLUME[i])
         assert row.verdict == ("differs" if i in (1, 3) else "agrees")
-    assert rows["density.link_1"].measured == pytest.approx(5.03, abs=0.01)
     mass, volume = reference.MASS[1], reference.VOLUME[1]
     worst = (mass + 0.0005) / (volume - 0.0005) - mass / volume
     assert rows["density.link_1"].bound == pytest.approx(worst, rel=0.03)

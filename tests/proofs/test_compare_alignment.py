@@ -23,7 +23,7 @@ from model_edits import (
     shift_zero,
     with_vehicle,
 )
-from urdf_edits import OWN
+from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -293,8 +293,7 @@ def test_one_of_two_arms_is_compared_and_the_other_named():
 
 
 def test_an_arm_that_turns_in_the_vehicle_itself_has_no_link_0():
-    text = OWN.replace('<mass value="0.234"/>', '<mass value="11.5"/>', 1)
-    comparison = compared(text)
+    comparison = compared(with_mass(OWN, "11.5", "link_0"))
     assert comparison.carried["link_0"] == 11.5
     assert comparison.bodies[0].links == ()
     assert [f.where for f in comparison.findings if f.serious] == ["link_0"]

@@ -115,7 +115,7 @@ def high_shoulder(root):
 
 
 def wrong_mass(root):
-    inertial(root, "link_0").find("mass").set("value", "0.161")
+    inertial(root, "link_0").find("mass").set("value", str(reference.MASS[1]))
 
 
 def buoyancy_for_com(root):
