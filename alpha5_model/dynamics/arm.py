@@ -538,8 +538,8 @@ class Arm(ArmModel):
         Raises:
             InputError: Also a step that is not above 0, or so long that A overflows.
         """
-        state = self._clean_qvtau(q, v, tau)
-        return linear_model(self, *state, dt, flag("motors", motors))
+        q, v, tau = self._clean_qvtau(q, v, tau)
+        return linear_model(self, q, v, tau, dt, flag("motors", motors))
 
     def base_wrench(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None

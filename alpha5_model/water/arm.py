@@ -205,9 +205,10 @@ class HydrodynamicArm(Arm):
         Drag is proportional to the square of the speed, so a model at rest in still
         water has none.
         """
-        state = self._clean_qvtau(q, v, tau)
+        q, v, tau = self._clean_qvtau(q, v, tau)
         motors = flag("motors", motors)
-        return linear_model(self, *state, dt, motors, current=self._checked(current))
+        water = self._checked(current)
+        return linear_model(self, q, v, tau, dt, motors, current=water)
 
     def base_wrench(
         self,
