@@ -6,8 +6,8 @@ has the classical margins of any PD loop, such as yours.
 """
 
 from alpha5_model.studies.control.files import mujoco_files, ros2_control
-from alpha5_model.studies.control.gains import Gains, gains
 from alpha5_model.studies.control.loop import Margins, margins
+from alpha5_model.studies.control.pd_gains import Gains, gains
 from alpha5_model.studies.control.simulation import Step, step
 
 __all__ = [

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from alpha5_model.description.mjcf import MjcfOptions, Servo, mjcf_files
-from alpha5_model.studies.control.gains import Gains
+from alpha5_model.studies.control.pd_gains import Gains
 
 
 def ros2_control(found: Gains) -> str:

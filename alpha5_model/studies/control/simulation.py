@@ -26,7 +26,7 @@ from alpha5_model._support.checks import FloatArray, array, float_array, frozen,
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.linear_model import motor_terms
 from alpha5_model.errors import InputError
-from alpha5_model.studies.control.gains import Gains
+from alpha5_model.studies.control.pd_gains import Gains
 
 _JOINTS = 4
 #: Longest step of the integrator [s].
