@@ -41,6 +41,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.linear_model import motor_terms
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import InputError, MissingParameterError
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.motors import joint_losses
 from alpha5_model.studies.control.loop import (
     LEAST_PHASE,
@@ -277,9 +278,8 @@ def _rotor_inertias(given: ArrayLike | None, motors: list[Any]) -> FloatArray:
         if values.shape not in ((), (_JOINTS,)) or (values < 0).any():
             raise InputError("rotor_inertias", given, "one or 4 numbers of at least 0")
         values = np.broadcast_to(values, _JOINTS)
-        # The actuators warn of other units.
-        for motor, value in zip(motors, values.tolist(), strict=True):
-            actuator(motor.joint, rotor_inertia=value)
+        for value in values.tolist():
+            plausibility.check("rotor_inertias", value, plausibility.ROTOR_INERTIA)
         return values
     unknown = [motor.joint for motor in motors if motor.rotor_inertia is None]
     if unknown:
