@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     )
     from alpha5_model.proofs.comparison import compare
     from alpha5_model.studies import calibration as calibrate
-    from alpha5_model.studies import uncertainty
+    from alpha5_model.studies import control, uncertainty
     from alpha5_model.studies.sweep import sweep
     from alpha5_model.theory import dh, planar
     from alpha5_model.viewer import view
@@ -86,6 +86,7 @@ __all__ = [
     "backend",
     "calibrate",
     "compare",
+    "control",
     "corrections",
     "devices_from_q",
     "dh",
@@ -176,6 +177,7 @@ _MODULES = {
     "trajectory": "trajectory",
     "uncertainty": "studies.uncertainty",
     "calibrate": "studies.calibration",
+    "control": "studies.control",
     "dh": "theory.dh",
     "planar": "theory.planar",
 }

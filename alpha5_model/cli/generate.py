@@ -105,7 +105,8 @@ def run(given: Namespace) -> None:
 def _record(kind: Any, given: Namespace) -> Any:
     """A record of options, whose fields are what was given."""
     values = vars(given)
-    return kind(**{field.name: values[field.name] for field in fields(kind)})
+    names = [field.name for field in fields(kind) if field.name in values]
+    return kind(**{name: values[name] for name in names})
 
 
 def _of_urdf(parser: Parser) -> None:

@@ -24,6 +24,7 @@ COMMANDS = {
     "arm": "Your own arm in a file: write one, say what it changes, print it.",
     "compare": "Compare a URDF of this arm with the printed tables, or your arm.",
     "torque": "Joint torques by cause, motor currents and the load on the mount.",
+    "gains": "Gains of a first controller, and a simulated step as the proof.",
     "trajectory": "Torques, motor currents, power and loads of a recorded motion.",
     "fk": "Where the tcp and the links are at a joint position, in base_link.",
     "ik": "All inverse kinematics solutions of a tcp position.",

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from alpha5_model._support.checks import choice
 from alpha5_model._support.paths import REPOSITORY_PATH
@@ -47,6 +48,24 @@ _TARGETS = {"position": "ctrl", "velocity": "act"}
 
 #: Of the sea bed below base_link [m].
 _DEPTH = 0.6
+#: What the README says of the servos.
+_TUNED = "are tuned to hold the arm within 0.02 rad under water, nothing more"
+_DESIGNED = (
+    "are those of a controller that adds the torque which holds weight and buoyancy: "
+    "add it to `qfrc_applied`"
+)
+
+
+class Servo(NamedTuple):
+    """Gains of a joint's servo.
+
+    Attributes:
+        stiffness: ``kp`` [N m/rad, N/m].
+        damping: ``kv`` [N m s/rad, N s/m].
+    """
+
+    stiffness: float
+    damping: float
 
 
 @dataclass(frozen=True)
@@ -62,11 +81,14 @@ class MjcfOptions(SimulationOptions):
             for each link in MJX, which has no contact between cylinders and boxes;
             with locked jaws.
         buoyancy: ``bodies``, or ``none`` for tools without ``gravcomp``, such as brax.
+        servos: Joint -> gains of its servo; None, and for joints that it lacks, tuned
+            ones that hold the weight as well.
     """
 
     actuators: str = "position"
     collision: str = "primitives"
     buoyancy: str = "bodies"
+    servos: Mapping[str, Servo] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -136,6 +158,7 @@ def mjcf_readme(
         "moving_water": moving_water,
         "jaws": template(f"mjcf_gripper_{options.gripper}.md").rstrip(),
         "float_density": f"{density:g}",
+        "servos": _TUNED if options.servos is None else _DESIGNED,
         "least_mass": _first_digit(min(masses)),
         "least_moment": _first_digit(min(moments)),
     }
@@ -186,7 +209,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         _add_contact(root, arm, chosen.gripper)
     if chosen.gripper == "jaws":
         _add_equality(root, joints)
-    _add_actuators(root, joints, chosen.actuators)
+    _add_actuators(root, joints, chosen.actuators, chosen.servos or {})
     _add_keyframes(root, joints, chosen.actuators)
     return serialized(root)
 
@@ -239,10 +262,16 @@ def _add_equality(root: ET.Element, joints: Iterable[JointRange]) -> None:
             )
 
 
-def _add_actuators(root: ET.Element, joints: Sequence[JointRange], kind: str) -> None:
+def _add_actuators(
+    root: ET.Element,
+    joints: Sequence[JointRange],
+    kind: str,
+    servos: Mapping[str, Servo],
+) -> None:
     """One actuator for each joint that has its own."""
     actuator = add(root, "actuator")
     for joint in _driven(joints):
+        servo = _servo(joint, servos.get(joint.name))
         limits = (joint.lower, joint.upper)
         speed = (-joint.velocity, joint.velocity)
         effort = (-joint.effort, joint.effort)
@@ -250,7 +279,7 @@ def _add_actuators(root: ET.Element, joints: Sequence[JointRange], kind: str) ->
         if kind == "motor":
             add(actuator, "motor", **names, ctrlrange=effort)
         elif kind == "position":
-            add(actuator, "position", **names, **_servo(joint), ctrlrange=limits)
+            add(actuator, "position", **names, **servo, ctrlrange=limits)
         else:
             # A position servo whose target moves at the commanded speed, so that it
             # holds the weight.
@@ -258,19 +287,21 @@ def _add_actuators(root: ET.Element, joints: Sequence[JointRange], kind: str) ->
                 actuator,
                 "intvelocity",
                 **names,
-                **_servo(joint),
+                **servo,
                 ctrlrange=speed,
                 actrange=limits,
             )
 
 
-def _servo(joint: JointRange) -> dict[str, Value]:
+def _servo(joint: JointRange, gains: Servo | None) -> dict[str, Value]:
     """Stiffness, largest force and damping of a joint's servo."""
     servo: dict[str, Value] = {
-        "kp": _STIFFNESS[joint.name],
+        "kp": _STIFFNESS[joint.name] if gains is None else gains.stiffness,
         "forcerange": (-joint.effort, joint.effort),
     }
-    if joint.kind == "prismatic":
+    if gains is not None:
+        servo["kv"] = gains.damping
+    elif joint.kind == "prismatic":
         servo["kv"] = _ROD_DAMPING
     else:
         servo["dampratio"] = "1"

@@ -23,12 +23,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray, flag
 from alpha5_model.dynamics.arm_collision import ArmCollision
 from alpha5_model.dynamics.arm_model import ArmModel
 from alpha5_model.dynamics.batch import kernel_rows, solved
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
 from alpha5_model.dynamics.joint_tree import AT_ORIGIN, JointTree
+from alpha5_model.dynamics.linear_model import LinearModel, linear_model
 from alpha5_model.dynamics.model_changes import added_body, with_payload
 from alpha5_model.dynamics.regression import Regressor, regressor
 from alpha5_model.dynamics.states import Partials, forces
@@ -505,6 +506,40 @@ class Arm(ArmModel):
         dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a)
         inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
         return -inverse @ dq, -inverse @ dv, inverse
+
+    def linearized(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        tau: ArrayLike,
+        dt: float | None = None,
+        motors: bool = False,
+    ) -> LinearModel:
+        """The linear model ``dx/dt = A x + B u`` about a state.
+
+        x = (dq, dv) departs from q and v, and u from tau. If tau does not hold the
+        state, the state itself moves on, and x is what departs from this motion.
+
+        Args:
+            q: (nq,).
+            v: (nv,).
+            tau: (nv,) [N m]; ``hydrostatic_torque(q)`` holds an arm at rest.
+            dt: Time step [s] of the exact discrete model ``x[k+1] = A x[k] + B u[k]``
+                whose torque is held for a step; None for continuous time.
+            motors: Adds the rotors' inertia and viscous friction, of those motors of
+                the arm's record that were measured. Like all other methods it leaves
+                them out unless asked. Coulomb friction is not linear: tau is without
+                the torque that overcomes it.
+
+        Returns:
+            A, (2 nv, 2 nv), and B, (2 nv, nv); dq in the tangent space for a floating
+            base.
+
+        Raises:
+            InputError: Also a step that is not above 0, or so long that A overflows.
+        """
+        q, v, tau = self._clean_qvtau(q, v, tau)
+        return linear_model(self, q, v, tau, dt, flag("motors", motors))
 
     def base_wrench(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None

@@ -20,6 +20,7 @@ from alpha5_model._support.checks import (
     FloatArray,
     array,
     choice,
+    flag,
     frozen,
     listed,
     rigid_transform,
@@ -27,6 +28,7 @@ from alpha5_model._support.checks import (
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import solved, solved_rows
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
+from alpha5_model.dynamics.linear_model import LinearModel, linear_model
 from alpha5_model.dynamics.regression import Regressor
 from alpha5_model.dynamics.states import Partials, forces, rows
 from alpha5_model.errors import InputError
@@ -188,6 +190,25 @@ class HydrodynamicArm(Arm):
         dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a, current)
         inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
         return -inverse @ dq, -inverse @ dv, inverse
+
+    def linearized(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        tau: ArrayLike,
+        dt: float | None = None,
+        motors: bool = False,
+        current: Current = None,
+    ) -> LinearModel:
+        """The linear model ``dx/dt = A x + B u`` about a state; see `Arm.linearized`.
+
+        Drag is proportional to the square of the speed, so a model at rest in still
+        water has none.
+        """
+        q, v, tau = self._clean_qvtau(q, v, tau)
+        motors = flag("motors", motors)
+        water = self._checked(current)
+        return linear_model(self, q, v, tau, dt, motors, current=water)
 
     def base_wrench(
         self,

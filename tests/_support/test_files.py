@@ -404,6 +404,10 @@ COMMANDS = {
     "move": (["move", "home", "reach", "--obstacles", "{}"], {"--output": ".csv"}),
     "calibrate": (["calibrate", "fit", "{}"], {"--output": ".toml"}),
     "fk": (["fk", "3", "1", "1", "0", "--arm", "{}"], {}),
+    "gains": (
+        ["gains", "--rate", "200", "--delay", "0", "--arm", "{}"],
+        {"--ros2-control": ".yaml"},
+    ),
 }
 
 
@@ -426,6 +430,8 @@ def test_no_command_has_a_path_that_is_not_tested_here() -> None:
         words, outputs = COMMANDS.get(command, ([], {}))
         known = {option.lstrip("-").replace("-", "_") for option in outputs} | read
         folder = {"output"} if command in ("demo", "sweep") else set()
+        if command == "gains":
+            folder = {"mjcf"}
         assert paths <= known | folder, command
         assert bool(paths) == (command in COMMANDS)
         assert bool(paths & read) == ("{}" in words)

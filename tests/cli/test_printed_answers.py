@@ -43,6 +43,10 @@ ANSWERS = {
     "compare": ("compare", "other.urdf", "--samples", "5"),
     "dh": ("dh", "0.5", "1.2", "1", "0"),
     "fk": ("fk", "180", "70", "100", "0", "deg"),
+    "gains": (
+        *("gains", "--bandwidth", "12", "--rate", "200", "--delay", "0.01"),
+        *("--rotor-inertia", "5e-8", "--current-limit", "0.6", "--friction", "1"),
+    ),
     "generate": ("generate", "urdf", "--gripper", "jaws", "--output", "made/arm.urdf"),
     "ik": ("ik", "0.25", "-0.1", "0.05", "--wrist", "90deg"),
     "move": ("move", "home", "0.2", "0.1", "0.1", "--output", "planned.csv"),
