@@ -3,10 +3,10 @@
     python scripts/generate.py
     python scripts/generate.py --check    # status 1 if a file is out of date
 
-These are ``urdf/``, ``xacro/parameters.yaml``, ``meshes/``, ``mjcf/``, the collision
-shapes that the package compares, and the generated source code. A file that differs
-from a fresh one only in the last digits of computed numbers is left alone: these differ
-between processors.
+These are ``urdf/``, ``xacro/parameters.yaml``, ``config/``, ``meshes/``, ``mjcf/``, the
+collision shapes that the package compares, and the generated source code. A file that
+differs from a fresh one only in the last digits of computed numbers is left alone:
+these differ between processors.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ from alpha5_model.description.mjcf import (
     mjcf_readme,
     mjcf_scene,
 )
+from alpha5_model.description.moveit import moveit_files
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.xacro_parameters import parameter_yaml
@@ -46,6 +47,8 @@ from alpha5_model.numbers.parameters import parameters
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 GRIPPERS = {"locked": "alpha5", "jaws": "alpha5_jaws"}
+#: Files of ``config/`` that serve locked jaws, too, which have fewer joints.
+CONFIG_OF_BOTH = ("joint_limits.yaml", "kinematics.yaml", "ompl_planning.yaml")
 #: Variant of ``mjcf/`` -> its options.
 MODELS = {
     "": MjcfOptions(),
@@ -72,6 +75,7 @@ def generated_files() -> dict[str, bytes]:
     files = {path: text.encode() for path, text in texts.items()}
     shapes = COMPARED_SHAPES_PATH.relative_to(REPOSITORY).as_posix()
     files[shapes] = compared_shapes_text().encode()
+    files |= moveit()
     files["mjcf/LICENSE"] = mjcf_files()["LICENSE"]
     for name, content in meshes.items():
         files[f"meshes/{name}"] = content
@@ -87,6 +91,18 @@ def descriptions() -> dict[str, str]:
         texts[f"urdf/{name}.urdf"] = urdf(Variant(gripper=gripper))
         texts[f"urdf/{name}.srdf"] = srdf(gripper)
     return texts
+
+
+def moveit() -> dict[str, bytes]:
+    """``config/``: only the controllers depend on the gripper."""
+    jaws = moveit_files("jaws")
+    files = {f"config/{name}": jaws[name] for name in CONFIG_OF_BOTH}
+    for gripper, name in GRIPPERS.items():
+        suffix = name.removeprefix("alpha5")
+        written = moveit_files(gripper)
+        for kind in ("moveit_controllers", "ros2_controllers"):
+            files[f"config/{kind}{suffix}.yaml"] = written[f"{kind}.yaml"]
+    return files
 
 
 def menagerie() -> dict[str, str]:

@@ -21,6 +21,7 @@ from alpha5_model.cli.quantities import ANGLE, LENGTH, Vector
 from alpha5_model.codegen.c_library import COptions, c_files
 from alpha5_model.description import mjcf, sdf
 from alpha5_model.description.assets import mesh_assets
+from alpha5_model.description.moveit import moveit_files
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.usd import UsdOptions, usd_files
@@ -165,12 +166,20 @@ def _urdf_files(given: Namespace) -> Mapping[str, bytes]:
 
 def _of_srdf(parser: Parser) -> None:
     common.gripper(parser)
+    parser.add_argument(
+        "--prefix", default="", help="prefix of every link, joint and group name"
+    )
     common.arm_file(parser)
     _output(parser)
 
 
 def _srdf_files(given: Namespace) -> Mapping[str, bytes]:
-    return {"alpha5.srdf": srdf(given.gripper, given.arm).encode()}
+    text = srdf(given.gripper, given.arm, given.prefix)
+    return {"alpha5.srdf": text.encode()}
+
+
+def _moveit_files(given: Namespace) -> Mapping[str, bytes]:
+    return moveit_files(given.gripper, given.prefix, given.arm)
 
 
 def _xacro_files(given: Namespace) -> Mapping[str, bytes]:
@@ -317,11 +326,17 @@ _FORMATS = {
         without_armature="URDF",
     ),
     "srdf": _Format(
-        summary="the SRDF for MoveIt",
+        summary="the SRDF",
         options=_of_srdf,
         files=_srdf_files,
         main_file="alpha5.srdf",
         suffixes=(".srdf", ".xml"),
+    ),
+    "moveit": _Format(
+        summary="a folder for MoveIt 2: limits, solver, planners, controllers, SRDF",
+        options=_of_srdf,
+        files=_moveit_files,
+        main_file="joint_limits.yaml",
     ),
     "xacro": _Format(
         summary="the numbers as YAML, for xacro parameters:=FILE",

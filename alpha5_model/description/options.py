@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from alpha5_model._support.checks import array, choice, flag, plain_name
 from alpha5_model._support.spatial import Triple, rotation_from_rpy
@@ -13,6 +14,9 @@ from alpha5_model.numbers.fluids import SEA_WATER, density_of
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.pose import Pose
+
+#: xacro would evaluate ``${...}`` and ``$(...)``; the others would need escapes in XML.
+_FORBIDDEN = set("${}<>&\"'")
 
 
 @dataclass(frozen=True)
@@ -111,3 +115,32 @@ class SimulationOptions(MountedOptions):
         density_of(self.fluid_density)
         if self.parent != "":
             plain_name("parent", self.parent)
+
+
+def check_text(name: str, text: Any) -> None:
+    """Check that xacro and XML keep a text unchanged.
+
+    Some unprintable characters do not exist in UTF-8 or XML.
+
+    Args:
+        name: Of the option, for the message.
+        text: What was given.
+
+    Raises:
+        InputError: They do not.
+    """
+    printable = isinstance(text, str) and text.isprintable()
+    if not printable or set(text) & _FORBIDDEN:
+        allowed = "a text without any of $ { } < > & quotes or unprintable characters"
+        raise InputError(name, text, allowed)
+
+
+def check_name(name: str, text: Any) -> None:
+    """Check a name, or a prefix of names, as `check_text` does; it has no spaces.
+
+    Raises:
+        InputError: It has, or xacro and XML do not keep it.
+    """
+    check_text(name, text)
+    if " " in text:
+        raise InputError(name, text, "a name without spaces")

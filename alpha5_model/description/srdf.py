@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from alpha5_model._support.checks import FloatArray, choice, frozen
 from alpha5_model.collision.link_pairs import disabled_pairs
+from alpha5_model.description.options import check_name
 from alpha5_model.description.xml import XML_HEAD, add, serialized
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import (
@@ -66,51 +67,59 @@ def named_poses(joints: Sequence[JointRange]) -> dict[str, tuple[float, ...]]:
     return poses
 
 
-def srdf(gripper: str = "locked", arm: Alpha5Parameters | None = None) -> str:
-    """Text of the SRDF that belongs to the URDF with this gripper.
+def srdf(
+    gripper: str = "locked", arm: Alpha5Parameters | None = None, prefix: str = ""
+) -> str:
+    """Text of the SRDF that belongs to the URDF with this gripper and prefix.
 
     Args:
         gripper: ``locked`` or ``jaws``.
         arm: Record of an arm of your own, whose name and limits it has; None for the
             catalogue's.
+        prefix: Prefix of every link, joint and group name, so that one robot can have
+            two arms.
 
     Raises:
         UnknownNameError: Another gripper than ``locked`` or ``jaws``.
-        InputError: ``arm`` is no record.
+        InputError: ``arm`` is no record, or a prefix that XML does not keep.
     """
     choice("gripper", gripper, GRIPPERS)
+    check_name("prefix", prefix)
     record = chosen_arm(arm)
     *turning, rod = record.joints
     root = ET.Element("robot", name=record.name)
-    add(add(root, "group", name="arm"), "chain", base_link="base_link", tip_link="tcp")
+    group = add(root, "group", name=f"{prefix}arm")
+    add(group, "chain", base_link=f"{prefix}base_link", tip_link=f"{prefix}tcp")
     if gripper == "jaws":
-        _add_gripper_group(root, rod)
+        _add_gripper_group(root, rod, prefix)
 
-    arm_names = [joint.name for joint in turning]
+    arm_names = [prefix + joint.name for joint in turning]
     for name, pose in named_poses(turning).items():
         positions = dict(zip(arm_names, pose, strict=True))
-        _add_state(root, name, "arm", positions)
+        _add_state(root, name, f"{prefix}arm", positions)
     if gripper == "jaws":
-        _add_state(root, "closed", "gripper", {rod.name: rod.lower})
-        _add_state(root, "open", "gripper", {rod.name: rod.upper})
-        add(root, "passive_joint", name="finger_1_joint")
-        add(root, "passive_joint", name="finger_2_joint")
+        rod_name = prefix + rod.name
+        _add_state(root, "closed", f"{prefix}gripper", {rod_name: rod.lower})
+        _add_state(root, "open", f"{prefix}gripper", {rod_name: rod.upper})
+        add(root, "passive_joint", name=f"{prefix}finger_1_joint")
+        add(root, "passive_joint", name=f"{prefix}finger_2_joint")
 
     for reason, pairs in disabled_pairs(record, gripper).items():
         for one, other in pairs:
-            add(root, "disable_collisions", link1=one, link2=other, reason=reason)
+            links = {"link1": prefix + one, "link2": prefix + other}
+            add(root, "disable_collisions", **links, reason=reason)
     return XML_HEAD + serialized(root).replace(" />", "/>")
 
 
-def _add_gripper_group(root: ET.Element, rod: JointParameters) -> None:
-    add(add(root, "group", name="gripper"), "joint", name=rod.name)
+def _add_gripper_group(root: ET.Element, rod: JointParameters, prefix: str) -> None:
+    add(add(root, "group", name=f"{prefix}gripper"), "joint", name=prefix + rod.name)
     add(
         root,
         "end_effector",
-        name="jaws",
-        parent_link="link_4",
-        group="gripper",
-        parent_group="arm",
+        name=f"{prefix}jaws",
+        parent_link=f"{prefix}link_4",
+        group=f"{prefix}gripper",
+        parent_group=f"{prefix}arm",
     )
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from alpha5_model._support.checks import choice, flag
 from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import XACRO_PATH
-from alpha5_model.description.options import MountedOptions
+from alpha5_model.description.options import MountedOptions, check_name, check_text
 from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.description.xml import text_of
@@ -27,8 +27,6 @@ from alpha5_model.numbers.tables import BODY_NAMES
 
 COLLISIONS = ("primitives", "capsules", "none")
 VERSIONS = ("1.0", "1.1", "1.2")
-#: xacro would evaluate ``${...}`` and ``$(...)``; the others would need escapes in XML.
-_FORBIDDEN = set("${}<>&\"'")
 
 #: Layout of ros2_control that is used if none is named: mock hardware.
 MOCK = "mock"
@@ -72,8 +70,8 @@ class Variant(MountedOptions):
     ros2_control_plugin: str = ""
 
     def __post_init__(self) -> None:
-        _check_name("prefix", self.prefix)
-        _check_name("parent", self.parent)
+        check_name("prefix", self.prefix)
+        check_name("parent", self.parent)
         super().__post_init__()
         choice("collision", self.collision, COLLISIONS)
         choice("urdf_version", self.urdf_version, VERSIONS)
@@ -81,7 +79,7 @@ class Variant(MountedOptions):
             self._check_capsules()
         flag("dh_frames", self.dh_frames)
         flag("ros2_control", self.ros2_control)
-        _check_text("mesh_prefix", self.mesh_prefix)
+        check_text("mesh_prefix", self.mesh_prefix)
         self._check_ros2_control()
 
     def _check_capsules(self) -> None:
@@ -92,10 +90,10 @@ class Variant(MountedOptions):
             raise InputError("urdf_version", self.urdf_version, expected)
 
     def _check_ros2_control(self) -> None:
-        _check_text("ros2_control_plugin", self.ros2_control_plugin)
-        _check_text("ros2_control_hardware", self.ros2_control_hardware)
+        check_text("ros2_control_plugin", self.ros2_control_plugin)
+        check_text("ros2_control_hardware", self.ros2_control_hardware)
         pairs = _parameter_argument(self.ros2_control_parameters)
-        _check_text("ros2_control_parameters", pairs)
+        check_text("ros2_control_parameters", pairs)
         if self.ros2_control:
             _hardware_argument(self.ros2_control_hardware)
             return
@@ -107,23 +105,6 @@ class Variant(MountedOptions):
         for name, is_given in given.items():
             if is_given:
                 raise InputError(name, getattr(self, name), "ros2_control with it")
-
-
-def _check_text(name: str, text: Any) -> None:
-    """Check that xacro and XML keep a text unchanged.
-
-    Some unprintable characters do not exist in UTF-8 or XML.
-    """
-    printable = isinstance(text, str) and text.isprintable()
-    if not printable or set(text) & _FORBIDDEN:
-        allowed = "a text without any of $ { } < > & quotes or unprintable characters"
-        raise InputError(name, text, allowed)
-
-
-def _check_name(name: str, text: Any) -> None:
-    _check_text(name, text)
-    if " " in text:
-        raise InputError(name, text, "a name without spaces")
 
 
 def urdf(variant: Variant | None = None) -> str:

@@ -1,15 +1,17 @@
 """OpenUSD for Isaac Sim, Isaac Lab and Newton, with the table of the water beside it.
 
 The URDF is converted by urdf-usd-converter [converter]_. What a URDF lacks, or what the
-converter does not know, is added here: rotor inertia, the force of drives, and the
-pairs of links whose contact is not checked. The fingers follow the rod by a rule that
-no schema has, since Newton's wants two joints of one type; it is in attributes of ours.
+converter does not know, is added here: rotor inertia, the force of drives, friction in
+the words of PhysX, and the pairs of links whose contact is not checked. The fingers
+follow the rod by a rule that no schema has, since Newton's wants two joints of one
+type; it is in attributes of ours.
 
 .. [converter] github.com/newton-physics/urdf-usd-converter
 """
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -165,7 +167,7 @@ def _complete(layer: Any, arm: Alpha5Parameters, gripper: str) -> None:
 
 
 def _add_drive(prim: Any, joint: JointRange, losses: JointLosses | None) -> None:
-    """Largest force and speed for PhysX, and rotor inertia for Newton and PhysX."""
+    """Largest force and speed, rotor inertia, and friction for PhysX."""
     from pxr import Sdf, UsdPhysics
 
     kind = "angular" if joint.kind == "revolute" else "linear"
@@ -177,9 +179,26 @@ def _add_drive(prim: Any, joint: JointRange, losses: JointLosses | None) -> None
     number = Sdf.ValueTypeNames.Float
     speed = prim.GetAttribute("newton:velocityLimit").Get()
     prim.CreateAttribute("physxJoint:maxJointVelocity", number).Set(speed)
-    if losses is not None and losses.armature:
-        for name in ("newton:armature", "physxJoint:armature"):
-            prim.CreateAttribute(name, number).Set(losses.armature)
+    if losses is None:
+        return
+    for name in ("newton:armature", "physxJoint:armature"):
+        prim.CreateAttribute(name, number).Set(losses.armature)
+    # PhysX reads no newton:friction. This API goes before PhysxJointAPI, so it repeats
+    # what that has; its numbers of turning joints are per degree, too.
+    damping = losses.damping
+    if kind == "angular":
+        damping = math.radians(damping)
+    prim.AddAppliedSchema(f"PhysxJointAxisAPI:{kind}")
+    values = {
+        "armature": losses.armature,
+        "maxJointVelocity": speed,
+        "staticFrictionEffort": losses.friction,
+        "dynamicFrictionEffort": losses.friction,
+        "viscousFrictionCoefficient": damping,
+    }
+    for name, value in values.items():
+        attribute = prim.CreateAttribute(f"physxJointAxis:{kind}:{name}", number)
+        attribute.Set(float(value))
 
 
 def _add_rule(prim: Any, joint: FingerJoint, joints: Mapping[str, Any]) -> None:

@@ -169,6 +169,28 @@ def test_joints_have_limits_efforts_speeds_and_losses(path, measured):
         assert damping == pytest.approx(1e-6 * gear**2, rel=SINGLE)
         assert friction == pytest.approx(0.0015 * gear * (name == "axis_d"), rel=SINGLE)
         assert armature == pytest.approx(2e-7 * gear**2, rel=SINGLE)
+        assert "PhysxJointAxisAPI:angular" in str(prim.GetMetadata("apiSchemas"))
+        axis = {
+            key: prim.GetAttribute(f"physxJointAxis:angular:{key}").Get()
+            for key in (
+                "armature",
+                "maxJointVelocity",
+                "staticFrictionEffort",
+                "dynamicFrictionEffort",
+                "viscousFrictionCoefficient",
+            )
+        }
+        # Per degree, as PhysX reads them; its friction is a torque.
+        assert axis == pytest.approx(
+            {
+                "armature": armature,
+                "maxJointVelocity": math.degrees(limit["velocity"]),
+                "staticFrictionEffort": friction,
+                "dynamicFrictionEffort": friction,
+                "viscousFrictionCoefficient": 1e-6 * gear**2 * math.pi / 180,
+            },
+            rel=SINGLE,
+        )
         checked += 1
     assert checked == 4
 

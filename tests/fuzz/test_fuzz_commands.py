@@ -109,7 +109,17 @@ ARGUMENTS: dict[str, tuple[tuple[str, ...], ...]] = {
     "fk": (NUMBERS,) * 4,
     **{
         f"generate {form}": ()
-        for form in ("urdf", "srdf", "xacro", "mjcf", "sdf", "usd", "c", "water")
+        for form in (
+            "urdf",
+            "srdf",
+            "moveit",
+            "xacro",
+            "mjcf",
+            "sdf",
+            "usd",
+            "c",
+            "water",
+        )
     },
     "ik": (("0.3", "0.25"), ("0.1", "-0.05"), ("0.1", "0")),
     "move": (PLACES, PLACES),
