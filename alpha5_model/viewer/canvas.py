@@ -290,7 +290,8 @@ def _focal(camera: Camera, height: int) -> float:
 
 def backdrop(height: int) -> NDArray[np.float32]:
     """Colours behind everything, of rows from the top down, (height, 3)."""
-    return np.linspace(*LOOK["backdrop"]["light"], height, dtype=np.float32)
+    top, bottom = LOOK["backdrop"]["light"]
+    return np.linspace(top, bottom, height, dtype=np.float32)
 
 
 def _visible(screen: FloatArray, faces: FaceArray, two_sided: bool) -> _Triangles:
