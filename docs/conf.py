@@ -53,6 +53,6 @@ maximum_signature_line_length = 88
 html_theme = "furo"
 html_title = f"alpha5-model {release}"
 html_static_path = ["_static"]
-html_css_files = ["tables.css"]
+html_css_files = ["tables.css", "dark.css"]
 html_copy_source = False
 html_show_sphinx = False

@@ -8,6 +8,7 @@ import numpy as np
 from figures.concept_figures import ALONG_Y, side_view
 
 import alpha5_model as a5
+from alpha5_model.viewer import mount_plot
 from alpha5_model.viewer.figures import Color, new_figure, number, style
 
 #: The joint whose torque the digits leave open most, and the pose that is shown.
@@ -133,7 +134,13 @@ def check_poses_figure() -> Any:
     return page
 
 
+def mount_load_figure() -> Any:
+    """The load of a current of 0.5 m/s on the mount, over its direction."""
+    return mount_plot.mount_load_figure(a5.load(), a5.named_pose("reach"), speed=0.5)
+
+
 FIGURES = {
+    "mount_load.png": mount_load_figure,
     "uncertainty.png": uncertainty_figure,
     "current.png": current_figure,
     "check_poses.png": check_poses_figure,

@@ -10,7 +10,7 @@ found beside the checkout or in ALPHA5_RECORDINGS, and without one this figure i
 as it is. ``mjcf/alpha5.png``: MuJoCo's own picture of the committed scene (MUJOCO_GL is
 egl if not set). Those that explain the concepts are in ``concept_figures.py``,
 those of the errata in ``errata_figures.py``, plots of numbers in
-``guide_figures.py``.
+``guide_figures.py``, pictures of the arm for guides in ``scene_figures.py``.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from alpha5_model.viewer.picture import picture_png
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from figures import concept_figures, errata_figures, guide_figures
+from figures import concept_figures, errata_figures, guide_figures, scene_figures
 
 #: Those that are drawn by functions without arguments.
 FIGURES = concept_figures.FIGURES | errata_figures.FIGURES | guide_figures.FIGURES
@@ -56,6 +56,7 @@ def main(folder: Path) -> None:
         ),
         ("torque.png", torque_figure()),
         *((name, _png(draw())) for name, draw in FIGURES.items()),
+        *((name, draw()) for name, draw in scene_figures.FIGURES.items()),
     ):
         if content is None:
             print(f"{name}: no recording found, left as it is")

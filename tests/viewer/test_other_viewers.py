@@ -39,17 +39,6 @@ def test_plain_pinocchio_finds_the_meshes_in_the_folder_of_the_urdf(urdf: Path) 
         assert obj_faces(path) == shape.geometry.num_tris > 100
 
 
-@pytest.mark.parametrize("urdf", URDFS, ids=lambda path: path.stem)
-@pytest.mark.parametrize("folders", [[], [REPOSITORY]], ids=["none", "repository"])
-def test_other_folders_do_not_do(
-    urdf: Path, folders: list[Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Not even in the folder of the URDF, as the guide says."""
-    monkeypatch.chdir(urdf.parent)
-    with pytest.raises(ValueError, match=r"Mesh \.\./meshes/\w+\.obj could not be"):
-        built(urdf, *folders)
-
-
 @contextmanager
 def viser_of(models: Models) -> Iterator[Any]:
     """Pinocchio's viewer with a server of viser, models loaded."""

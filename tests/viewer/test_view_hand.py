@@ -423,31 +423,3 @@ def test_a_picture_holds_what_is_seen(tab: Tab) -> None:
         tab.page.get_by_role("button", name="PNG").click()
     with Image.open(kept.value.path()) as image:
         assert image.size == shot.shape[1::-1]
-
-
-@every_window
-def test_the_scheme_is_that_of_the_system_and_jaws_stand_out(
-    tab: Tab, arm: a5.Arm
-) -> None:
-    dark = tab.run("() => matchMedia('(prefers-color-scheme: dark)').matches")
-    colours = tab.run("""() => {
-      const style = getComputedStyle(document.getElementById('panel'));
-      return [style.color, style.backgroundColor];
-    }""")
-    ink, paper = (
-        [float(x) for x in re.findall(r"[\d.]+", text)][:3] for text in colours
-    )
-    assert (sum(ink) > sum(paper)) == dark
-    assert abs(sum(ink) - sum(paper)) > 450, "enough to read"
-    tab.show_only("bodies")
-    tab.run("() => alpha5.look('fit', false)")
-    with_jaws = tab.pixels()
-    tab.run("() => alpha5.change({ shown: { bodies: false } })")
-    without = tab.pixels()
-    tcp = arm.forward_kinematics(joints(tab)).translation
-    x, y = tab.project(tcp[None])[0].round().astype(int)
-    near = slice(y - 40, y + 40), slice(x - 40, x + 40)
-    difference = np.abs(with_jaws[near] - without[near]).max(axis=2)
-    there = difference > 4
-    assert there.mean() > 0.03
-    assert np.median(difference[there]) > 20

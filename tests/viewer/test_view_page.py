@@ -5,7 +5,6 @@ The page is one file, loads nothing, and has the same bytes each time.
 
 from __future__ import annotations
 
-import base64
 import json
 import re
 import shutil
@@ -23,7 +22,7 @@ from alpha5_model.trajectory import motion
 from alpha5_model.viewer import page
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import live_page, static_page
-from alpha5_model.viewer.scene import MADE_BY_PAGE, Scene
+from alpha5_model.viewer.scene import Scene
 
 WEB = Path(page.__file__).parent / "web"
 
@@ -86,33 +85,6 @@ def test_the_same_scene_gives_the_same_bytes(scene: Scene, html: str) -> None:
     again = build_scene(a5.load(gripper="jaws"), target=[0.06, 0.05, 0.36])
     assert static_page(again) == html
     assert len(html) < 6e6
-
-
-def test_commands_are_meshcats_and_rebuild_every_shape(scene: Scene, html: str) -> None:
-    import umsgpack
-
-    commands = [
-        umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]
-    ]
-    objects = {c["path"]: c["object"] for c in commands if c["type"] == "set_object"}
-    # The page draws what a hand changes.
-    assert len(objects) == sum(
-        shape.group not in MADE_BY_PAGE for shape in scene.shapes
-    )
-    sent = {g["uuid"] for o in objects.values() for g in o["geometries"] if "data" in g}
-    used = {o["object"]["geometry"] for o in objects.values()}
-    assert used == sent, "a shared geometry comes once"
-    assert len(sent) < len(objects)
-    shape = scene.shapes[0]
-    geometry = objects[f"/meshcat/alpha5/{shape.group}/{shape.name}"]["geometries"][0][
-        "data"
-    ]
-    points = np.frombuffer(
-        geometry["attributes"]["position"]["array"].data, "<f4"
-    ).reshape(-1, 3)
-    np.testing.assert_allclose(points, shape.mesh.vertices, atol=1e-7)
-    faces = np.frombuffer(geometry["index"]["array"].data, "<u4").reshape(-1, 3)
-    np.testing.assert_array_equal(faces, shape.mesh.faces)
 
 
 def test_texts_cannot_break_out_of_the_page() -> None:

@@ -16,7 +16,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.canvas import Canvas, shade
+from alpha5_model.viewer.canvas import Canvas
 from alpha5_model.viewer.framing import check_size
 from alpha5_model.viewer.picture import picture, picture_png
 from alpha5_model.viewer.scene import Camera
@@ -132,15 +132,6 @@ def test_a_ball_is_a_disc_of_its_size() -> None:
     )
 
 
-def test_light_falls_from_above_and_the_front() -> None:
-    grey = np.tile([0.5, 0.5, 0.5], (3, 1))
-    normals = np.array([[0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=float)
-    front, top, below = shade(normals, grey, FRONT.axes(), shine=0.0)[:, 0]
-    assert front > below
-    assert top > below
-    assert below == pytest.approx(0.5 * 0.68)
-
-
 SIZE = (480, 300)
 
 
@@ -175,32 +166,6 @@ def test_the_base_is_on_the_left_and_the_arm_on_the_right(arm: a5.Arm) -> None:
     left = (columns.min() - SIZE[0] / 2) / scale + scene_x
     assert left == pytest.approx(-0.12665, abs=0.008), "far end of the base tube"
     assert (columns > SIZE[0] / 2).sum() > 500
-
-
-def test_only_links_beyond_a_joint_move(arm: a5.Arm) -> None:
-    before = pixels_of(arm, POSE, ("bodies",), SIDE)
-    moved = pixels_of(arm, [*POSE[:2], 1.7, *POSE[3:]], ("bodies",), SIDE)
-    changed = np.abs(before - moved).max(axis=2) > 12
-    assert changed.sum() > 500
-    # axis_c turns about the elbow; the base and the shoulder, left of x = 0.05, stay
-    scale = SIZE[1] / 2 / math.tan(math.radians(15)) / 1.6
-    border = int(SIZE[0] / 2 + (0.05 - 0.1) * scale)
-    assert not changed[:, :border].any()
-
-
-@pytest.mark.parametrize(
-    ("group", "channel"), [("weight", 0), ("buoyancy", 2)], ids=["red", "blue"]
-)
-def test_forces_show_in_their_colour(arm: a5.Arm, group: str, channel: int) -> None:
-    plain = pixels_of(arm, POSE, ("bodies",), SIDE)
-    forced = pixels_of(arm, POSE, ("bodies", group), SIDE)
-    others = [c for c in (0, 1, 2) if c != channel and not (channel == 2 and c == 1)]
-
-    def coloured(pixels: np.ndarray) -> int:
-        return int((pixels[..., channel] - pixels[..., others].max(axis=-1) > 60).sum())
-
-    assert coloured(plain) == 0
-    assert coloured(forced) > 60
 
 
 def test_every_group_changes_the_picture(arm: a5.Arm) -> None:

@@ -26,23 +26,16 @@ from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.drawing import ARROW_SCALE
 from alpha5_model.viewer.scene import (
     GROUPS,
-    Mean,
     Payload,
     Rigid,
     Scene,
-    WeightedPoint,
 )
-from alpha5_model.viewer.shapes import arrow, ball, read_obj, triad, tube
+from alpha5_model.viewer.shapes import read_obj
 
 
 @pytest.fixture(scope="module")
 def locked() -> Scene:
     return build_scene(a5.load(), [2.0, 1.1, 2.2, 0.7])
-
-
-def volume_of(vertices: np.ndarray, faces: np.ndarray) -> float:
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
 
 def test_link_poses_are_the_documents(locked: Scene) -> None:
@@ -279,38 +272,6 @@ def test_meshes_that_cannot_be_drawn(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("mesh", "volume"),
-    [
-        (ball(0.01, (1, 1, 0), (0, 0, 0), sides=96), 4 / 3 * math.pi * 1e-6),
-        # shaft and head of the arrow: r = 1 mm, head 5 mm long, 2.2 mm wide
-        (
-            arrow([0.0, 0.03, 0.0], 0.001),
-            math.pi * 1e-6 * 0.025 + math.pi * 2.2**2 * 1e-6 * 0.005 / 3,
-        ),
-    ],
-    ids=["ball", "arrow"],
-)
-def test_explaining_shapes_are_closed_and_face_outwards(
-    mesh: object, volume: float
-) -> None:
-    assert volume_of(mesh.vertices, mesh.faces) == pytest.approx(volume, rel=0.02)
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    facing = np.cross(b - a, c - a)
-    kept = np.linalg.norm(facing, axis=1) > 1e-14
-    meant = mesh.normals[mesh.faces].mean(axis=1)
-    assert (np.einsum("ij,ij->i", facing[kept], meant[kept]) > 0).all()
-
-
-def test_triads_and_tubes_point_along_their_axes() -> None:
-    axes = triad(0.05, 0.001)
-    np.testing.assert_allclose(axes.vertices.max(axis=0), [0.05] * 3, atol=2.3e-3)
-    line = tube(np.array([[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0.0]]), 0.001)
-    np.testing.assert_allclose(
-        line.vertices.max(axis=0), [0.101, 0.1005, 0.001], atol=6e-4
-    )
-
-
-@pytest.mark.parametrize(
     ("arguments", "error"),
     [
         ({"q": [0, 1, 2]}, ShapeError),
@@ -330,20 +291,6 @@ def test_bad_arguments_end_in_the_error_tree(
         build_scene(a5.load(), **arguments)
     assert isinstance(caught.value, Alpha5Error)
     assert "\n" not in str(caught.value)
-
-
-def test_a_mean_needs_no_normalised_weights() -> None:
-    mean = Mean(
-        (
-            WeightedPoint("a", 2.0, np.array([0, 0, 1.0])),
-            WeightedPoint("b", 6.0, np.zeros(3)),
-        ),
-        np.array([0, 1, 0]),
-    )
-    shifted = np.eye(4)
-    shifted[0, 3] = 4.0
-    place = mean.transform({"a": np.eye(4), "b": shifted})[:3, 3]
-    np.testing.assert_allclose(place, [3.0, 1.0, 0.25])
 
 
 def test_view_is_there_and_loads_nothing_until_called() -> None:

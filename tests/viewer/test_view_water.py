@@ -161,16 +161,6 @@ def test_the_payload_slider_shows_a_body_and_its_force(page: Tab) -> None:
     assert heading(page, "payload") == f"250 g, {force:.2f} N"
 
 
-def test_the_mount_turns_the_arm_and_not_its_numbers(page: Tab) -> None:
-    before = page.page.locator("#readout").text_content()
-    type_into(page, "Mount's roll in °", "90")
-    assert heading(page, "mount") == "roll 90°, pitch 0°"
-    assert page.page.locator("#readout").text_content() == before
-    tcp = np.array(page.run("() => alpha5.state.poses.tcp"))[:, 3]
-    x, y, z = a5.load().forward_kinematics(POSE).translation
-    np.testing.assert_allclose(tcp, [x, -z, y], atol=1e-12)
-
-
 def test_the_command_opens_with_payload_and_mount(
     chromium: Any, tmp_path: Path
 ) -> None:
@@ -188,18 +178,6 @@ def test_the_command_opens_with_payload_and_mount(
         np.degrees(tab.run("() => alpha5.state.attitude")), [30, -20], atol=1e-9
     )
     tab.page.close()
-
-
-def test_view_takes_a_current(chromium: Any) -> None:
-    viewer = a5.view(a5.load(), current=(0.0, 0.5, 0.0))
-    try:
-        tab = new_tab(chromium)
-        tab.open(viewer.url())
-        assert tab.run("() => alpha5.state.current") == [0, 0.5, 0]
-        assert tab.run("() => alpha5.state.shown.current")
-        tab.page.close()
-    finally:
-        viewer.close()
 
 
 def test_a_motion_counts_its_payload() -> None:

@@ -45,16 +45,7 @@ const geometries = {}; // meshes by identifier; one that several shapes share co
 const listeners = [];
 export const onCommand = (listener) => listeners.push(listener);
 const handle = viewer.handle_command.bind(viewer);
-const decode = viewer.handle_command_bytearray.bind(viewer);
 
-// A command that cannot be read or drawn leaves the page as it is.
-viewer.handle_command_bytearray = (bytes) => {
-  try {
-    decode(bytes);
-  } catch (error) {
-    console.warn(`A command could not be carried out: ${error.message}`);
-  }
-};
 viewer.handle_command = (command) => {
   const { geometries: sent = [], materials = [] } = command.type === "set_object" ? command.object : {};
   for (const geometry of sent) {
