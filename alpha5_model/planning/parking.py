@@ -428,7 +428,7 @@ def _chosen(
         rows = np.flatnonzero(at_all[:, number])
         clear = world.arm_clearance(bases[rows], q[rows, :, number])
         clearances[rows, number] = clear
-    # A nanometre must not decide.
+    # Less than a micrometre must not decide.
     best = np.round(clearances, 6).argmax(axis=1)
     branch = np.repeat(best[:, None], free.shape[1], axis=1)
     clearance = clearances[np.arange(len(best)), best]

@@ -13,6 +13,7 @@ import pinocchio as pin
 import pytest
 from coal_world import CoalWorld, obstacle_geometry
 from fk import STRETCHED, tip
+from own_arm import with_tool
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -466,6 +467,7 @@ def test_an_arm_of_ones_own_with_a_mount() -> None:
         ("hull[0]", {"hull": ["box"]}),
         ("obstacles", {"obstacles": [WORLD[0], WORLD[0]]}),
         ("obstacles", {"hull": [WORLD[0]], "obstacles": [WORLD[0]]}),
+        ("tool", {"arm": with_tool(0.03, 0.0, -0.18)}),
     ],
 )
 def test_what_cannot_be_used(name: str, arguments: dict) -> None:
