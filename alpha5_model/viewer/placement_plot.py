@@ -109,8 +109,8 @@ def _draw(axes: Axes, found: Placements, arm: Arm, view: FloatArray) -> Any:
     axes.plot(*places[0], "o", color=Color.BLACK, ms=4, zorder=5, label="the best pose")
     points = found.points @ view.T
     size = 9 if len(points) <= _ARMS else 3
-    cross = {"color": Color.BLUE, "ms": size, "zorder": 6}
-    axes.plot(*points.T, "x", label="to be reached", **cross)
+    label = "to be reached"
+    axes.plot(*points.T, "x", color=Color.BLUE, ms=size, zorder=6, label=label)
 
     extent = np.vstack([*seen, points])
     low = extent.min(axis=0) - _BORDER
