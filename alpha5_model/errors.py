@@ -301,7 +301,8 @@ class NoPlacementError(Alpha5Error, ValueError):
             message += f": the best is {beyond * 1e3:.3g} mm short of one"
         elif math.isnan(possible):
             message = f"at each of {reaching} poses that reach all points (of {tried}) "
-            message += "the arm touches itself, or arm or hull touch something"
+            message += "the arm touches itself, or arm or hull touch something: "
+            message += "try more poses, or points farther from the obstacles"
         else:
             message = f"none of {reaching} poses that reach all points (of {tried}) "
             message += f"keeps a clearance of {needed * 1e3:.4g} mm"

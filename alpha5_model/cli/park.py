@@ -35,11 +35,12 @@ are tried at which base_link is on a grid about the points. --obstacles and
 --hull name TOML files as alpha5 move takes them: obstacles in the world, and
 the vehicle's hull in base_link, both of boxes, cylinders and spheres.
 
-The best pose is the one with the largest distances, compared in whole
-centimetres from the least of the three to the greatest: clearance of the arm
-and of the hull to obstacles, and reach, by which each point may be off. Then
-the share of the joints' effort that holds the arm decides, and then tilt,
-the angle to the vehicle's trim.
+The table has, for each pose: arm and hull, the distances of the moving links,
+and of hull and link_0, from the obstacles; reach, by which each point may be
+off; hold, the share of the joints' effort (copied placeholders, if you have no
+own) that holds the arm; tilt, the angle to the vehicle's trim. The best pose
+has the largest of the three distances, compared in whole centimetres from the
+least to the greatest; among equals the least hold, then the least tilt.
 
 Exit status: 0 found, 2 no pose reaches all points and is free.
 

@@ -1,4 +1,4 @@
-"""Motions that the arm can make: free of collision, and within its limits."""
+"""Motions that the arm can make, and where its vehicle can be: free of collision."""
 
 from alpha5_model.planning.obstacles import Mesh, Obstacle
 from alpha5_model.planning.parking import placements

@@ -229,7 +229,8 @@ def _mount(
         InputError: Not one rigid transform, or given beside a vehicle, which has one.
     """
     if given is not None and carrier is not None:
-        raise InputError("mount", given, "None: the vehicle has one, xyz and rpy")
+        expected = "None beside a vehicle, which has its own (xyz and rpy)"
+        raise InputError("mount", given, expected)
     if given is not None:
         return rigid_transform("mount", given)
     if carrier is not None:
@@ -321,10 +322,9 @@ def _grid(
     leanings = given.reshape(-1, 2)
     poses = (2 * steps + 1) ** 3 * len(turns) * len(leanings)
     if poses > _MOST:
-        expected = (
-            f"a grid of at most {_MOST} poses: wider, or with fewer yaws or tilts"
-        )
-        raise InputError("spacing", spacing, f"{expected} than {poses}")
+        few = f"at most {_MOST} poses, not {poses:.3g}"
+        expected = f"a wider grid, or fewer yaws or tilts: {few}"
+        raise InputError("spacing", spacing, expected)
 
     low = task.points.min(axis=0)
     high = task.points.max(axis=0)
@@ -335,8 +335,8 @@ def _grid(
         places = places[np.linalg.norm(places - point, axis=1) <= reach]
     if not len(places):
         away = np.linalg.norm(task.points - (low + high) / 2, axis=1).max()
-        expected = f"points within the arm's length, {reach:.3g} m, of their middle"
-        raise InputError(task.asked, f"{away:.3g} m", expected)
+        expected = f"points at most {reach:.3g} m, the arm's length, from their middle"
+        raise InputError(task.asked, round(float(away), 3), expected)
 
     attitudes = np.array([(*lean, turn) for turn in turns for lean in leanings])
     # The vehicle is beside the place of base_link.
@@ -428,7 +428,7 @@ def _chosen(
         rows = np.flatnonzero(at_all[:, number])
         clear = world.arm_clearance(bases[rows], q[rows, :, number])
         clearances[rows, number] = clear
-    # A nanometre must not decide.
+    # Less than a micrometre must not decide.
     best = np.round(clearances, 6).argmax(axis=1)
     branch = np.repeat(best[:, None], free.shape[1], axis=1)
     clearance = clearances[np.arange(len(best)), best]

@@ -24,6 +24,8 @@ _BORDER = 0.2
 #: Of obstacles; what is behind one shows through it.
 _OBSTACLE = (0.3, 0.3, 0.3, 0.2)
 _EDGE = "0.4"
+#: At most so many positions of the arm are drawn.
+_ARMS = 8
 _LINKS = ("base_link", "link_1", "link_2", "link_3", "link_4", "tcp")
 
 
@@ -49,7 +51,7 @@ def placement_figure(found: Placements, arm: Arm) -> Any:
     heading = np.degrees(np.arctan2(ahead[1], ahead[0]))
     side.set(
         title="from the side",
-        xlabel=f"ahead of the arm, {heading:.0f}° from x [m]",
+        xlabel=f"ahead of the arm, {heading:z.0f}° from x [m]",
         ylabel="z [m]",
     )
     legend_below(above, 0.12, in_row=True)
@@ -106,9 +108,9 @@ def _draw(axes: Axes, found: Placements, arm: Arm, view: FloatArray) -> Any:
         seen.append(line)
     axes.plot(*places[0], "o", color=Color.BLACK, ms=4, zorder=5, label="the best pose")
     points = found.points @ view.T
-    axes.plot(
-        *points.T, "x", color=Color.BLUE, ms=9, mew=2, zorder=6, label="to be reached"
-    )
+    size = 9 if len(points) <= _ARMS else 3
+    label = "to be reached"
+    axes.plot(*points.T, "x", color=Color.BLUE, ms=size, zorder=6, label=label)
 
     extent = np.vstack([*seen, points])
     low = extent.min(axis=0) - _BORDER
@@ -118,9 +120,9 @@ def _draw(axes: Axes, found: Placements, arm: Arm, view: FloatArray) -> Any:
 
 
 def _arms(found: Placements, arm: Arm) -> list[FloatArray]:
-    """Origins of the arm's links in the world at each point, (6, 3) each."""
+    """Origins of the arm's links in the world at some points, (6, 3) each."""
     lines = []
-    for q in found.q[0]:
+    for q in found.q[0, :: 1 + len(found.points) // _ARMS]:
         origins = [arm.forward_kinematics(q, link).translation for link in _LINKS]
         lines.append(moved(found.base[0], np.array(origins)))
     return lines

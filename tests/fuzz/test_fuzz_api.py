@@ -53,7 +53,7 @@ UNCHECKED = (
     *("water_terms", "Arc.", "Segment."),
 )
 #: Functions that take long; they are drawn less often.
-SLOW = ("plan", "analyse", "without_self_collision")
+SLOW = ("plan", "placements", "analyse", "without_self_collision")
 #: Function -> parts of its answer that may be NaN or infinite, as documented: branches
 #: that do not exist, absent limits, what the motor cannot do, missing readings.
 INFINITE = {

@@ -13,6 +13,7 @@ import pinocchio as pin
 import pytest
 from coal_world import CoalWorld, obstacle_geometry
 from fk import STRETCHED, tip
+from own_arm import with_tool
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -466,6 +467,7 @@ def test_an_arm_of_ones_own_with_a_mount() -> None:
         ("hull[0]", {"hull": ["box"]}),
         ("obstacles", {"obstacles": [WORLD[0], WORLD[0]]}),
         ("obstacles", {"hull": [WORLD[0]], "obstacles": [WORLD[0]]}),
+        ("tool", {"arm": with_tool(0.03, 0.0, -0.18)}),
     ],
 )
 def test_what_cannot_be_used(name: str, arguments: dict) -> None:
@@ -519,3 +521,17 @@ def test_a_valve_inside_the_wall_is_never_free() -> None:
         placements(VALVE, obstacles=[inside], spacing=0.2, yaws=2)
     assert math.isnan(caught.value.possible)
     assert caught.value.reaching
+
+
+def test_an_obstacle_that_only_the_jaws_are_near() -> None:
+    """Nothing is skipped for being far from link_0."""
+    target = [0.34, 0.0, 0.05]
+    wall = Obstacle.box("wall", (0.1, 0.3, 0.3), (-0.45, 0.0, 0.0))
+    pebble = Obstacle.sphere("pebble", 0.01, (0.40, 0.03, 0.05))
+    stand = {"poses": np.zeros(6), "obstacles": [wall, pebble]}
+    found = placements(target, **stand)
+    by_coal = CoalWorld(obstacles=[pebble]).obstacle_distance(found.q[0, 0])
+    assert by_coal < 0.05
+    assert found.clearance[0] == pytest.approx(by_coal, abs=EXACT)
+    with pytest.raises(NoPlacementError):
+        placements(target, clearance=by_coal + 1e-3, **stand)

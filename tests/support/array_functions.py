@@ -40,6 +40,8 @@ NOT_CALLED = {
     "Motion": "a record",
     "Loads": "a record",
     "Own": "a record",
+    "Placements": "a record",
+    "Placements.take": "takes numbers of rows",
     "Problem": "a record",
     "Sample": "a record",
     "Sensitivity": "a record",
@@ -713,6 +715,19 @@ def _obstacle_calls(rows: _TheoryRows) -> list[_Row]:
                 "target": np.array([0.2, 0.1, 0.1]),
                 "speed": np.array([0.1, 0.2, 0.3, 0.4]),
                 "acceleration": np.array([0.5, 0.6, 0.7, 0.8]),
+            },
+            {},
+        ),
+        (
+            "placements",
+            lambda **given: a5.placements(**given).pose,
+            {
+                "targets": np.array([[0.3, 0.0, 0.1], [0.3, 0.05, 0.1]]),
+                "mount": np.eye(4),
+                "box": np.array([0.02, 0.0, 0.0]),
+                "poses": np.array(
+                    [[0.05, 0.0, 0.0, 0.0, 0.0, 0.1 * k] for k in range(3)]
+                ),
             },
             {},
         ),
