@@ -120,4 +120,5 @@ def _text(message: dict[str, Any], suffix: str) -> str:
 
     # libyaml's is ten times as fast; wheels of PyYAML have it.
     dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-    return str(yaml.dump(message, Dumper=dumper, default_flow_style=None))
+    # In braces, it may stand inside the text of a goal.
+    return str(yaml.dump(message, Dumper=dumper, default_flow_style=True))

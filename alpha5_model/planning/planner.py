@@ -130,7 +130,8 @@ def plan(
             it, or another one if that is not free. Only for points.
         line: Move the tcp along a straight line, in the least time that speeds and
             accelerations allow. The branch changes on the yaw axis only. Only to a
-            point, without ``through``; it needs toppra. theta_3 stays, or changes evenly to ``wrist``.
+            point, without ``through``; it needs toppra. theta_3 stays, or changes
+            evenly to ``wrist``.
         supply_voltage: Of the motors [V]; None for that of the arm's record.
         current_limit: Of the motors' drives [A]; None for those of the arm's record.
         rate: Samples per second [Hz]. The motion is made longer by less than one step,
