@@ -28,6 +28,7 @@ COMMANDS = {
     "fk": "Where the tcp and the links are at a joint position, in base_link.",
     "ik": "All inverse kinematics solutions of a tcp position.",
     "move": "Move between two places without collision, within all limits.",
+    "jaws": "What the jaws hold: opening, gap between the blades, grip force.",
     "workspace": "The exact workspace, and how much of the published one is wrong.",
     "dh": "Standard Denavit-Hartenberg table and frames, of any serial arm.",
     "planar": "Workspace and dexterous workspace of a planar arm, and the theorem.",

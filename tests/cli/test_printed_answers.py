@@ -45,6 +45,10 @@ ANSWERS = {
     "fk": ("fk", "180", "70", "100", "0", "deg"),
     "generate": ("generate", "urdf", "--gripper", "jaws", "--output", "made/arm.urdf"),
     "ik": ("ik", "0.25", "-0.1", "0.05", "--wrist", "90deg"),
+    "jaws": (
+        *("jaws", "--opening", "40mm"),
+        *("--motor-current", "0.05", "--screw-lead", "1mm"),
+    ),
     "move": ("move", "home", "0.2", "0.1", "0.1", "--output", "planned.csv"),
     "planar": ("planar", "5", "4", "1", "--radius", "3"),
     "sweep": ("sweep", "study.toml", "--output", "results"),
