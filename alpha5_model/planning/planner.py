@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache, partial
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -60,6 +61,8 @@ WRISTS = 9
 _LEAST = 1e-8
 #: Fewest samples per second [Hz].
 _LEAST_RATE = 0.1
+#: Name of the argument with the last target.
+_TARGET = "target"
 #: A day: longer motions are not meant [s].
 _LONGEST = 86_400.0
 #: The motion along a route, within limits of the joints.
@@ -156,7 +159,7 @@ def plan(
         target_of(f"through[{number}]", given)
         for number, given in enumerate(listed("through", through, "a list of targets"))
     ]
-    targets.append(target_of("target", target))
+    targets.append(target_of(_TARGET, target))
     _check_kinds(targets, wrist, flag("line", line))
 
     if rate is not None:
@@ -272,7 +275,7 @@ def _line(
     line = tcp_line(start, target, angle, arm)
     check_free(line, surroundings)
     end = line.way[-1]
-    wanted = Target(kind=POINT, value=target, place="target")
+    wanted = Target(kind=POINT, value=target, place=_TARGET)
     reached = goals(wanted, start, angle, arm.parameters)
     goal = min(reached, key=lambda goal: float(np.abs(goal.q - end).max()))
     ends = np.array([start, end])
@@ -291,7 +294,8 @@ def _through(
     """A way through targets, one after the other.
 
     Raises:
-        Alpha5Error: One cannot be reached; if there are several, it names which.
+        Alpha5Error: One cannot be reached; if there are several, or they come from a
+            file, it names which.
     """
     way = [start]
     kinds = []
@@ -302,7 +306,7 @@ def _through(
         try:
             part = _route(surroundings, way[-1], target, angle, arm, limits)
         except Alpha5Error as error:
-            if len(targets) > 1:
+            if len(targets) > 1 or target.place != _TARGET:
                 error.args = (f"{target.place}: {error}",)
             raise
         way += [*part.way[1:]]
@@ -470,12 +474,11 @@ def _stops(
         duration: Of the motion, which a wanted rate makes a little longer [s].
         arm: For the orientation of the tcp.
     """
-    whole = travel_time(route.way, limits)
+    lines = [travel_time(np.array(line), limits) for line in pairwise(route.way)]
+    until = np.append(0.0, np.cumsum(lines))
     for target, end in zip(targets, route.ends, strict=True):
         q = route.way[end]
-        share = 1.0
-        if end < len(route.way) - 1:
-            share = travel_time(route.way[: end + 1], limits) / whole
+        share = float(until[end] / until[-1]) if until[-1] else 1.0
         error = 0.0
         if target.kind == POSE:
             reached = arm.forward_kinematics(q).homogeneous

@@ -133,6 +133,15 @@ def test_a_rate_stretches_the_stops_too() -> None:
         assert one.time == pytest.approx(ratio * other.time)
 
 
+def test_waypoints_where_the_arm_is_already() -> None:
+    still = a5.plan(HOME, HOME, through=[HOME])
+    assert [stop.time for stop in still.stops] == [still.duration] * 2
+    assert not still.velocity.any()
+    twice = a5.plan(HOME, POINTS[0], through=[HOME, POINTS[0]])
+    assert twice.stops[0].time == 0.0
+    assert twice.stops[1].time == twice.stops[2].time == twice.duration
+
+
 def test_every_kind_of_target() -> None:
     q = np.array([2.0, 1.4, 2.0, 1.0])
     motion = a5.plan(HOME, HOME, through=[POINTS[0], pin.SE3(fk(q)), q])
@@ -266,6 +275,9 @@ def test_mistakes_of_arguments(tmp_path: Path) -> None:
     with pytest.raises(UnreachableError, match=r"through\[1\]: ") as caught:
         a5.plan(HOME, POINTS[0], through=[POINTS[1], [0.9, 0.0, 0.0]])
     assert caught.value.distance > 0.4
+    (far,) = read_waypoints(table(tmp_path, "x,y,z", [[0.9, 0.0, 0.0]]))
+    with pytest.raises(UnreachableError, match=r"waypoints\.csv, line 2: "):
+        a5.plan(HOME, far)
     with pytest.raises(JointLimitError, match=r"through\[0\]: "):
         a5.plan(HOME, POINTS[0], through=[[180.0, 90.0, 90.0, 0.0]])
     for wrong, error in ((5, InputError), ([[1.0, 2.0]], InputError)):
