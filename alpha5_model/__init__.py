@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from alpha5_model.description.srdf import named_pose
     from alpha5_model.dynamics import actuators
     from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.dynamics.jaw_tool import jaws
     from alpha5_model.dynamics.load import load, robot_wrapper
     from alpha5_model.kernels.choice import backend
     from alpha5_model.kinematics.bus_devices import devices_from_q, q_from_devices
@@ -97,6 +98,7 @@ __all__ = [
     "inverse_kinematics",
     "inverse_kinematics_path",
     "inverse_kinematics_pose",
+    "jaws",
     "load",
     "named_pose",
     "nearest_reachable",
@@ -152,6 +154,7 @@ _NAMES = {
     "load": "dynamics.load",
     "robot_wrapper": "dynamics.load",
     "Arm": "dynamics.arm",
+    "jaws": "dynamics.jaw_tool",
     "without_self_collision": "collision.self_collision",
     "backend": "kernels.choice",
     "Vehicle": "water.vehicle",

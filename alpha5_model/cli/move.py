@@ -33,18 +33,30 @@ if TYPE_CHECKING:
     from alpha5_model.planning.planned_motion import PlannedMotion
     from alpha5_model.planning.replay import Peak
 
-_FORMATS = (".csv",)
+_FORMATS = (".csv", ".json", ".yaml")
+_BUS_FORMATS = (".csv",)
 _EXPECTED = (
     f"two places, each {', '.join(common.NAMED_POSES)} or 4 angles (rad); "
-    "the second also a point, 3 numbers (m)"
+    "the second also a point, 3 numbers (m), or none with --through"
 )
+#: An orientation that is off by more is said to be [rad].
+_TURNED = 1e-3
 _POSITION = Vector(ANGLE, ANGLE, ANGLE, ANGLE)
 _POINT = Vector(LENGTH, LENGTH, LENGTH)
 
 HELP = """
 FROM is stow, home, reach or four joint positions (rad); TO is the same, or
-a point x y z of the tcp in base_link (m). The motion (--output) is a file
-for alpha5 trajectory and alpha5 view --motion. --obstacles names a TOML file
+a point x y z of the tcp in base_link (m). The motion (--output) is a .csv
+file for alpha5 trajectory and alpha5 view --motion, or a JointTrajectory of
+ROS as .json or .yaml.
+
+--through names a file of waypoints, at each of which the arm rests: a table
+with the columns axis_e to axis_b (rad, or axis_e [deg]), or x, y, z of the
+tcp (m, or x [mm]), perhaps with roll, pitch, yaw or qx, qy, qz, qw; or a
+JointTrajectory, whose times are not used. Its last one is TO, if no other is
+given.
+
+--obstacles names a TOML file
 with a table for each obstacle: its name, then box = edges, cylinder =
 radius and length, sphere = radius, or mesh = an STL, OBJ or PLY file, and
 xyz and rpy in base_link (m, rad).
@@ -63,7 +75,24 @@ def options(parser: Parser) -> None:
         help="stow, home, reach or 4 joint positions (rad); TO also x y z (m)",
     )
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="write the motion, .csv"
+        "--through",
+        type=Path,
+        metavar="FILE",
+        help="waypoints: a table, or a JointTrajectory as .json or .yaml",
+    )
+    common.names_in_file(parser)
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="write the motion, .csv, .json or .yaml",
+    )
+    parser.add_argument(
+        "--bus",
+        type=Path,
+        metavar="FILE",
+        help="write what the devices on the arm's bus are told, .csv",
     )
     parser.add_argument(
         "--obstacles",
@@ -97,7 +126,7 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--wrist",
         type=Scalar(ANGLE),
-        help="theta_3 at the target point (rad). Default: as at the start, if free",
+        help="theta_3 at target points (rad). Default: as before, if free",
     )
     parser.add_argument(
         "--line",
@@ -119,16 +148,25 @@ def options(parser: Parser) -> None:
 
 
 def run(given: Namespace) -> None:
-    check_outputs([given.obstacles, given.arm], output=(given.output, _FORMATS))
+    check_outputs(
+        [given.obstacles, given.through, given.arm],
+        output=(given.output, _FORMATS),
+        bus=(given.bus, _BUS_FORMATS),
+    )
     own = common.record_of(given)
-    start, target = _places(given.places, own)
+    start, targets = _places(given.places, own, given.through is not None)
 
     from alpha5_model.planning.obstacle_file import read_obstacles
     from alpha5_model.planning.planner import plan
+    from alpha5_model.planning.waypoints import read_waypoints
 
+    if given.through is not None:
+        names = common.names_of(given)
+        targets = [*read_waypoints(given.through, arm=own, **names), *targets]
     motion = plan(
         start,
-        target,
+        targets[-1],
+        through=targets[:-1],
         arm=common.arm_of(given, "locked", own),
         obstacles=() if given.obstacles is None else read_obstacles(given.obstacles),
         speed=given.speed,
@@ -143,11 +181,22 @@ def run(given: Namespace) -> None:
     )
     if given.output is not None:
         motion.write(given.output)
-    printing.show(given.json, _record(motion), _text(motion), given.output)
+    if given.bus is not None:
+        motion.write_bus(given.bus)
+    text = _text(motion)
+    printing.show(given.json, _record(motion), text, given.output, given.bus)
 
 
-def _places(words: list[str], own: Alpha5Parameters | None) -> tuple[Any, Any]:
-    """Start and target, from words that are names or numbers with their units."""
+def _places(
+    words: list[str], own: Alpha5Parameters | None, may_end: bool
+) -> tuple[Any, list[Any]]:
+    """Start and target, from words that are names or numbers with their units.
+
+    Args:
+        words: The start, then the target.
+        own: Record of the arm; None for the catalogue's.
+        may_end: Whether the target may be left out.
+    """
     left = " ".join(words).replace(",", " ").split()
     size = 1 if left[:1] and left[0] in common.NAMED_POSES else 4
     # A unit may stand alone after the four numbers.
@@ -155,10 +204,10 @@ def _places(words: list[str], own: Alpha5Parameters | None) -> tuple[Any, Any]:
     start, target = left[:size], left[size:]
     is_point = len([word for word in target if word not in ALONE]) == 3
     try:
-        return (
-            _place(start, _POSITION, own),
-            _place(target, _POINT if is_point else _POSITION, own),
-        )
+        first = _place(start, _POSITION, own)
+        if may_end and not target:
+            return first, []
+        return first, [_place(target, _POINT if is_point else _POSITION, own)]
     except ArgumentTypeError:
         raise InputError("FROM TO", " ".join(words), _EXPECTED) from None
 
@@ -177,6 +226,7 @@ def _record(motion: PlannedMotion) -> dict[str, Any]:
         "samples": motion.time.size,
         "kind": motion.kind,
         "branch": motion.branch,
+        "stops": motion.stops,
         "way": motion.way,
         "slowed": motion.slowed,
         "fluid_density": motion.analysis.arm.fluid_density,
@@ -228,6 +278,7 @@ def _text(motion: PlannedMotion) -> printing.Lines:
         )
 
     names = motion.motion.joints
+    yield from _stops(motion)
     yield "\nway (rad)"
     rows = [["", *names]]
     for number, q in enumerate(motion.way):
@@ -243,6 +294,23 @@ def _text(motion: PlannedMotion) -> printing.Lines:
             limits = ["-" if np.isnan(p.limit) else f"{p.limit:.3g}" for p in found]
             rows.append([f"  {_kind_of_limit(found)}", *limits])
     yield from table(rows, "<>>>>")
+
+
+def _stops(motion: PlannedMotion) -> printing.Lines:
+    """Where and when the arm rests, and by how much it misses an orientation."""
+    if len(motion.stops) > 1:
+        yield "\nstops (s, rad)"
+        rows = [["", "at", *motion.motion.joints]]
+        for stop in motion.stops:
+            angles = (f"{angle:.4f}" for angle in stop.q)
+            rows.append([stop.place, f"{stop.time:.2f}", *angles])
+        yield from table(rows, "<>>>>>")
+    for stop in motion.stops:
+        if stop.rotation_error > _TURNED:
+            yield (
+                f"{stop.place}: turned by {stop.rotation_error:.3g} rad from the pose; "
+                "four joints reach its point, but not every orientation"
+            )
 
 
 def _kind_of_limit(found: Sequence[Peak]) -> str:

@@ -192,6 +192,19 @@ def reading(parser: Parser) -> None:
     parser.add_argument(
         "--topic", help="topic of the joint states, if a bag has several"
     )
+    names_in_file(parser)
+    parser.add_argument(
+        "--time",
+        metavar="COLUMN",
+        help="column of the time, NAME or NAME:ms (s, ms, us or ns)",
+    )
+    parser.add_argument(
+        "--episode", type=int, help="episode of a Parquet file that holds several"
+    )
+
+
+def names_in_file(parser: Parser) -> None:
+    """What a file calls the joints, and the unit of their angles."""
     parser.add_argument("--prefix", help="prefix of the joints' names, such as left_")
     parser.add_argument(
         "--map",
@@ -204,23 +217,22 @@ def reading(parser: Parser) -> None:
         action="store_true",
         help="angles are in degrees, if columns name no unit",
     )
-    parser.add_argument(
-        "--time",
-        metavar="COLUMN",
-        help="column of the time, NAME or NAME:ms (s, ms, us or ns)",
-    )
-    parser.add_argument(
-        "--episode", type=int, help="episode of a Parquet file that holds several"
-    )
+
+
+def names_of(given: Namespace) -> dict[str, Any]:
+    """The arguments of a reader that the options of `names_in_file` give."""
+    return {
+        "prefix": given.prefix,
+        "joints": pairs("map", given.map.split(","), "="),
+        "degrees": given.degrees,
+    }
 
 
 def reading_of(given: Namespace) -> dict[str, Any]:
     """The arguments of `read_motion` that the options of `reading` give."""
     return {
+        **names_of(given),
         "topic": given.topic,
-        "prefix": given.prefix,
-        "joints": pairs("map", given.map.split(","), "="),
-        "degrees": given.degrees,
         "time": given.time,
         "episode": given.episode,
     }

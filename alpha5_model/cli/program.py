@@ -30,6 +30,7 @@ COMMANDS = {
     "ik": "All inverse kinematics solutions of a tcp position.",
     "move": "Move between two places without collision, within all limits.",
     "park": "Where to put the vehicle so that the arm reaches some points.",
+    "jaws": "What the jaws hold: opening, gap between the blades, grip force.",
     "workspace": "The exact workspace, and how much of the published one is wrong.",
     "dh": "Standard Denavit-Hartenberg table and frames, of any serial arm.",
     "planar": "Workspace and dexterous workspace of a planar arm, and the theorem.",

@@ -18,11 +18,12 @@ import numpy as np
 from alpha5_model._support.checks import choice, flag
 from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import XACRO_PATH
+from alpha5_model._support.yaml_reading import yaml_document
 from alpha5_model.description.options import MountedOptions, check_name, check_text
 from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.description.xml import text_of
-from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.errors import InputError
 from alpha5_model.numbers.tables import BODY_NAMES
 
 COLLISIONS = ("primitives", "capsules", "none")
@@ -34,8 +35,6 @@ _LAYOUTS = Path(XACRO_PATH).with_name("ros2_control_hardware.yaml")
 _LAYOUT_SUFFIXES = (".yaml", ".yml")
 #: Largest file of a layout of the user's own [bytes].
 _MOST_BYTES = 256 * 1024
-#: Levels of a layout are three: its table, joint_parameters, those of a joint.
-_MOST_LEVELS = 8
 _LAYOUT = "a YAML file of a ros2_control layout"
 
 
@@ -162,7 +161,8 @@ def _hardware_argument(hardware: str) -> str:
         MissingFileError, FileFormatError: The file is not there, or is no YAML.
     """
     if hardware.endswith(_LAYOUT_SUFFIXES):
-        _check_layout_file(hardware)
+        # xacro would take minutes for some files that are no layouts.
+        yaml_document(read_named(hardware, _LAYOUT, _MOST_BYTES), hardware)
         return str(Path(hardware).resolve())
     if hardware != MOCK:
         choice("ros2_control hardware", hardware, _layouts())
@@ -194,26 +194,3 @@ def _layouts() -> tuple[str, ...]:
     import yaml
 
     return tuple(yaml.safe_load(_LAYOUTS.read_bytes()))
-
-
-def _check_layout_file(path: str) -> None:
-    """Check what xacro would not: that the file is YAML of a few levels, no aliases.
-
-    A few aliases of aliases stand for more text than a machine can hold, and deep
-    levels take the reader quadratic time.
-    """
-    import yaml
-
-    content = read_named(path, _LAYOUT, _MOST_BYTES)
-    level = 0
-    try:
-        for event in yaml.parse(content, yaml.SafeLoader):
-            if isinstance(event, yaml.AliasEvent):
-                raise FileFormatError(path, f"no alias such as *{event.anchor}")
-            level += isinstance(event, yaml.CollectionStartEvent)
-            level -= isinstance(event, yaml.CollectionEndEvent)
-            if level > _MOST_LEVELS:
-                raise FileFormatError(path, f"more than {_MOST_LEVELS} levels")
-    except yaml.YAMLError as error:
-        problem = " ".join(str(error).split())
-        raise FileFormatError(path, f"not YAML: {problem}") from None

@@ -168,6 +168,13 @@ def tip_height(parameters: Alpha5Parameters, jaw: float) -> tuple[float, float]:
     return pivot + beyond_pivot, jaws.finger_turn * by_angle
 
 
+def finger_tips(parameters: Alpha5Parameters) -> dict[str, FloatArray]:
+    """The tip of each finger in its frame, (3,) [m]; closed, both are at one point."""
+    jaws = parameters.jaws
+    tip = np.array([jaws.pivot_offset, jaws.finger_length, 0.0])
+    return {"finger_1": tip, "finger_2": -tip}
+
+
 def tool_at_tip(
     arm: Alpha5Parameters | None = None, *, jaw: float | None = None
 ) -> Pose:

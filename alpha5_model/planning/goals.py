@@ -16,6 +16,10 @@ from alpha5_model.kinematics.pose import inverse_kinematics_pose
 from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
+#: Kinds of targets.
+POINT = "position"
+JOINTS = "joints"
+POSE = "pose"
 #: Other wrist angles at which a point is looked for, evenly over the range of axis_b.
 WRISTS = 91
 
@@ -38,26 +42,30 @@ class Target(NamedTuple):
     Attributes:
         kind: ``position``, ``joints`` or ``pose``.
         value: (3,) [m], (4,) [rad] or (4, 4).
+        place: Where it was given, for messages.
     """
 
     kind: str
     value: FloatArray
+    place: str
 
 
-def target_of(given: Any) -> Target:
+def target_of(name: str, given: Any) -> Target:
     """The target that a caller means.
 
     Raises:
         InputError: Neither a point, nor four angles, nor a pose.
     """
+    if isinstance(given, Target):
+        return given
     if hasattr(given, "homogeneous"):
         given = given.homogeneous
-    value = float_array("target", given, ())
-    kinds = {(3,): "position", (4,): "joints", (4, 4): "pose"}
+    value = float_array(name, given, ())
+    kinds = {(3,): POINT, (4,): JOINTS, (4, 4): POSE}
     if value.shape not in kinds:
         expected = "a point (3,) [m], joint positions (4,) [rad] or a pose (4, 4)"
-        raise InputError("target", value.tolist(), expected)
-    return Target(kind=kinds[value.shape], value=value)
+        raise InputError(name, value.tolist(), expected)
+    return Target(kind=kinds[value.shape], value=value, place=name)
 
 
 def joint_position(name: str, given: ArrayLike, arm: Alpha5Parameters) -> FloatArray:
@@ -96,9 +104,9 @@ def goals(
     Raises:
         Alpha5Error: There is none; it says why.
     """
-    if target.kind == "joints":
+    if target.kind == JOINTS:
         return [Goal(q=joint_position("target", target.value, arm), branch=None)]
-    if target.kind == "pose":
+    if target.kind == POSE:
         return _of_pose(target.value, q0, arm)
     angle = float(q0[3]) if wrist is None else real("wrist", wrist)
     return _of_point(target.value, angle, q0, arm)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache, partial
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,11 +16,14 @@ from alpha5_model._support.checks import (
     flag,
     float_array,
     frozen,
+    listed,
     real,
 )
+from alpha5_model._support.spatial import angles_between
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import (
+    Alpha5Error,
     BlockedMotionError,
     InputError,
     MotionLimitError,
@@ -27,6 +31,8 @@ from alpha5_model.errors import (
 )
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.planning.goals import (
+    POINT,
+    POSE,
     Goal,
     Target,
     goals,
@@ -35,11 +41,11 @@ from alpha5_model.planning.goals import (
     target_of,
 )
 from alpha5_model.planning.obstacles import Obstacle, checked_obstacles
-from alpha5_model.planning.planned_motion import PlannedMotion
+from alpha5_model.planning.planned_motion import PlannedMotion, Stop
 from alpha5_model.planning.replay import peaks, replayed, worst
 from alpha5_model.planning.retracted import retracted_poses
 from alpha5_model.planning.routes import TCP_LINE, Route, Search
-from alpha5_model.planning.s_curve import JointLimits, Samples, sampled
+from alpha5_model.planning.s_curve import JointLimits, Samples, sampled, travel_time
 from alpha5_model.planning.surroundings import Obstruction, Surroundings
 from alpha5_model.planning.tcp_line import check_free, tcp_line
 
@@ -55,6 +61,8 @@ WRISTS = 9
 _LEAST = 1e-8
 #: Fewest samples per second [Hz].
 _LEAST_RATE = 0.1
+#: Name of the argument with the last target.
+_TARGET = "target"
 #: A day: longer motions are not meant [s].
 _LONGEST = 86_400.0
 #: The motion along a route, within limits of the joints.
@@ -72,6 +80,7 @@ def plan(
     q0: ArrayLike,
     target: Any,
     *,
+    through: Iterable[Any] = (),
     arm: Alpha5Parameters | Arm | None = None,
     obstacles: Iterable[Obstacle] = (),
     speed: ArrayLike | None = None,
@@ -86,12 +95,17 @@ def plan(
 ) -> PlannedMotion:
     """A motion from a joint position to a target, free of collision, within limits.
 
+    It may lead through other targets, and rests at each.
+
     The path is a straight joint line to the branch that is reached first. If that line
     is not free, the path leads to another branch, or by retracted poses, with the hand
     near the yaw axis. Each line is proved free between its ends, not sampled
     (`alpha5_model.planning.surroundings`). Joints move by S-curves and rest where two
     lines meet. The motion is replayed through `alpha5_model.trajectory.analyse`; if a
     torque, a current or a voltage is beyond its limit, the motion is slowed down.
+
+    Through several targets, each is reached from the one before by itself: the branch
+    that is quickest to a target may be one from which the next target is not reached.
 
     This is no general planner: there may be a path although none is found. Attached
     bodies, and what the jaws hold, are not compared with obstacles.
@@ -101,6 +115,8 @@ def plan(
         target: Of the tcp, a point in base_link (3,) [m] or a pose (4, 4), also a
             ``pinocchio.SE3``, that is reached as `alpha5_model.inverse_kinematics_pose`
             says; or joint positions, (4,) [rad].
+        through: Targets of these kinds on the way, in their order. A file of them is
+            read by `alpha5_model.planning.read_waypoints`.
         arm: Record of the arm, None for the catalogue's, in sea water. Or an `Arm` on a
             fixed base with closed jaws, in another fluid or with a payload.
         obstacles: That the arm must not touch. What is fixed to link_0 may be touched
@@ -113,11 +129,12 @@ def plan(
             free if it keeps 0.1 mm more.
         self_margin: Distance that the links keep to each other [m]; those next to each
             other are not compared.
-        wrist: theta_3 at the point [rad]; None for that of ``q0``, or another one if
-            that is not free. Only for a point.
+        wrist: theta_3 at the point, or at each of several [rad]; None for that before
+            it, or another one if that is not free. Only for points.
         line: Move the tcp along a straight line, in the least time that speeds and
             accelerations allow. The branch changes on the yaw axis only. Only to a
-            point; it needs toppra. theta_3 stays, or changes evenly to ``wrist``.
+            point, without ``through``; it needs toppra. theta_3 stays, or changes
+            evenly to ``wrist``.
         supply_voltage: Of the motors [V]; None for that of the arm's record.
         current_limit: Of the motors' drives [A]; None for those of the arm's record.
         rate: Samples per second [Hz]. The motion is made longer by less than one step,
@@ -138,12 +155,12 @@ def plan(
     record = loaded.parameters
     limits = _limits(record, speed, acceleration)
     start = joint_position("q0", q0, record)
-    wanted = target_of(target)
-    if wrist is not None and wanted.kind != "position":
-        raise InputError("wrist", wrist, "no value: only a point leaves it open")
-    if flag("line", line) and wanted.kind != "position":
-        expected = "a point (3,) [m]: a straight line leads to one"
-        raise InputError("target", wanted.value.tolist(), expected)
+    targets = [
+        target_of(f"through[{number}]", given)
+        for number, given in enumerate(listed("through", through, "a list of targets"))
+    ]
+    targets.append(target_of(_TARGET, target))
+    _check_kinds(targets, wrist, flag("line", line))
 
     if rate is not None:
         rate = real("rate", rate, minimum=_LEAST_RATE)
@@ -156,12 +173,30 @@ def plan(
     _check_start(surroundings, start)
     drive = _Drive(supply_voltage, current_limit)
     if line:
-        route, line_within = _line(surroundings, start, wanted.value, wrist, loaded)
+        point = targets[0].value
+        route, line_within = _line(surroundings, start, point, wrist, loaded)
         samples_within = partial(line_within, rate=rate)
     else:
-        route = _route(surroundings, start, wanted, wrist, record, limits)
+        route = _through(surroundings, start, targets, wrist, record, limits)
         samples_within = partial(sampled, route.way, rate=rate)
-    return _timed(route, samples_within, loaded, limits, drive, surroundings)
+    return _timed(route, targets, samples_within, loaded, limits, drive, surroundings)
+
+
+def _check_kinds(targets: list[Target], wrist: float | None, line: bool) -> None:
+    """Refuse options that only points have.
+
+    Raises:
+        InputError: A wrist angle without a point, or a line that leads to none, or to
+            several.
+    """
+    if wrist is not None and all(target.kind != POINT for target in targets):
+        raise InputError("wrist", wrist, "no value: only a point leaves it open")
+    if line and len(targets) > 1:
+        expected = "no targets on the way of a straight line: plan one for each"
+        raise InputError("through", f"{len(targets) - 1} of them", expected)
+    if line and targets[0].kind != POINT:
+        expected = "a point (3,) [m]: a straight line leads to one"
+        raise InputError("target", targets[0].value.tolist(), expected)
 
 
 def loaded_arm(arm: Alpha5Parameters | Arm | None) -> Arm:
@@ -240,10 +275,46 @@ def _line(
     line = tcp_line(start, target, angle, arm)
     check_free(line, surroundings)
     end = line.way[-1]
-    reached = goals(Target(kind="position", value=target), start, angle, arm.parameters)
+    wanted = Target(kind=POINT, value=target, place=_TARGET)
+    reached = goals(wanted, start, angle, arm.parameters)
     goal = min(reached, key=lambda goal: float(np.abs(goal.q - end).max()))
     ends = np.array([start, end])
-    return Route(way=ends, kind=TCP_LINE, branch=goal.branch), line.sampled
+    route = Route(way=ends, kind=TCP_LINE, branch=goal.branch, ends=(1,))
+    return route, line.sampled
+
+
+def _through(
+    surroundings: Surroundings,
+    start: FloatArray,
+    targets: list[Target],
+    wrist: float | None,
+    arm: Alpha5Parameters,
+    limits: JointLimits,
+) -> Route:
+    """A way through targets, one after the other.
+
+    Raises:
+        Alpha5Error: One cannot be reached; if there are several, or they come from a
+            file, it names which.
+    """
+    way = [start]
+    kinds = []
+    branch = None
+    ends = []
+    for target in targets:
+        angle = wrist if target.kind == POINT else None
+        try:
+            part = _route(surroundings, way[-1], target, angle, arm, limits)
+        except Alpha5Error as error:
+            if len(targets) > 1 or target.place != _TARGET:
+                error.args = (f"{target.place}: {error}",)
+            raise
+        way += [*part.way[1:]]
+        kinds.append(part.kind)
+        branch = part.branch
+        ends.append(len(way) - 1)
+    kind = ", ".join(dict.fromkeys(kinds))
+    return Route(way=np.array(way), kind=kind, branch=branch, ends=tuple(ends))
 
 
 def _route(
@@ -259,7 +330,7 @@ def _route(
     Raises:
         BlockedMotionError: None was found.
     """
-    wrist_is_open = target.kind == "position" and wrist is None
+    wrist_is_open = target.kind == POINT and wrist is None
     others: list[list[Goal]] | None = None
     choices: list[list[Goal]] = []
     try:
@@ -327,6 +398,7 @@ def _blocked_by(found: Obstruction, problem: str) -> BlockedMotionError:
 
 def _timed(
     route: Route,
+    targets: list[Target],
     samples_within: _Samples,
     arm: Arm,
     limits: JointLimits,
@@ -337,6 +409,7 @@ def _timed(
 
     Args:
         route: The way.
+        targets: That it leads through.
         samples_within: Its motion within limits of the joints.
         arm: Whose motors are asked.
         limits: Of its joints.
@@ -377,8 +450,39 @@ def _timed(
         way=frozen(route.way),
         kind=route.kind,
         branch=route.branch,
+        stops=tuple(_stops(route, targets, limits.slower(slowed), duration, arm)),
         slowed=slowed,
         peaks=tuple(found),
         analysis=analysis,
         _surroundings=surroundings,
     )
+
+
+def _stops(
+    route: Route,
+    targets: list[Target],
+    limits: JointLimits,
+    duration: float,
+    arm: Arm,
+) -> Iterator[Stop]:
+    """Where and when a motion along a route rests.
+
+    Args:
+        route: The way.
+        targets: That it leads through.
+        limits: With which it was given its times.
+        duration: Of the motion, which a wanted rate makes a little longer [s].
+        arm: For the orientation of the tcp.
+    """
+    lines = [travel_time(np.array(line), limits) for line in pairwise(route.way)]
+    until = np.append(0.0, np.cumsum(lines))
+    for target, end in zip(targets, route.ends, strict=True):
+        q = route.way[end]
+        share = float(until[end] / until[-1]) if until[-1] else 1.0
+        error = 0.0
+        if target.kind == POSE:
+            reached = arm.forward_kinematics(q).homogeneous
+            error = float(angles_between(reached, target.value))
+        yield Stop(
+            place=target.place, time=share * duration, q=frozen(q), rotation_error=error
+        )

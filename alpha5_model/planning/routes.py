@@ -35,13 +35,16 @@ class Route:
 
     Attributes:
         way: Ends of its straight joint lines, (K, 4) [rad].
-        kind: `STRAIGHT`, `OTHER_BRANCH`, `RETRACTED` or `TCP_LINE`.
+        kind: `STRAIGHT`, `OTHER_BRANCH`, `RETRACTED` or `TCP_LINE`; of a way through
+            several targets, those of its parts.
         branch: Of the inverse kinematics; None if joint positions were asked for.
+        ends: Rows of the way that reach a target, in their order.
     """
 
     way: FloatArray
     kind: str
     branch: str | None
+    ends: tuple[int, ...]
 
 
 class Search:
@@ -66,11 +69,8 @@ class Search:
         order = sorted(goals, key=lambda goal: self._time([self._q0, goal.q]))
         for number, goal in enumerate(order):
             if self._free(self._q0, goal.q):
-                return Route(
-                    way=np.array([self._q0, goal.q]),
-                    kind=STRAIGHT if number == 0 else OTHER_BRANCH,
-                    branch=goal.branch,
-                )
+                kind = STRAIGHT if number == 0 else OTHER_BRANCH
+                return _route([self._q0, goal.q], kind, goal)
         return None
 
     def by_retracted(
@@ -94,7 +94,7 @@ class Search:
         for goal, start, end in turns:
             way = [self._q0, start, end, goal.q]
             if self._all_free(way):
-                return Route(way=np.array(way), kind=RETRACTED, branch=goal.branch)
+                return _route(way, RETRACTED, goal)
 
         for goal, start, end in turns:
             if not self._free(start, end):
@@ -103,7 +103,7 @@ class Search:
             after = before and self._by_another(end, goal.q, poses)
             if before and after:
                 way = [*before, *after]
-                return Route(way=np.array(way), kind=RETRACTED, branch=goal.branch)
+                return _route(way, RETRACTED, goal)
         return None
 
     def _turns(
@@ -169,6 +169,11 @@ class Search:
             if self.obstruction is None:
                 self.obstruction = found
         return self._known[key]
+
+
+def _route(way: Sequence[FloatArray], kind: str, goal: Goal) -> Route:
+    end = len(way) - 1
+    return Route(way=np.array(way), kind=kind, branch=goal.branch, ends=(end,))
 
 
 def _retracted(q: FloatArray, pose: tuple[float, float]) -> FloatArray:

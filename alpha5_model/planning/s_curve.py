@@ -222,7 +222,7 @@ def sampled(way: FloatArray, limits: JointLimits, rate: float | None = None) -> 
     acceleration = np.zeros(position.shape)
     begin = 0.0
     for start, end, curve in lines:
-        during = (time >= begin) & (time < begin + curve.duration)
+        during = slice(*np.searchsorted(time, [begin, begin + curve.duration]))
         profile = curve.at(time[during] - begin)
         position[during] = start + profile.s[:, None] * (end - start)
         velocity[during] = profile.rate[:, None] * (end - start)

@@ -103,6 +103,8 @@ _STAMP_SECONDS = re.compile(r"((?:.*[./_])?stamp[./_])secs?")
 _NANOSECONDS = ("nanosec", "nsecs", "nsec", "nanosecs", "nanoseconds")
 #: Names of a column that says which joint a row is about.
 JOINT_COLUMNS = ("joint", "joint_name", "joint name", "name", "axis", "variable")
+#: Fewer rows are no motion.
+_FEWEST_SAMPLES = 5
 #: The arm has four joints, and more names than this are no joints.
 _FEWEST_JOINTS = 4
 _MOST_JOINTS = 100
@@ -307,7 +309,7 @@ def without_other_joints(table: Table, roles: Roles) -> Table:
 def _is_of_a_joint(name: str) -> bool:
     """Whether a column without a joint in its name holds a quantity of joints."""
     known = {*_QUANTITIES, TORQUE, ACCELERATION, COMMAND}
-    return name == "value" or not known.isdisjoint(_meanings(_split_unit(name)[0]))
+    return name == "value" or not known.isdisjoint(_meanings(split_unit(name)[0]))
 
 
 def find_roles(
@@ -317,6 +319,7 @@ def find_roles(
     wanted_prefix: str | None,
     degrees: bool,
     wanted_time: str | None,
+    waypoints: bool = False,
 ) -> Roles:
     """Which columns of a table are the time and the joints' quantities.
 
@@ -328,6 +331,7 @@ def find_roles(
         degrees: Whether angles are in degrees if their columns name no unit.
         wanted_time: Column of the time that the caller gave, ``NAME`` or
             ``NAME:unit``; None if none.
+        waypoints: Whether rows are no samples of a motion, so that a few are enough.
 
     Raises:
         InputError: Several arms to choose from, or no such column of the time.
@@ -363,6 +367,8 @@ def find_roles(
             problem = f"{number} columns for the {meaning} of {joint}: {names}"
         else:
             problem = _missing(table, columns, joint, meaning, group)
+            if len(table.values) < _FEWEST_SAMPLES and not waypoints:
+                problem += f"; and {len(table.values)} rows are no motion"
         raise FileFormatError(path, problem, table.head)
 
     joints = JOINT_NAMES if found(JOINT_NAMES[4], POSITION) else JOINT_NAMES[:4]
@@ -532,7 +538,7 @@ def _columns_of_joints(
         meaning = _meaning(before, after, given)
         scale: float | None = None
 
-        stem, unit = _split_unit(after)
+        stem, unit = split_unit(after)
         if unit:
             of_stem = _meaning(before, stem, given)
             # Drivers report the current in the field of the effort, and a bare
@@ -554,7 +560,7 @@ def _columns_of_joints(
     return columns
 
 
-def _split_unit(after: str) -> tuple[str, str]:
+def split_unit(after: str) -> tuple[str, str]:
     """The end of a name without its unit, and the unit in small letters.
 
     As in ``_pos [deg]``, ``_deg`` and ``_vel_rad_s``. It is ``""`` if there is none.
@@ -654,8 +660,6 @@ def _missing(
         problem += f"; {', '.join(reasons)}"
     elif meaning == POSITION:
         problem += " (other names: --map axis_e=NAME,...)"
-    if len(table.values) < 5:
-        problem += f"; and {len(table.values)} rows are no motion"
     return f"{problem}, got {', '.join(table.header)[:200]}"
 
 

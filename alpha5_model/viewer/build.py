@@ -21,6 +21,7 @@ from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.reach import nearest_reachable
 from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers.hydrodynamics import LEVELS
+from alpha5_model.numbers.jaws import finger_tips
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue, parameters
 from alpha5_model.planning.goals import reaching_wrists
 from alpha5_model.planning.obstacles import Obstacle, checked_obstacles
@@ -151,6 +152,7 @@ def build_scene(
         name=record.name if is_own else "",
         payload=held,
         is_fixed=not arm.floating_base,
+        finger_tips=finger_tips(record),
     )
     return framed(scene)
 

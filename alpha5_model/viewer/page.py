@@ -125,6 +125,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "speed": scene.speed,
         "camera": scene.camera,
         "target": scene.target,
+        "fingerTips": scene.finger_tips,
         "tree": [_joint(joint) for joint in scene.tree],
         "root": pose_message(scene)["root"],
         "q": scene.q,

@@ -319,6 +319,7 @@ class Scene:
         name: Of an arm of one's own; empty for the catalogue's.
         payload: What the arm holds at the tcp; it is in none of the loads.
         is_fixed: Whether the base is fixed.
+        finger_tips: Finger -> its tip in its frame, (3,) [m].
     """
 
     notes: tuple[str, ...]
@@ -341,3 +342,4 @@ class Scene:
     name: str = ""
     payload: Payload = NO_PAYLOAD
     is_fixed: bool = True
+    finger_tips: Mapping[str, FloatArray] = field(default_factory=dict)

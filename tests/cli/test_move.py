@@ -113,6 +113,33 @@ def test_obstacles_of_a_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert "post and link_" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("folder")
+def test_waypoints_of_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("points.csv").write_text("x [mm],y [mm],z [mm]\n200,100,100\n150,200,100\n")
+    through = ("home", "--through", "points.csv")
+    found = answer(capsys, *through, "--bus", "bus.csv", "-o", "m.yaml")
+    assert [stop["place"] for stop in found["stops"]] == [
+        *("points.csv, line 2", "points.csv, line 3")
+    ]
+    for stop, point in zip(
+        found["stops"], [[0.2, 0.1, 0.1], [0.15, 0.2, 0.1]], strict=True
+    ):
+        assert tip(np.array(stop["q"])) == pytest.approx(point, abs=1e-9)
+    bus = np.genfromtxt("bus.csv", delimiter=",", names=True)
+    assert bus["device_4_rad"][-1] == pytest.approx(found["way"][-1][1])
+    # The written message is a file of waypoints, with the same way.
+    again = answer(capsys, "home", "reach", "--through", "m.yaml")
+    assert again["stops"][-2]["q"] == pytest.approx(found["way"][-1])
+    assert again["stops"][-1]["q"] == a5.named_pose("reach").tolist()
+
+    lines = ["x,y,z,roll,pitch,yaw", "0.2,0.1,0.1,0,90,0"]
+    Path("poses.csv").write_text("\n".join(lines))
+    assert main(["move", "home", "--through", "poses.csv", "--degrees"]) == 0
+    assert "turned by" in capsys.readouterr().out
+    assert main(["move", "home", "--through", "points.csv", "--line"]) == 2
+    assert "through" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -124,6 +151,9 @@ def test_obstacles_of_a_file(capsys: pytest.CaptureFixture[str]) -> None:
         (("home", "reach", "--obstacles", "none.toml"), "no such file"),
         (("home", "reach", "--output", "motion.txt"), "unknown format for --output"),
         (("home", "reach", "--obstacles", "scene.toml", "-o", "scene.toml"), "unknown"),
+        (("home", "--through", "scene.toml"), "axis_e to axis_b, or x, y, z"),
+        (("home", "--through", "none.csv"), "no such file"),
+        (("home", "reach", "--bus", "bus.yaml"), "unknown format for --bus"),
         (("home", "reach", "--speed", "0"), "speed: expected one number above 0"),
         (("home", "reach", "--speed", "fast"), "expected one number (rad/s), got"),
         (("home", "reach", "--supply-voltage", "24"), "both or neither"),

@@ -49,6 +49,10 @@ ANSWERS = {
     ),
     "generate": ("generate", "urdf", "--gripper", "jaws", "--output", "made/arm.urdf"),
     "ik": ("ik", "0.25", "-0.1", "0.05", "--wrist", "90deg"),
+    "jaws": (
+        *("jaws", "--opening", "40mm"),
+        *("--motor-current", "0.05", "--screw-lead", "1mm"),
+    ),
     "move": ("move", "home", "0.2", "0.1", "0.1", "--output", "planned.csv"),
     "park": ("park", "0.45", "0.1", "0.1", "--spacing", "0.2", "--output", "p.csv"),
     "planar": ("planar", "5", "4", "1", "--radius", "3"),

@@ -82,7 +82,9 @@ VALUES: dict[str, tuple[str, ...]] = {
     "--size": ("64x48",),
     "--smoothing": ("spline", "interpolate"),
     "--supply-voltage": ("24", "1e-3"),
+    "--screw-efficiency": ("0.2 1", "0.5 0.5", "1 0", "2 3"),
     "--target": ("0.3,0,0.1",),
+    "--through": RECORDINGS,
     "--topic": ("/x",),
     "--urdf": ROBOTS,
     "--velocities": ("auto", "file", "positions"),
@@ -90,6 +92,7 @@ VALUES: dict[str, tuple[str, ...]] = {
 }
 #: Option -> endings of the file that it writes.
 WRITTEN = {
+    "--bus": (".csv", ".txt"),
     "--output": (".csv", ".json", ".urdf", ".toml", ".txt", ""),
     "--plot": (".png", ".svg", ".bmp"),
     "--html": (".html",),
@@ -122,6 +125,7 @@ ARGUMENTS: dict[str, tuple[tuple[str, ...], ...]] = {
         )
     },
     "ik": (("0.3", "0.25"), ("0.1", "-0.05"), ("0.1", "0")),
+    "jaws": (),
     "move": (PLACES, PLACES),
     "planar": (("0.3", "1.2", "3"),) * 3,
     "sweep": (("study.toml", "study.toml", "damaged_study.toml", "arm.urdf", "none"),),

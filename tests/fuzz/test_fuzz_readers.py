@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import io
 import itertools
+import json
 import re
 from collections.abc import Callable
 from functools import cache
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 import oracle
 import pytest
+import yaml
 from damage import damaged, garbled
 from good_files import ARM, JOINTS, OBSTACLES, STUDY, table
 from hypothesis import given
@@ -24,6 +26,7 @@ from alpha5_model._support.text import plain
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import Alpha5Error
+from alpha5_model.planning import read_waypoints
 from alpha5_model.planning.obstacle_file import read_obstacles
 from alpha5_model.proofs.comparison.as_arm import arm_of_model, arm_text
 from alpha5_model.studies.sweep.study import read_study
@@ -138,6 +141,26 @@ def test_containers(
     suffix, content = container
     changed = data.draw(garbled(content))
     read(folder / f"garbled{suffix}", changed, a5.trajectory.read_motion)
+
+
+#: Ending -> the text of a file of waypoints.
+WAYPOINTS: dict[str, Callable[[], str]] = {
+    ".csv": table,
+    ".txt": lambda: "x [mm];y;z;roll [deg];pitch;yaw\n200;0.1;0.1;0;1,5;0\n" * 2,
+    ".json": lambda: json.dumps(GOAL),
+    ".yaml": lambda: yaml.safe_dump(GOAL),
+}
+POINTS = [{"positions": [1.0, 1.2, 1.0, 0.5]}, {"positions": [1.5, 1.0, 1.0, 0.5]}]
+GOAL = {"trajectory": {"joint_names": [*JOINTS], "points": POINTS}}
+
+
+@oracle.fuzzed
+@given(data=st.data())
+def test_waypoints(folder: Path, data: st.DataObject) -> None:
+    suffix = data.draw(st.sampled_from([*WAYPOINTS]))
+    kind = "table" if suffix in (".csv", ".txt") else "toml"
+    content = data.draw(damaged(WAYPOINTS[suffix](), kind))
+    read(folder / f"waypoints{suffix}", content, read_waypoints)
 
 
 def study(path: Path) -> Any:

@@ -434,7 +434,7 @@ def test_a_target_on_the_yaw_axis_keeps_theta_0() -> None:
     points = np.column_stack([np.zeros((200, 2)), heights])
     reached = points[a5.reachable(points)]
     assert len(reached)
-    for found in goals(target_of(reached[0]), q0, None, a5.parameters()):
+    for found in goals(target_of("target", reached[0]), q0, None, a5.parameters()):
         assert found.q[0] == q0[0]
         assert tip(found.q) == pytest.approx(reached[0], abs=1e-9)
 

@@ -257,7 +257,19 @@ def kinematics_calls() -> list[tuple[str, Call]]:
     inside = (posed.within_limits & ~posed.collides).any(axis=-1)
     posed = a5.inverse_kinematics_pose(poses[inside])
     space = a5.workspace
+    jaws = a5.jaws()
+    rods = {"rod": rng.uniform(jaws.closed, jaws.open, ROWS)}
+    places = {"at": rng.uniform(-0.03, 0.03, ROWS)}
     table: list[tuple[str, Any, dict[str, Any], dict[str, Any]]] = [
+        ("JawTool.opening", jaws.opening, rods, {}),
+        ("JawTool.rod", jaws.rod, {"opening": rng.uniform(0.0, 0.1, ROWS)}, {}),
+        ("JawTool.gap", jaws.gap, places, {"rod": 0.006}),
+        (
+            "JawTool.force",
+            jaws.force,
+            {"current": rng.uniform(0.0, 0.2, ROWS)},
+            {"screw_lead": 1e-3},
+        ),
         ("inverse_kinematics", a5.inverse_kinematics, {"position": positions}, {}),
         ("inverse_kinematics", a5.inverse_kinematics, {"position": positions[0]}, {}),
         (

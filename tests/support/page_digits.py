@@ -176,7 +176,7 @@ def expected(one: Case, q: np.ndarray) -> Iterator[dict[str, str]]:
         rod = [f"{1e3 * value:.2f}" for value in row[4:]]
         yield {
             "holds": " ".join(_held(each) for each in torques[:, :4].T)
-            + (" " if len(row) > 4 else ""),
+            + (f" tips {_opening(one, row)} mm apart" if len(row) > 4 else ""),
             "angles": " ".join(degrees + rod),
             "tcp": "tcp  " + "  ".join(_axes(tcp)) + " mm",
             "bars": " ".join(_digits(np.abs(each).max(), 3) for each in torques.T[:4]),
@@ -184,6 +184,17 @@ def expected(one: Case, q: np.ndarray) -> Iterator[dict[str, str]]:
             "forces": _forces(one),
             "carrier": _carrier(one, row),
         }
+
+
+def _opening(one: Case, q: np.ndarray) -> str:
+    """Distance of the finger tips [mm], by Pinocchio's frames."""
+    jaws = one.arm.parameters.jaws
+    tip = np.array([jaws.pivot_offset, jaws.finger_length, 0.0])
+    ends = [
+        one.arm.forward_kinematics(q, name).act(sign * tip)
+        for name, sign in (("finger_1", 1.0), ("finger_2", -1.0))
+    ]
+    return _digits(1e3 * np.linalg.norm(ends[0] - ends[1]), 1)
 
 
 def _torques(one: Case, q: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ import { limitBeyond, viewer } from "./scene.js";
 import { keepInSight } from "./camera.js";
 import { moveByHand, travelTo } from "./travel.js";
 import { leaveTarget } from "./target.js";
-import { clamp } from "./vectors.js";
+import { apart, clamp, placed } from "./vectors.js";
 
 for (const note of data.notes) added(byId("notes"), "p", { textContent: note });
 
@@ -30,6 +30,7 @@ const isRod = (joint) => joint.kind === "prismatic";
 const keyStep = (joint) => isRod(joint) ? 1e-4 : 0.1 * Math.PI / 180;
 const unit = (joint) => isRod(joint) ? "mm" : state.degrees ? "\u00b0" : "rad";
 const amount = (joint, value) => isRod(joint) ? `${mm(value)} mm` : `${fixed(value * 180 / Math.PI, 1)}\u00b0`;
+const openingAt = (poses) => apart(...Object.entries(data.fingerTips).map(([finger, tip]) => placed(poses[finger], tip)));
 const at = (joint) => state.q[joints.indexOf(joint)];
 const rows = joints.map((joint) => {
   const row = added(byId("joints"), "div", { className: "joint" });
@@ -91,7 +92,8 @@ onChange((part, by) => {
     write(sign, unit(joint));
     value.setAttribute("aria-label", `${joint.name} in ${unit(joint)}`);
     row.classList.toggle("beyond", limitBeyond(joint) !== undefined);
-    if (loads[i]) showTorque(torque, loads[i]); // there is none for the jaws' rod
+    if (loads[i]) showTorque(torque, loads[i]);
+    else write(torque, `tips ${mm(openingAt(state.poses))} mm apart`); // no torque is known for the jaws' rod
   });
   for (const button of units) button.setAttribute("aria-pressed", state.degrees === (button.value === "deg"));
   const [x, y, z] = tip(state.q);
