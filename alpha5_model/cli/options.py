@@ -148,12 +148,16 @@ def payload(parser: Parser) -> None:
     )
 
 
-def current(parser: Parser, words: str = "Adds drag and added mass, estimated") -> None:
+def water_velocity(
+    parser: Parser, words: str = "Adds drag and added mass, estimated"
+) -> None:
     parser.add_argument(
+        "--water-velocity",
         "--current",
         type=Vector(SPEED, SPEED, SPEED),
         metavar="X Y Z",
-        help=f"velocity of the water in base_link (m/s). {words}",
+        help=f"velocity of the water in base_link (m/s). {words}. "
+        "--current is its old name",
     )
 
 

@@ -70,7 +70,7 @@ def options(parser: Parser) -> None:
     common.gravity(parser)
     common.mount(parser)
     common.payload(parser)
-    common.current(parser)
+    common.water_velocity(parser)
     parser.add_argument(
         "--gripper",
         default="auto",
@@ -130,7 +130,7 @@ def run(given: Namespace) -> None:
             supply_voltage=given.supply_voltage,
             current_limit=given.current_limit,
             progress=progress,
-            current=given.current,
+            water_velocity=given.water_velocity,
             efficiency=given.efficiency,
         )
         margin = _torque_margin(analysis)

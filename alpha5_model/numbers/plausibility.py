@@ -117,7 +117,7 @@ ROD: Mapping[str, Plausible] = {
     "effort": Plausible("N", ((0.0, 1000.0),), {"mN": 1e-3}),
 }
 #: The fastest tidal currents have 10 m/s.
-CURRENT = Plausible("m/s", ((0.0, 10.0),), {"cm/s": 1e-2, "mm/s": 1e-3})
+WATER_VELOCITY = Plausible("m/s", ((0.0, 10.0),), {"cm/s": 1e-2, "mm/s": 1e-3})
 #: A hundred times Table 4's largest numbers, in the units that it prints.
 RESISTANCE = Plausible("Ohm", ((0.0, 4000.0),), {"mOhm": 1e-3})
 INDUCTANCE = Plausible("H", ((0.0, 0.13),), {"mH": 1e-3, "uH": 1e-6})

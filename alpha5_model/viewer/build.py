@@ -53,7 +53,7 @@ from alpha5_model.viewer.scene import (
 from alpha5_model.viewer.tracks import motion_track
 
 #: Velocity of the water in the scene if none is given [m/s].
-_CURRENT = (1.0, 0.0, 0.0)
+_WATER_VELOCITY = (1.0, 0.0, 0.0)
 #: Where file names of meshes in a URDF start.
 _FOLDER = str(Path(URDF_PATH).parent)
 
@@ -65,7 +65,7 @@ def build_scene(
     target: ArrayLike | None = None,
     motion: Motion | None = None,
     show: Iterable[str] | None = None,
-    current: ArrayLike | None = None,
+    water_velocity: ArrayLike | None = None,
     payload: Sequence[Any] | None = None,
     obstacles: Iterable[Obstacle] = (),
     curves: Mapping[str, ArrayLike] | None = None,
@@ -83,7 +83,7 @@ def build_scene(
         show: Groups to show, of `alpha5_model.viewer.scene.GROUPS`; the others can be
             switched on. If None: bodies, labels, centres, the ghosts if there is a
             target, the current if it is given.
-        current: Velocity of the water, (3,) [m/s], in base_link if the base is fixed,
+        water_velocity: (3,) [m/s], in base_link if the base is fixed,
             else in the world; 1 m/s along x if None. If the current is shown, the
             page's torques include its nominal load, which is estimated.
         payload: What the arm holds, beside payloads that it has, as
@@ -109,13 +109,15 @@ def build_scene(
     # Joints that the motion lacks stay where this pose has them.
     resting = with_base(arm, _start(arm, goal)) if q is None else q
     position = shaped("q", resting, (arm.model.nq,))
-    track = _track(motion, loaded, position, current, curves)
+    track = _track(motion, loaded, position, water_velocity, curves)
     if track is not None and q is None and goal is None:
         position = with_base(arm, track.q[0])
-    water = _water(arm, current)
+    water = _water(arm, water_velocity)
     loads = tuple(loads_of(arm, tree))
     if show is None:
-        show = _default_show(target=target is not None, current=current is not None)
+        show = _default_show(
+            target=target is not None, water_velocity=water_velocity is not None
+        )
 
     bodies = list(drawing.bodies(urdf, _FOLDER))
     things: list[Shape | Label] = [
@@ -168,11 +170,11 @@ def _forces(
     """Centres with weight and buoyancy, the current, and what the arm holds."""
     yield from drawing.centers(water.gravity, loads)
     frame = WORLD if arm.floating_base else root
-    yield from drawing.current_arrow(water.current, frame)
+    yield from drawing.current_arrow(water.water_velocity, frame)
     yield from drawing.payload(payload, water)
 
 
-def _water(arm: Arm, current: ArrayLike | None) -> Water:
+def _water(arm: Arm, water_velocity: ArrayLike | None) -> Water:
     """What the arm is in.
 
     The scene always has a current, which the page can switch on. A motion has one only
@@ -181,7 +183,11 @@ def _water(arm: Arm, current: ArrayLike | None) -> Water:
     return Water(
         density=arm.fluid_density,
         gravity=gravity_in_world(arm),
-        current=array("current", _CURRENT if current is None else current, 3),
+        water_velocity=array(
+            "water_velocity",
+            _WATER_VELOCITY if water_velocity is None else water_velocity,
+            3,
+        ),
         streams={level: tuple(streams_of(arm, level)) for level in LEVELS},
     )
 
@@ -197,12 +203,12 @@ def _track(
     motion: Motion | None,
     arm: Arm,
     q: FloatArray,
-    current: ArrayLike | None,
+    water_velocity: ArrayLike | None,
     curves: Mapping[str, ArrayLike] | None,
 ) -> MotionTrack | None:
     """A motion with its curves, if there is one."""
     if motion is not None:
-        return motion_track(motion, arm, q, current, curves)
+        return motion_track(motion, arm, q, water_velocity, curves)
     if curves:
         raise InputError("curves", [*curves], "a motion, with whose samples they go")
     return None
@@ -249,12 +255,12 @@ def _start(arm: Arm, goal: FloatArray | None) -> FloatArray:
     return colliding
 
 
-def _default_show(target: bool, current: bool) -> list[str]:
+def _default_show(target: bool, water_velocity: bool) -> list[str]:
     """Groups that are shown if there is a target or a current."""
     shown = list(DEFAULT_SHOW)
     if target:
         shown.append("ghosts")
-    if current:
+    if water_velocity:
         shown.append("current")
     return shown
 

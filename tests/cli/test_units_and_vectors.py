@@ -43,7 +43,8 @@ def test_units_are_those_of_the_quantity(capsys: Capture) -> None:
 
 
 @pytest.mark.parametrize(
-    ("option", "largest", "count"), [("--current", 100, 3), ("--fluid", 100_000, 1)]
+    ("option", "largest", "count"),
+    [("--water-velocity", 100, 3), ("--fluid", 100_000, 1)],
 )
 def test_numbers_that_no_water_has_are_refused(
     option: str, largest: int, count: int, capsys: Capture

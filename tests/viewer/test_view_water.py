@@ -191,7 +191,7 @@ def test_the_command_opens_with_payload_and_mount(
 
 
 def test_view_takes_a_current(chromium: Any) -> None:
-    viewer = a5.view(a5.load(), current=(0.0, 0.5, 0.0))
+    viewer = a5.view(a5.load(), water_velocity=(0.0, 0.5, 0.0))
     try:
         tab = new_tab(chromium)
         tab.open(viewer.url())
