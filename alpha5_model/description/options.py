@@ -10,7 +10,7 @@ from alpha5_model._support.spatial import Triple, rotation_from_rpy
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
-from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.pose import Pose
 
@@ -31,7 +31,7 @@ class ArmOptions:
         Alpha5Error: An option that cannot be.
     """
 
-    gripper: str = "locked"
+    gripper: Gripper = "locked"
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     arm: Alpha5Parameters | None = None
 
@@ -97,7 +97,7 @@ class SimulationOptions(MountedOptions):
     """Which arm is simulated, and in what.
 
     Attributes:
-        fluid_density: [kg/m^3]; 0 is air.
+        fluid_density: [kg/m^3]; 0 is air. Given as for `alpha5_model.load`.
         hydrodynamics: Adds what moving water does, which is estimated, not published:
             the catalogue's, in the frames of the links.
     """
@@ -108,6 +108,7 @@ class SimulationOptions(MountedOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         flag("hydrodynamics", self.hydrodynamics)
-        density_of(self.fluid_density)
+        density = density_of(self.fluid_density)
+        object.__setattr__(self, "fluid_density", density)
         if self.parent != "":
             plain_name("parent", self.parent)

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from alpha5_model._support.checks import FloatArray, choice, frozen
 from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.xml import XML_HEAD, add, serialized
-from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     JointParameters,
@@ -66,7 +66,7 @@ def named_poses(joints: Sequence[JointRange]) -> dict[str, tuple[float, ...]]:
     return poses
 
 
-def srdf(gripper: str = "locked", arm: Alpha5Parameters | None = None) -> str:
+def srdf(gripper: Gripper = "locked", arm: Alpha5Parameters | None = None) -> str:
     """Text of the SRDF that belongs to the URDF with this gripper.
 
     Args:

@@ -28,16 +28,16 @@ from alpha5_model.dynamics.buoyancy import Displacement, displacements
 from alpha5_model.dynamics.joint_tree import mimicking
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
-from alpha5_model.numbers.jaws import GRIPPERS, loaded_links
+from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, Fluid, density_of
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper, loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm, is_catalogue
 
 #: What can compute single calls.
 
 
 def load(
-    fluid_density: float = SEA_WATER,
-    gripper: str = "locked",
+    fluid_density: Fluid = SEA_WATER,
+    gripper: Gripper = "locked",
     floating_base: bool = False,
     gravity: ArrayLike = GRAVITY,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
@@ -46,7 +46,7 @@ def load(
     """The arm in a fluid, from the shipped URDF, or one of your own.
 
     Args:
-        fluid_density: [kg/m^3]; ``SEA_WATER``, ``FRESH_WATER``, ``AIR`` or any other.
+        fluid_density: [kg/m^3], or ``sea`` (1025), ``fresh`` (1000) or ``air`` (0).
         gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a, the jaw rod, which the
             fingers follow).
         floating_base: Puts base_link on Pinocchio's free-flyer joint, ``root_joint``.
@@ -91,7 +91,7 @@ def load(
 
 def arm_of(
     parameters: Alpha5Parameters,
-    fluid_density: float = SEA_WATER,
+    fluid_density: Fluid = SEA_WATER,
     gravity: ArrayLike = GRAVITY,
 ) -> Arm:
     """The arm of a parameter set, on a fixed base with locked jaws.
@@ -105,7 +105,8 @@ def arm_of(
         fluid_density: See `alpha5_model.load`.
         gravity: In base_link, whatever the mount of the set, (3,) [m/s^2].
     """
-    model = load(fluid_density, gravity=gravity).model
+    catalogue = load(fluid_density, gravity=gravity)
+    model = catalogue.model
     _set_placements(model, parameters)
     for number, joint in enumerate(parameters.joints[:4]):
         model.lowerPositionLimit[number] = joint.lower
@@ -117,7 +118,7 @@ def arm_of(
         body = pin.Inertia(link.mass, link.com, link.inertia)
         model.inertias[frame.parentJoint] = frame.placement.act(body)
     volumes = displacements(model, parameters, "locked")
-    return Arm(model, volumes, fluid_density, parameters=parameters)
+    return Arm(model, volumes, catalogue.fluid_density, parameters=parameters)
 
 
 def _set_placements(model: pin.Model, parameters: Alpha5Parameters) -> None:
@@ -135,7 +136,7 @@ def _set_placements(model: pin.Model, parameters: Alpha5Parameters) -> None:
 
 
 def robot_wrapper(
-    gripper: str = "locked",
+    gripper: Gripper = "locked",
     floating_base: bool = False,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
     arm: Alpha5Parameters | None = None,
@@ -191,7 +192,9 @@ class _Parsed(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> _Parsed:
+def _parsed(
+    gripper: Gripper, floating_base: bool, parameters: Alpha5Parameters
+) -> _Parsed:
     """Read the URDF of an arm."""
     text = arm_urdf(gripper, parameters)
     root = [pin.JointModelFreeFlyer()] if floating_base else []
@@ -205,7 +208,7 @@ def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> 
 
 
 @lru_cache(maxsize=64)
-def arm_urdf(gripper: str, parameters: Alpha5Parameters) -> str:
+def arm_urdf(gripper: Gripper, parameters: Alpha5Parameters) -> str:
     """Text of the URDF: the shipped one, or generated for another record.
 
     Its root is base_link: a mount would put a link of the vehicle there.

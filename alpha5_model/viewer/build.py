@@ -19,7 +19,6 @@ from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.reach import nearest_reachable
-from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue, parameters
 from alpha5_model.planning.goals import reaching_wrists
@@ -146,7 +145,7 @@ def build_scene(
         named_poses=named_poses(arm),
         motion=track,
         water=water,
-        collision=self_collision(record, _gripper_of(arm)).bodies,
+        collision=self_collision(record, arm.gripper).bodies,
         speed=np.array([joint.velocity for joint in joints]),
         target=goal,
         name=record.name if is_own else "",
@@ -214,16 +213,11 @@ def _track(
     return None
 
 
-def _gripper_of(arm: Arm) -> str:
-    """``jaws`` if they move, or ``locked``."""
-    return "jaws" if "axis_a" in arm.joint_names else "locked"
-
-
 def _urdf(arm: Arm) -> str:
     """The URDF that is drawn: the shipped one for the catalogue's arm."""
     record = arm.parameters
     # With other corrections, the joints of the shipped one are moved.
-    return arm_urdf(_gripper_of(arm), parameters() if is_catalogue(record) else record)
+    return arm_urdf(arm.gripper, parameters() if is_catalogue(record) else record)
 
 
 def _start(arm: Arm, goal: FloatArray | None) -> FloatArray:
@@ -267,9 +261,7 @@ def _default_show(target: bool, water_velocity: bool) -> list[str]:
 
 def _beyond_limits(arm: Arm, q: FloatArray) -> dict[str, bool]:
     """Name of each joint of the arm -> whether it is beyond a limit."""
-    inside = np.clip(q, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
-    beyond = np.abs(q - inside) > ON_LIMIT
-    joints: list[bool] = beyond[-len(arm.joint_names) :].tolist()
+    joints = arm.limits.beyond(q[-len(arm.joint_names) :]).tolist()
     return dict(zip(arm.joint_names, joints, strict=True))
 
 

@@ -58,8 +58,7 @@ def in_moving_water(
     arm: Arm, water_velocity: ArrayLike, level: str, numbers: str
 ) -> HydrodynamicArm:
     """An arm in moving water: see `Arm.with_hydrodynamics`."""
-    gripper = "jaws" if "finger_1" in arm._frames else "locked"
-    links = hydrodynamics(gripper, level, numbers)
+    links = hydrodynamics(arm.gripper, level, numbers)
     needed_for = "the moving water at its links"
     check_dimensions(arm._model, needed_for, DRAWN, arm.parameters)
     bodies = [joint_water(arm, link, data) for link, data in links.items()]

@@ -646,7 +646,7 @@ def test_impossible_payloads():
 
 
 def test_load_refuses_what_it_cannot_use():
-    for bad in (-1.0, math.nan, "sea", None, [1000.0, 1025.0], 1e60):
+    for bad in (-1.0, math.nan, "brine", None, [1000.0, 1025.0], 1e60):
         with pytest.raises(InputError):
             a5.load(bad)
     with pytest.raises(UnknownNameError, match="locked, jaws"):

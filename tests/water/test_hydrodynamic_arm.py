@@ -323,6 +323,7 @@ def test_what_is_asked_of_the_arm_in_still_water():
         "displaced_volume",
         "forward_kinematics",
         "gravity_torque",
+        "gripper",
         "hydrostatic_torque",
         "hydrostatic_torque_derivative",
         "in_collision",
