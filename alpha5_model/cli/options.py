@@ -210,7 +210,7 @@ def reading(parser: Parser) -> None:
     parser.add_argument(
         "--time",
         metavar="COLUMN",
-        help="column of the time, NAME or NAME:ms (s, ms, us or ns)",
+        help="column of the time, NAME or NAME:ms (s, ms, us, ns or min)",
     )
     parser.add_argument(
         "--episode", type=int, help="episode of a Parquet file that holds several"

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
-from alpha5_model.cli.quantities import ALONE, UNITS, Vector
+from alpha5_model.cli.quantities import UNITS, Vector
 from alpha5_model.errors import Alpha5Error
 
 #: One number or several in one word, each perhaps with its unit: 1, -0.4,0.2, 90deg.
@@ -120,7 +120,7 @@ def _numbers(left: deque[str], most: int | None) -> list[str]:
         taken.append(left.popleft())
         if most and len(_SEPARATED.split(taken[0].strip(" ,"))) > 1:
             break
-    if taken and left and left[0] in ALONE:
+    if taken and left and left[0] in UNITS:
         taken.append(left.popleft())
     # With a space before it, argparse does not take -1e-3 for an option.
     word = " ".join(taken)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from alpha5_model._support.checks import array, choice, flag, plain_name
 from alpha5_model._support.spatial import Triple, rotation_from_rpy
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
 from alpha5_model.numbers.jaws import GRIPPERS, Gripper
@@ -64,8 +65,9 @@ class MountedOptions(ArmOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("xyz", "rpy"):
-            given = array(name, getattr(self, name), 3)
+        xyz = array("xyz", self.xyz, 3)
+        rpy = plausibility.angles("rpy", self.rpy)
+        for name, given in (("xyz", xyz), ("rpy", rpy)):
             if given.any() and self.parent == "":
                 raise InputError(name, given.tolist(), "a parent link to mount on")
 

@@ -25,7 +25,6 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.renaming import renamed
-from alpha5_model.dynamics.arm_collision import ArmCollision
 from alpha5_model.dynamics.arm_model import ArmModel
 from alpha5_model.dynamics.batch import kernel_rows, solved
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
@@ -34,12 +33,12 @@ from alpha5_model.dynamics.model_changes import added_body, with_payload
 from alpha5_model.dynamics.regression import Regressor, regressor
 from alpha5_model.dynamics.states import Partials, forces
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics import pose
-from alpha5_model.kinematics.pose import ApproachDirections
 from alpha5_model.numbers.jaws import tip_height
 from alpha5_model.numbers.pose import tool_of
 
 if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm_collision import ArmCollision
+    from alpha5_model.kinematics.pose import ApproachDirections
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
     from alpha5_model.water.vehicle import Vehicle
 
@@ -176,6 +175,9 @@ class Arm(ArmModel):
         needed_for = "the inverse kinematics"
         check_dimensions(self._model, needed_for, arm=self.parameters)
         check_limits(self._model, needed_for, self.parameters)
+        # These imports would delay the start of every command.
+        from alpha5_model.kinematics import pose
+
         return pose.approach_directions(position, arm=self.parameters)
 
     def gravity_torque(self, q: ArrayLike) -> FloatArray:
@@ -718,6 +720,8 @@ class Arm(ArmModel):
 
     @cached_property
     def _collision(self) -> ArmCollision:
+        from alpha5_model.dynamics.arm_collision import ArmCollision
+
         return ArmCollision(self._model, self.parameters)
 
 

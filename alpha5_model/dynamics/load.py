@@ -21,7 +21,6 @@ from alpha5_model.description.frames import (
     tcp_placement,
 )
 from alpha5_model.description.reading import parse_urdf
-from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement, displacements
@@ -218,6 +217,9 @@ def arm_urdf(gripper: Gripper, parameters: Alpha5Parameters) -> str:
     if shipped:
         path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
         return read_named(path, "the generated URDF (alpha5 generate)").decode()
+    # The shipped file needs no writer.
+    from alpha5_model.description.urdf import Variant, urdf
+
     if is_catalogue(parameters):
         return urdf(Variant(gripper=gripper, corrections=corrections))
     unmounted = replace(parameters, mount=None)

@@ -53,7 +53,7 @@ class Obstacle:
 
     Warns:
         ImplausibleWarning: It is nowhere thinner than 2 m, a mesh 20 m, or all of it is
-            more than 2 m away from base_link.
+            more than 2 m away from base_link; or angles that are likely in degrees.
     """
 
     name: str
@@ -167,7 +167,7 @@ class Obstacle:
             expected = f"whole numbers from 0 to {len(points) - 1}"
             raise InputError("triangles", worst, expected)
 
-        frame = pose(array("xyz", xyz, 3), array("rpy", rpy, 3))
+        frame = pose(array("xyz", xyz, 3), plausibility.angles("rpy", rpy))
         corners = numbers.astype(np.intp)
         corners.flags.writeable = False
         return cls(name, Mesh(vertices=frozen(moved(frame, points)), triangles=corners))
@@ -227,7 +227,7 @@ def _primitive(
         kind=kind,
         size=size,
         xyz=tuple(array("xyz", xyz, 3).tolist()),
-        rpy=tuple(array("rpy", rpy, 3).tolist()),
+        rpy=tuple(plausibility.angles("rpy", rpy).tolist()),
     )
 
 

@@ -38,6 +38,9 @@ def test_units_are_those_of_the_quantity(capsys: Capture) -> None:
     place = answer(capsys, "ik", "0.25", "-0.1", "0.05")
     for words in (["250", "-100", "50", "mm"], ["250mm", "-0.1m", "50mm"]):
         assert answer(capsys, "ik", *words)["branches"] == place["branches"]
+    slow = answer(capsys, "torque", *POSE, "--water-velocity", "300", "0", "0", "mm/s")
+    again = answer(capsys, "torque", *POSE, "--current", "0.3 0 0")
+    assert again["joints"] == slow["joints"]
     assert refused(capsys, "argument Q", "fk", "1.5m", "1.2", "1.8", "0")
     assert refused(capsys, "", "ik", "0.25deg", "-0.1", "0.05")
 

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, count, generator, instance, real
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.fluids import AIR, Fluid
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.planning.surroundings import Surroundings
@@ -74,6 +75,7 @@ def plan_poses(
     rng = generator(seed)
     record = chosen_arm(arm)
     ballast = real("ballast", ballast, minimum=0.0)
+    plausibility.check("ballast", ballast, plausibility.MASS)
     chosen = instance("sensor", sensor, Sensor)  # type: ignore[type-abstract]
     options: dict[str, Any] = {"fluid_density": fluid_density, "gravity": gravity}
     numbers = prior_numbers(record, prior, ZEROS, moves=False)

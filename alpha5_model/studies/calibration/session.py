@@ -127,6 +127,7 @@ def session(
     if positions.ndim != 2 or not 0 < len(positions) <= MOST_STATES:
         expected = f"1 to {MOST_STATES} states, (N, 4)"
         raise ShapeError("q", positions.shape, expected)
+    plausibility.check("q", np.abs(positions).max(), plausibility.ANGLE)
     if gravity is None:
         pull = chosen.usual_gravity()
     else:
