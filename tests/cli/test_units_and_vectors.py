@@ -72,6 +72,20 @@ def test_a_payload_has_one_four_or_five_numbers(capsys: Capture) -> None:
         assert refused(capsys, "payload", "torque", *POSE, "--payload", text)
 
 
+def test_units_of_another_quantity_and_unknown_options_are_named(
+    capsys: Capture,
+) -> None:
+    """Faults of an earlier command line, which took these for something else."""
+    for payload in ("500mm", "30deg", "1 0 0 0 0.1mm"):
+        assert refused(capsys, "--payload", "torque", *POSE, "--payload", payload)
+    rod = ("180deg", "70deg", "100deg", "0deg", "0.005deg")
+    assert refused(capsys, "argument Q", "fk", *rod)
+    assert refused(capsys, "--radius", "planar", "5", "4", "1", "--radius", "-3")
+    for command in (["fk", *POSE[1:]], ["ik", "0.2", "0.1", "0.1"], ["dh"]):
+        assert refused(capsys, "--colour", *command, "--colour", "red")
+    assert refused(capsys, "--obstacle", "move", "home", "reach", "--obstacle", "x")
+
+
 @pytest.fixture
 def other(tmp_path: Path) -> Path:
     file = tmp_path / "other.urdf"
