@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import array, choice, flag
+from alpha5_model._support.checks import array, choice, flag, instance
 from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model._support.spatial import pose
@@ -86,6 +86,21 @@ def load(
         tree.gravity.linear = record.mount.rotation.T @ checked_gravity
     volumes = parsed.displacements
     return Arm(tree, volumes, density, parsed.mimics, parameters=record)
+
+
+def loaded(arm: Alpha5Parameters | Arm | None, **options: Any) -> Arm:
+    """The arm that an argument ``arm`` means: itself, or its record loaded.
+
+    Args:
+        arm: An arm, or the record of one; None for the catalogue's.
+        options: Of `load`, for a record.
+
+    Raises:
+        InputError: Neither.
+    """
+    if arm is None or isinstance(arm, Alpha5Parameters):
+        return load(arm=arm, **options)
+    return instance("arm", arm, Arm)
 
 
 def arm_of(

@@ -146,7 +146,7 @@ class Analysis:
 @renamed("current", "water_velocity")
 def analyse(
     motion: Motion,
-    arm: Arm | None = None,
+    arm: Alpha5Parameters | Arm | None = None,
     *,
     method: str = "spline",
     bandwidth: float = smoothing.DEFAULT_BANDWIDTH,
@@ -164,10 +164,10 @@ def analyse(
 
     Args:
         motion: From `read_motion` or `motion`.
-        arm: The model; its joints decide whether the jaw rod is used. None loads the
-            jaws variant in sea water if the motion has ``axis_a``, and the one with
-            locked jaws otherwise. The arm of a record of your own has the motors,
-            supply voltage and current limits of that record.
+        arm: The model; its joints decide whether the jaw rod is used. A record, or
+            None for the catalogue's, is loaded in sea water, with jaws if the motion
+            has ``axis_a``. The arm of a record of your own has the motors, supply
+            voltage and current limits of that record.
         method, bandwidth, use_velocity: See `alpha5_model.trajectory.smoothing.smooth`.
         constants: Which of the contradicting motor constants to use
             (`alpha5_model.dynamics.actuators`); None for those of the arm's record,
@@ -193,12 +193,12 @@ def analyse(
     """
     # Pinocchio, which reading and smoothing do not need, takes long to import.
     from alpha5_model.dynamics.batch import frame_positions
-    from alpha5_model.dynamics.load import load
+    from alpha5_model.dynamics.load import loaded
     from alpha5_model.dynamics.torque_causes import torque_terms
     from alpha5_model.water.terms import water_terms
 
-    if arm is None:
-        arm = load(gripper="jaws" if JOINT_NAMES[4] in motion.joints else "locked")
+    gripper = "jaws" if JOINT_NAMES[4] in motion.joints else "locked"
+    arm = loaded(arm, gripper=gripper)
     motion = _motion_for_arm(motion, arm)
     drive = _drive(arm.parameters, motion.joints, supply_voltage, current_limit)
     motors = {
