@@ -50,7 +50,7 @@ def main() -> None:
 
     q = system.configuration(np.eye(4), a5.named_pose("reach"))
     still = np.zeros(10)
-    load = system.mount_load(q, still, still, current=[0.0, 1.0, 0.0])
+    load = system.mount_load(q, still, still, water_velocity=[0.0, 1.0, 0.0])
     print("\nload on the mount in a side current of 1 m/s, arm stretched out:")
     force = np.round(load.linear, 2)
     moment = np.round(load.angular, 2)

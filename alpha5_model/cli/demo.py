@@ -22,6 +22,7 @@ from alpha5_model.description.assets import mesh_assets
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+from alpha5_model.numbers.jaws import Gripper
 from alpha5_model.proofs.audit import audit
 from alpha5_model.proofs.audit.row import AuditRow
 from alpha5_model.proofs.comparison import compare
@@ -77,7 +78,8 @@ def _describe(output: Path) -> bool:
         atomic_write(output / "meshes" / name, content)
 
     agree = True
-    for gripper, name in (("locked", "alpha5.urdf"), ("jaws", "alpha5_jaws.urdf")):
+    files: dict[Gripper, str] = {"locked": "alpha5.urdf", "jaws": "alpha5_jaws.urdf"}
+    for gripper, name in files.items():
         text = variants.urdf(variants.Variant(gripper=gripper, mesh_prefix="meshes/"))
         comparison = compare(atomic_write(output / name, text))
         say(f"   {name}: {comparison.verdict}")

@@ -15,12 +15,12 @@ from alpha5_model.cli import options as common
 from alpha5_model.cli import printing
 from alpha5_model.cli.parsing import Parser
 from alpha5_model.cli.quantities import (
-    ALONE,
     ANGLE,
     ANGULAR_ACCELERATION,
     ANGULAR_SPEED,
     LENGTH,
     NUMBER,
+    UNITS,
     Scalar,
     Vector,
 )
@@ -200,9 +200,9 @@ def _places(
     left = " ".join(words).replace(",", " ").split()
     size = 1 if left[:1] and left[0] in common.NAMED_POSES else 4
     # A unit may stand alone after the four numbers.
-    size += left[size : size + 1] != [] and left[size] in ALONE
+    size += left[size : size + 1] != [] and left[size] in UNITS
     start, target = left[:size], left[size:]
-    is_point = len([word for word in target if word not in ALONE]) == 3
+    is_point = len([word for word in target if word not in UNITS]) == 3
     try:
         first = _place(start, _POSITION, own)
         if may_end and not target:

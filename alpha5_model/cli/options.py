@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentTypeError, Namespace
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,11 +26,11 @@ from alpha5_model.cli.quantities import (
     joints,
 )
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.tolerances import ON_LIMIT
-from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
+from alpha5_model.numbers.fluids import FLUIDS, gravity_in_base
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.numbers.jaws import Gripper
     from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Poses with a name, see `alpha5_model.named_pose`.
@@ -38,16 +38,15 @@ NAMED_POSES = ("stow", "home", "reach")
 #: The turning joints, for helps.
 JOINTS = "axis_e, axis_d, axis_c, axis_b"
 DOWN = "0 0 -9.81"
-_FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
 FLUID = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)"
-_DENSITY = Scalar(DENSITY, f"{', '.join(_FLUIDS)} or a density (kg/m^3)")
+_DENSITY = Scalar(DENSITY, f"{', '.join(FLUIDS)} or a density (kg/m^3)")
 _PAYLOAD = "MASS, MASS X Y Z or MASS X Y Z VOLUME (kg, m, m^3)"
 
 
 def density(text: str) -> float:
     """The type of ``--fluid``: a density [kg/m^3]."""
-    if text.strip() in _FLUIDS:
-        return _FLUIDS[text.strip()]
+    if text.strip() in FLUIDS:
+        return FLUIDS[text.strip()]
     value = _DENSITY(text)
     if value < 0:
         raise ArgumentTypeError(f"expected a density of at least 0, got {text}")
@@ -148,12 +147,16 @@ def payload(parser: Parser) -> None:
     )
 
 
-def current(parser: Parser, words: str = "Adds drag and added mass, estimated") -> None:
+def water_velocity(
+    parser: Parser, words: str = "Adds drag and added mass, estimated"
+) -> None:
     parser.add_argument(
+        "--water-velocity",
         "--current",
         type=Vector(SPEED, SPEED, SPEED),
         metavar="X Y Z",
-        help=f"velocity of the water in base_link (m/s). {words}",
+        help=f"velocity of the water in base_link (m/s). {words}. "
+        "--current is its old name",
     )
 
 
@@ -196,7 +199,7 @@ def reading(parser: Parser) -> None:
     parser.add_argument(
         "--time",
         metavar="COLUMN",
-        help="column of the time, NAME or NAME:ms (s, ms, us or ns)",
+        help="column of the time, NAME or NAME:ms (s, ms, us, ns or min)",
     )
     parser.add_argument(
         "--episode", type=int, help="episode of a Parquet file that holds several"
@@ -257,7 +260,7 @@ def record_of(given: Namespace) -> Alpha5Parameters | None:
 
 def arm_of(
     given: Namespace,
-    gripper: str,
+    gripper: Gripper,
     record: Alpha5Parameters | None = None,
     payload: bool = True,
 ) -> Arm:
@@ -320,11 +323,7 @@ def pairs(option: str, parts: Iterable[str], sign: str) -> dict[str, str]:
     return pairs
 
 
-def beyond_limits(arm: Arm, q: Iterable[float]) -> list[str]:
+def beyond_limits(arm: Arm, q: Sequence[float]) -> list[str]:
     """Joints that a position puts beyond their limits."""
-    limits = zip(arm.joint_names, q, arm.limits.lower, arm.limits.upper, strict=True)
-    return [
-        name
-        for name, x, lower, upper in limits
-        if not lower - ON_LIMIT <= x <= upper + ON_LIMIT
-    ]
+    beyond = arm.limits.beyond(np.array(q))
+    return [name for name, out in zip(arm.joint_names, beyond, strict=True) if out]

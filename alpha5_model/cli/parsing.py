@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
-from alpha5_model.cli.quantities import ALONE, UNITS, Vector
+from alpha5_model.cli.quantities import UNITS, Vector
 from alpha5_model.errors import Alpha5Error
 
 #: One number or several in one word, each perhaps with its unit: 1, -0.4,0.2, 90deg.
@@ -34,6 +34,7 @@ class Parser(ArgumentParser):
         self.commands: dict[str, Parser] = {}
         #: Options and arguments, in the order of the help.
         self.options: list[Action] = []
+        self._names: set[str] = set()
         self._vectors: dict[str, Vector] = {}
         self._takes_a_word: set[str] = set()
         self._takes_numbers = False
@@ -45,6 +46,7 @@ class Parser(ArgumentParser):
         """As argparse's; one with a `Vector` as its type takes several words."""
         action = super().add_argument(*names, **settings)
         self.options.append(action)
+        self._names |= {*action.option_strings}
         if isinstance(action.type, Vector):
             self._vectors |= dict.fromkeys(action.option_strings, action.type)
             self._takes_numbers |= not action.option_strings
@@ -85,12 +87,23 @@ class Parser(ArgumentParser):
         """Raise `UsageError`, where argparse prints and exits."""
         raise UsageError(f"{message} (see {self.prog} --help)")
 
+    def _is_unknown(self, word: str) -> bool:
+        """Whether a word is an option that there is not."""
+        name = word.partition("=")[0] if word.startswith("--") else word[:2]
+        is_option = len(word) > 1 and word.startswith("-")
+        return is_option and name not in self._names and not _NUMBERS.fullmatch(word)
+
     def _joined(self, words: Sequence[str]) -> list[str]:
         """The words, each vector as one of them."""
         left = deque(words)
         joined: list[str] = []
         while left:
             word = left[0]
+            if word == "--":
+                return [*joined, *left]
+            if self._is_unknown(word):
+                # Else argparse takes the word after it for an argument.
+                self.error(f"unrecognized arguments: {word}")
             if word in self._vectors:
                 joined.append(left.popleft())
                 # More numbers are arguments, if the command takes any; else too many.
@@ -120,7 +133,7 @@ def _numbers(left: deque[str], most: int | None) -> list[str]:
         taken.append(left.popleft())
         if most and len(_SEPARATED.split(taken[0].strip(" ,"))) > 1:
             break
-    if taken and left and left[0] in ALONE:
+    if taken and left and left[0] in UNITS:
         taken.append(left.popleft())
     # With a space before it, argparse does not take -1e-3 for an option.
     word = " ".join(taken)

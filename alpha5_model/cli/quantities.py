@@ -54,7 +54,8 @@ VOLUME = Quantity("m^3", {"m^3": 1.0, "L": 1e-3})
 DENSITY = Quantity("kg/m^3", {"kg/m^3": 1.0}, largest=1e5)
 NUMBER = Quantity("")
 
-#: All units that may follow a number, the longest first.
+#: All units that may follow a number, or stand alone after several, for all of them
+#: that it fits; the longest first.
 UNITS = sorted(
     {
         unit
@@ -65,11 +66,6 @@ UNITS = sorted(
         for unit in quantity.units
     },
     key=lambda unit: (-len(unit), unit),
-)
-#: Units that may stand alone after numbers, for all of them that it fits.
-ALONE = (
-    *("deg", "rad", "mm", "m", "kg", "g", "L"),
-    *("deg/s", "rad/s", "m/s", "deg/s^2", "rad/s^2", "m/s^2", "kg/m^3"),
 )
 _COUNTS = {1: "one", 2: "two", 3: "three", 4: "four", 5: "five"}
 
@@ -164,7 +160,7 @@ def joints(quantity: Quantity, rod: Quantity, named: Sequence[str] = ()) -> Vect
 def _parts(text: str) -> tuple[list[str], str]:
     """The numbers of a text, each with its own unit, and the unit alone at its end."""
     parts = text.replace("−", "-").replace(",", " ").split()
-    alone = parts.pop() if parts and parts[-1] in ALONE else ""
+    alone = parts.pop() if parts and parts[-1] in UNITS else ""
     return parts, alone
 
 

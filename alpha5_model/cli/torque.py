@@ -32,7 +32,7 @@ it, the jaws are closed and at rest.
 Examples:
 alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
 alpha5 torque --q 180 70 100 0 deg --payload 0.5 --mount 180 0 0 deg
-alpha5 torque --q 3.1 1.2 1.8 0 --current 0 1 0 --plot polar.png
+alpha5 torque --q 3.1 1.2 1.8 0 --water-velocity 0 1 0 --plot polar.png
 """
 
 
@@ -63,12 +63,12 @@ def options(parser: Parser) -> None:
     common.gripper(parser)
     common.mount(parser)
     common.payload(parser)
-    common.current(parser)
+    common.water_velocity(parser)
     common.motors(parser)
     common.plot(
         parser,
         "draw the load on the mount for every horizontal direction of the water, at "
-        "the speed of --current: .png, .pdf or .svg",
+        "the speed of --water-velocity: .png, .pdf or .svg",
     )
     common.arm_file(parser)
     common.as_json(parser)
@@ -88,9 +88,11 @@ def run(given: Namespace) -> None:
         a=_rates("a", given.a, count),
     )
 
-    record = torque_record(arm, state, given.constants, given.efficiency, given.current)
+    record = torque_record(
+        arm, state, given.constants, given.efficiency, given.water_velocity
+    )
     if given.plot is not None:
-        _draw_mount_load(arm, state, given.current, given.plot)
+        _draw_mount_load(arm, state, given.water_velocity, given.plot)
     printing.show(given.json, record, torque_lines(record), given.plot)
 
 
@@ -102,13 +104,13 @@ def _rates(option: str, numbers: list[float], count: int) -> list[float]:
 
 
 def _draw_mount_load(
-    arm: Arm, state: State, current: list[float] | None, plot: Path
+    arm: Arm, state: State, water_velocity: list[float] | None, plot: Path
 ) -> None:
     from alpha5_model.viewer import figures
     from alpha5_model.viewer.mount_plot import mount_load_figure
 
-    speed = math.hypot(*current) if current else 0.0
+    speed = math.hypot(*water_velocity) if water_velocity else 0.0
     if speed == 0.0:
-        raise InputError("plot", str(plot), "a --current that flows, with it")
+        raise InputError("plot", str(plot), "a --water-velocity other than 0, with it")
     page: Any = mount_load_figure(arm, state.q, speed)
     figures.write_figure(page, plot)

@@ -55,22 +55,23 @@ def torque_record(
     state: State,
     constants: str | None,
     efficiency: str,
-    current: list[float] | None,
+    water_velocity: list[float] | None,
 ) -> Record:
     """Torques by cause, motor currents, and the load on the mount.
 
     Args:
         constants, efficiency: Of the motors, see
             `alpha5_model.dynamics.actuators.actuator`.
-        current: Water current: velocity of the water in base_link [m/s]; None for still
-            water.
+        water_velocity: In base_link [m/s]; None for still water.
     """
     from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
     torque = arm.inverse_dynamics(*state)
     causes = _causes(arm, state)
     wrench = arm.base_wrench(*state).vector
-    water = None if current is None else _moving_water(arm, state, current)
+    water = None
+    if water_velocity is not None:
+        water = _moving_water(arm, state, water_velocity)
     if water is not None:
         torque = torque + water.torque[_NOMINAL]
         wrench = wrench + water.wrench[_NOMINAL]
@@ -98,7 +99,7 @@ def torque_record(
         "fluid_density": arm.fluid_density,
         "payload_kg": arm.payload_mass,
         "gravity": arm.model.gravity.linear,
-        "water_current": current,
+        "water_current": water_velocity,
         "constants": actuators[0].constants,
         "efficiency": efficiency,
         "joints": _rows(columns),
@@ -127,11 +128,11 @@ def _causes(arm: Arm, state: State) -> dict[str, FloatArray]:
     return causes
 
 
-def _moving_water(arm: Arm, state: State, current: list[float]) -> _MovingWater:
+def _moving_water(arm: Arm, state: State, water_velocity: list[float]) -> _MovingWater:
     from alpha5_model.water.terms import water_terms
 
     q, v, a = (np.array([numbers]) for numbers in state)
-    terms = water_terms(arm, q, v, a, current)
+    terms = water_terms(arm, q, v, a, water_velocity)
     (torque,) = terms.torque
     (wrench,) = terms.wrench
     return _MovingWater(torque=torque, wrench=wrench)

@@ -110,8 +110,8 @@ def _current_table(joints: list[Record]) -> list[str]:
 
 def _moving_water(record: Record) -> printing.Lines:
     """What moving water adds, with the interval of its estimates."""
-    current = ", ".join(f"{x:g}" for x in record["water_current"])
-    yield f"moving water, ({current}) m/s in base_link; estimated, not published"
+    velocity = ", ".join(f"{x:g}" for x in record["water_current"])
+    yield f"moving water, ({velocity}) m/s in base_link; estimated, not published"
 
     names = []
     units = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from alpha5_model.cli.parsing import Parser
 from alpha5_model.cli.quantities import LENGTH, NUMBER, Scalar
 from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 from alpha5_model.trajectory.tables import Progress
@@ -70,7 +71,7 @@ def options(parser: Parser) -> None:
     common.gravity(parser)
     common.mount(parser)
     common.payload(parser)
-    common.current(parser)
+    common.water_velocity(parser)
     parser.add_argument(
         "--gripper",
         default="auto",
@@ -130,7 +131,7 @@ def run(given: Namespace) -> None:
             supply_voltage=given.supply_voltage,
             current_limit=given.current_limit,
             progress=progress,
-            current=given.current,
+            water_velocity=given.water_velocity,
             efficiency=given.efficiency,
         )
         margin = _torque_margin(analysis)
@@ -140,7 +141,9 @@ def run(given: Namespace) -> None:
     printing.show(given.json, record, lines, output, plot)
 
 
-def _gripper(choice_of_user: str, motion: library.Motion) -> str:
+def _gripper(
+    choice_of_user: Gripper | Literal["auto"], motion: library.Motion
+) -> Gripper:
     """The gripper that the user chose; with ``auto`` that of the motion."""
     if choice_of_user != "auto":
         return choice_of_user
@@ -161,7 +164,7 @@ def _write(
 
 
 def _rod_actuator(
-    given: Namespace, gripper: str, own: Alpha5Parameters | None
+    given: Namespace, gripper: Gripper, own: Alpha5Parameters | None
 ) -> Mapping[str, Actuator]:
     """The jaw rod's actuator, if its screw lead is given: that is not published."""
     if given.screw_lead is None:

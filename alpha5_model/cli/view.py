@@ -89,7 +89,9 @@ def options(parser: Parser) -> None:
     common.payload(parser)
     common.mount(parser)
     parser.set_defaults(gravity=[0.0, 0.0, -9.81])
-    common.current(parser, "Shows an arrow, and adds its estimated load to the torques")
+    common.water_velocity(
+        parser, "Shows an arrow, and adds its estimated load to the torques"
+    )
     parser.add_argument(
         "--html", type=Path, metavar="FILE", help="write a page that works from disk"
     )
@@ -153,7 +155,7 @@ def run(given: Namespace) -> None:
         target=given.target,
         motion=motion,
         show=given.show,
-        current=given.current,
+        water_velocity=given.water_velocity,
         payload=None if given.payload is None else common.payload_of(given.payload),
         obstacles=() if given.obstacles is None else read_obstacles(given.obstacles),
     )

@@ -110,7 +110,7 @@ def newton_euler(
     a: SX,
     base_parameters: SX,
     dimensions: Dimensions,
-    current: SX | None = None,
+    water_velocity: SX | None = None,
     load: Load = without_mass,
 ) -> tuple[SX, SX]:
     """Joint torques, and the load on the mount.
@@ -122,7 +122,7 @@ def newton_euler(
         q, v, a: Joint positions, velocities and accelerations, (4, 1) each.
         base_parameters: `BASE_PARAMETERS`, (41, 1).
         dimensions: Of the arm.
-        current: Velocity of the water in base_link, (3, 1); None for still water.
+        water_velocity: In base_link, (3, 1); None for still water.
         load: What the motion of a link takes beside its first and second moments.
 
     Returns:
@@ -131,7 +131,7 @@ def newton_euler(
     numbers = _by_name(base_parameters)
     gravity = vertcat(*(numbers[f"gravity.{axis}"] for axis in "xyz"))
     motion = Motion(
-        velocity=SX.zeros(3) if current is None else -current,
+        velocity=SX.zeros(3) if water_velocity is None else -water_velocity,
         acceleration=SX.zeros(3),
         omega=SX.zeros(3),
         omega_dot=SX.zeros(3),

@@ -16,7 +16,7 @@ from alpha5_model._support.spatial import pose, rotation_from_rpy
 from alpha5_model.collision.link_pairs import unchecked_pairs
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.geometry.primitives import Primitive
-from alpha5_model.numbers.jaws import GRIPPERS, split_link_4
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper, split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import BODY_NAMES
 
@@ -67,7 +67,7 @@ class CollisionBodies:
 
 
 def collision_bodies(
-    parameters: Alpha5Parameters, gripper: str = "locked"
+    parameters: Alpha5Parameters, gripper: Gripper = "locked"
 ) -> CollisionBodies:
     """The collision bodies of an arm.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+from alpha5_model.numbers.jaws import Gripper
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.numbers.tables import BODY_NAMES
 
@@ -61,7 +62,7 @@ def unchecked_pairs(arm: Alpha5Parameters) -> dict[str, Pairs]:
     return pairs
 
 
-def disabled_pairs(arm: Alpha5Parameters, gripper: str) -> dict[str, Pairs]:
+def disabled_pairs(arm: Alpha5Parameters, gripper: Gripper) -> dict[str, Pairs]:
     """Pairs of links whose contact other programs need not check, for SRDF and MJCF.
 
     Args:

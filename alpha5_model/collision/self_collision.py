@@ -32,6 +32,7 @@ from alpha5_model.collision.coal_scene import CoalScene, Contact
 from alpha5_model.collision.turning_radii import distance_rates
 from alpha5_model.errors import KernelError, MissingDependencyError, needing
 from alpha5_model.kernels.choice import module
+from alpha5_model.numbers.jaws import Gripper
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 #: A line that comes nearer to a contact than this is not proved free [m].
@@ -41,7 +42,7 @@ WRISTS = 25
 
 
 @lru_cache(maxsize=16)
-def self_collision(arm: Alpha5Parameters, gripper: str = "locked") -> SelfCollision:
+def self_collision(arm: Alpha5Parameters, gripper: Gripper = "locked") -> SelfCollision:
     """The self-collision of an arm, made once.
 
     Args:

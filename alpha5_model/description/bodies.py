@@ -16,7 +16,13 @@ from alpha5_model.description.digits import rounded
 from alpha5_model.description.frames import base_placement, joint_placements
 from alpha5_model.geometry.collision_shapes import exported_primitives
 from alpha5_model.geometry.primitives import Primitive
-from alpha5_model.numbers.jaws import GRIPPERS, Jaws, loaded_links, split_link_4
+from alpha5_model.numbers.jaws import (
+    GRIPPERS,
+    Gripper,
+    Jaws,
+    loaded_links,
+    split_link_4,
+)
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 from alpha5_model.numbers.rigid_body import RigidBody
 from alpha5_model.numbers.tables import BODY_NAMES
@@ -53,7 +59,7 @@ class Body(RigidBody):
 
 
 def arm_bodies(
-    parameters: Alpha5Parameters, gripper: str, meshes: Iterable[str] | None = None
+    parameters: Alpha5Parameters, gripper: Gripper, meshes: Iterable[str] | None = None
 ) -> tuple[Body, ...]:
     """The bodies of the arm, each after its parent and with what is attached to it.
 
@@ -127,7 +133,7 @@ def _closed_hinges(jaws: Jaws) -> dict[str, Placement]:
 
 
 def _drawn_meshes(
-    gripper: str, hinges: Mapping[str, Placement], files: Iterable[str]
+    gripper: Gripper, hinges: Mapping[str, Placement], files: Iterable[str]
 ) -> dict[str, dict[str, Placement]]:
     """Body -> its meshes and their poses in it, if their files exist."""
     drawn = {name: {name: Placement(name)} for name in MESHES}

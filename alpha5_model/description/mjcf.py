@@ -24,7 +24,7 @@ from alpha5_model.geometry.collision_shapes import collision_capsules
 from alpha5_model.geometry.materials import MATERIALS
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.hydrodynamics import hydrodynamics
-from alpha5_model.numbers.jaws import FingerJoint
+from alpha5_model.numbers.jaws import FingerJoint, Gripper
 from alpha5_model.numbers.motors import joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
@@ -237,7 +237,7 @@ def _add_assets(root: ET.Element, bodies: Iterable[Body]) -> None:
             add(asset, "mesh", name=mesh, file=f"{mesh}.obj")
 
 
-def _add_contact(root: ET.Element, arm: Alpha5Parameters, gripper: str) -> None:
+def _add_contact(root: ET.Element, arm: Alpha5Parameters, gripper: Gripper) -> None:
     """Pairs of bodies whose contact is not checked."""
     contact = add(root, "contact")
     for pairs in disabled_pairs(arm, gripper).values():

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from alpha5_model.description.srdf import srdf
+from alpha5_model.numbers.jaws import Gripper
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     JointParameters,
@@ -25,7 +26,7 @@ _COMMENTS = {
 
 
 def moveit_files(
-    gripper: str = "locked", prefix: str = "", arm: Alpha5Parameters | None = None
+    gripper: Gripper = "locked", prefix: str = "", arm: Alpha5Parameters | None = None
 ) -> dict[str, bytes]:
     """The files that MoveIt's setup assistant would write, name -> content.
 

@@ -9,9 +9,10 @@ from typing import Any
 from alpha5_model._support.checks import array, choice, flag, plain_name
 from alpha5_model._support.spatial import Triple, rotation_from_rpy
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
-from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.pose import Pose
 
@@ -35,7 +36,7 @@ class ArmOptions:
         Alpha5Error: An option that cannot be.
     """
 
-    gripper: str = "locked"
+    gripper: Gripper = "locked"
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     arm: Alpha5Parameters | None = None
 
@@ -68,8 +69,9 @@ class MountedOptions(ArmOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("xyz", "rpy"):
-            given = array(name, getattr(self, name), 3)
+        xyz = array("xyz", self.xyz, 3)
+        rpy = plausibility.angles("rpy", self.rpy)
+        for name, given in (("xyz", xyz), ("rpy", rpy)):
             if given.any() and self.parent == "":
                 raise InputError(name, given.tolist(), "a parent link to mount on")
 
@@ -101,7 +103,7 @@ class SimulationOptions(MountedOptions):
     """Which arm is simulated, and in what.
 
     Attributes:
-        fluid_density: [kg/m^3]; 0 is air.
+        fluid_density: [kg/m^3]; 0 is air. Given as for `alpha5_model.load`.
         hydrodynamics: Adds what moving water does, which is estimated, not published:
             the catalogue's, in the frames of the links.
     """
@@ -112,7 +114,8 @@ class SimulationOptions(MountedOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         flag("hydrodynamics", self.hydrodynamics)
-        density_of(self.fluid_density)
+        density = density_of(self.fluid_density)
+        object.__setattr__(self, "fluid_density", density)
         if self.parent != "":
             plain_name("parent", self.parent)
 

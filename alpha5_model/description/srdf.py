@@ -10,7 +10,7 @@ from alpha5_model._support.checks import FloatArray, choice, frozen
 from alpha5_model.collision.link_pairs import disabled_pairs
 from alpha5_model.description.options import check_name
 from alpha5_model.description.xml import XML_HEAD, add, serialized
-from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,
     JointParameters,
@@ -68,7 +68,7 @@ def named_poses(joints: Sequence[JointRange]) -> dict[str, tuple[float, ...]]:
 
 
 def srdf(
-    gripper: str = "locked", arm: Alpha5Parameters | None = None, prefix: str = ""
+    gripper: Gripper = "locked", arm: Alpha5Parameters | None = None, prefix: str = ""
 ) -> str:
     """Text of the SRDF that belongs to the URDF with this gripper and prefix.
 

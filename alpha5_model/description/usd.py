@@ -28,7 +28,7 @@ from alpha5_model.description.water_table import WaterOptions, water_files
 from alpha5_model.description.xml import provenance
 from alpha5_model.errors import needing
 from alpha5_model.numbers.fluids import SEA_WATER
-from alpha5_model.numbers.jaws import FingerJoint
+from alpha5_model.numbers.jaws import FingerJoint, Gripper
 from alpha5_model.numbers.motors import JointLosses, joint_losses
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
 
@@ -41,7 +41,7 @@ class UsdOptions(MountedOptions):
 
     Attributes:
         collision: ``primitives`` or ``none``.
-        fluid_density: Of the table [kg/m^3]; 0 is air.
+        fluid_density: Of the table [kg/m^3], given as for `alpha5_model.load`.
 
     Raises:
         Alpha5Error: See `Variant` and `WaterOptions`.
@@ -139,7 +139,7 @@ def _without_status() -> Iterator[None]:
             usd.deactivateDiagnosticsDelegate()
 
 
-def _complete(layer: Any, arm: Alpha5Parameters, gripper: str) -> None:
+def _complete(layer: Any, arm: Alpha5Parameters, gripper: Gripper) -> None:
     """Add what the converter does not."""
     from pxr import Usd, UsdPhysics
 

@@ -59,14 +59,15 @@ class WaterOptions(ArmOptions):
     the catalogue's, in the frames of the links.
 
     Attributes:
-        fluid_density: [kg/m^3]; 0 is air.
+        fluid_density: [kg/m^3]; 0 is air. Given as for `alpha5_model.load`.
     """
 
     fluid_density: float = SEA_WATER
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        density_of(self.fluid_density)
+        density = density_of(self.fluid_density)
+        object.__setattr__(self, "fluid_density", density)
 
 
 def water_files(options: WaterOptions | None = None) -> dict[str, bytes]:

@@ -24,7 +24,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import BoolArray, FloatArray, flag
-from alpha5_model.dynamics.arm_collision import ArmCollision
+from alpha5_model._support.renaming import renamed
 from alpha5_model.dynamics.arm_model import ArmModel
 from alpha5_model.dynamics.batch import kernel_rows, solved
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
@@ -34,12 +34,12 @@ from alpha5_model.dynamics.model_changes import added_body, with_payload
 from alpha5_model.dynamics.regression import Regressor, regressor
 from alpha5_model.dynamics.states import Partials, forces
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics import pose
-from alpha5_model.kinematics.pose import ApproachDirections
 from alpha5_model.numbers.jaws import tip_height
 from alpha5_model.numbers.pose import tool_of
 
 if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm_collision import ArmCollision
+    from alpha5_model.kinematics.pose import ApproachDirections
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
     from alpha5_model.water.vehicle import Vehicle
 
@@ -176,6 +176,9 @@ class Arm(ArmModel):
         needed_for = "the inverse kinematics"
         check_dimensions(self._model, needed_for, arm=self.parameters)
         check_limits(self._model, needed_for, self.parameters)
+        # These imports would delay the start of every command.
+        from alpha5_model.kinematics import pose
+
         return pose.approach_directions(position, arm=self.parameters)
 
     def gravity_torque(self, q: ArrayLike) -> FloatArray:
@@ -685,9 +688,10 @@ class Arm(ArmModel):
         model, displaced = with_payload(self._joint_tree.model, frame, body)
         return self._rebuilt(model, (*self.displacements, displaced))
 
+    @renamed("current", "water_velocity")
     def with_hydrodynamics(
         self,
-        current: ArrayLike = (0.0, 0.0, 0.0),
+        water_velocity: ArrayLike = (0.0, 0.0, 0.0),
         level: str = "nominal",
         numbers: str = "estimated",
     ) -> HydrodynamicArm:
@@ -697,8 +701,8 @@ class Arm(ArmModel):
         your own, they are in the frames of its links; what is attached adds none.
 
         Args:
-            current: Velocity of the water, uniform, in the world, (3,) [m/s]. The world
-                is base_link if the base is fixed, also with a mount.
+            water_velocity: Velocity of the water, uniform, in the world, (3,) [m/s].
+                The world is base_link if the base is fixed, also with a mount.
             level: ``low``, ``nominal`` or ``high`` end of the numbers' interval.
             numbers: ``estimated`` (our own), or ``supplementary`` (strip theory of
                 public repositories; worse).
@@ -707,14 +711,14 @@ class Arm(ArmModel):
             UnknownNameError: No such level or numbers, or a model without the arm's
                 links.
             InputError: A model with other dimensions than its record. Make an arm with
-                numbers of your own: ``HydrodynamicArm(arm, bodies, current)``.
+                numbers of your own: ``HydrodynamicArm(arm, bodies, water_velocity)``.
 
         Warns:
             ImplausibleWarning: A current that no water has.
         """
         from alpha5_model.water.arm import in_moving_water
 
-        return in_moving_water(self, current, level, numbers)
+        return in_moving_water(self, water_velocity, level, numbers)
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         """This arm, afloat, with a vehicle in place of the mount.
@@ -751,6 +755,8 @@ class Arm(ArmModel):
 
     @cached_property
     def _collision(self) -> ArmCollision:
+        from alpha5_model.dynamics.arm_collision import ArmCollision
+
         return ArmCollision(self._model, self.parameters)
 
 

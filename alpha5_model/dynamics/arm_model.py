@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import pinocchio as pin
 
@@ -29,27 +29,14 @@ from alpha5_model.dynamics.kernel_numbers import kernel_parameters
 from alpha5_model.dynamics.scratch import Scratch
 from alpha5_model.dynamics.states import state_check
 from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.kinematics.limits import Limits
 from alpha5_model.numbers import parameters as records
 from alpha5_model.numbers.fluids import SEA_WATER
+from alpha5_model.numbers.jaws import Gripper
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 _CheckOfOne = Callable[..., FloatArray]
 _Check = Callable[..., Sequence[FloatArray]]
-
-
-class Limits(NamedTuple):
-    """Limits of an arm's n joints, (n,) each.
-
-    Attributes:
-        lower, upper: Ends of the ranges [rad, and m for axis_a].
-        velocity: Rated speeds [rad/s, m/s].
-        effort: [N m, N]; what every public model copies, no rating is published.
-    """
-
-    lower: FloatArray
-    upper: FloatArray
-    velocity: FloatArray
-    effort: FloatArray
 
 
 class ArmModel:
@@ -113,6 +100,11 @@ class ArmModel:
         return tuple(
             name for name, joint in zip(names, joints, strict=True) if joint.nv == 1
         )
+
+    @property
+    def gripper(self) -> Gripper:
+        """``jaws`` if axis_a moves them, or ``locked``; see `alpha5_model.load`."""
+        return "jaws" if "finger_1" in self._frames else "locked"
 
     @property
     def limits(self) -> Limits:

@@ -197,7 +197,7 @@ def solved_rows(
     v: ArrayLike,
     tau: ArrayLike,
     threads: int | None,
-    **current: Any,
+    **water_velocity: Any,
 ) -> FloatArray:
     """Forward dynamics of each row, (N, nv), from mass matrix and inverse dynamics.
 
@@ -205,11 +205,11 @@ def solved_rows(
         arm: An `Arm` or `HydrodynamicArm`.
         q, v, tau: As of `Arm.forward_dynamics_batch`.
         threads: How many threads Pinocchio uses at most.
-        current: Velocity of the water, for a `HydrodynamicArm` only.
+        water_velocity: Velocity of the water, for a `HydrodynamicArm` only.
     """
     q, v, tau = rows(arm._model, q=q, v=v, tau=tau)
     no_acceleration = np.zeros_like(v)
-    bias = arm.inverse_dynamics_batch(q, v, no_acceleration, threads, **current)
+    bias = arm.inverse_dynamics_batch(q, v, no_acceleration, threads, **water_velocity)
     excess = tau - bias
 
     a = np.empty(excess.shape)

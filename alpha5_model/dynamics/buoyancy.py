@@ -17,7 +17,7 @@ import pinocchio as pin
 
 from alpha5_model._support.checks import FloatArray, array, choice, frozen, real
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.jaws import loaded_links, split_link_4
+from alpha5_model.numbers.jaws import Gripper, loaded_links, split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.rigid_body import RigidBody
 
@@ -50,7 +50,7 @@ class Displacement:
 
 
 def displacements(
-    model: pin.Model, parameters: Alpha5Parameters, gripper: str
+    model: pin.Model, parameters: Alpha5Parameters, gripper: Gripper
 ) -> tuple[Displacement, ...]:
     """The volumes of Table 3, and of attached bodies, on the joints of a model.
 

@@ -44,20 +44,20 @@ def linear_model(
     tau: FloatArray,
     dt: float | None,
     motors: bool,
-    **current: Any,
+    **water: Any,
 ) -> LinearModel:
     """The model of `Arm.linearized`, whose arguments are checked.
 
     Args:
         arm: An `Arm`.
-        current: Velocity of the water, for a `HydrodynamicArm` only.
+        water: ``water_velocity``, for a `HydrodynamicArm` only.
     """
     size = len(v)
     armature, damping = motor_terms(arm) if motors else np.zeros((2, size))
     inertia = arm.mass_matrix(q) + np.diag(armature)
-    bias = arm.inverse_dynamics(q, v, np.zeros(size), **current)
+    bias = arm.inverse_dynamics(q, v, np.zeros(size), **water)
     a = solved(inertia, tau - damping * v - bias)
-    of_q, of_v, _ = arm.inverse_dynamics_derivatives(q, v, a, **current)
+    of_q, of_v, _ = arm.inverse_dynamics_derivatives(q, v, a, **water)
 
     kinematic = np.zeros((size, size))
     if arm.floating_base:

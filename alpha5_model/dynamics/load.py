@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import array, choice, flag
+from alpha5_model._support.checks import array, choice, flag, instance
 from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model._support.spatial import pose
@@ -21,23 +21,22 @@ from alpha5_model.description.frames import (
     tcp_placement,
 )
 from alpha5_model.description.reading import parse_urdf
-from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.urdf_robot import UrdfJoint
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement, displacements
 from alpha5_model.dynamics.joint_tree import mimicking
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
-from alpha5_model.numbers.jaws import GRIPPERS, loaded_links
+from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, Fluid, density_of
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper, loaded_links
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm, is_catalogue
 
 #: What can compute single calls.
 
 
 def load(
-    fluid_density: float = SEA_WATER,
-    gripper: str = "locked",
+    fluid_density: Fluid = SEA_WATER,
+    gripper: Gripper = "locked",
     floating_base: bool = False,
     gravity: ArrayLike = GRAVITY,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
@@ -46,7 +45,7 @@ def load(
     """The arm in a fluid, from the shipped URDF, or one of your own.
 
     Args:
-        fluid_density: [kg/m^3]; ``SEA_WATER``, ``FRESH_WATER``, ``AIR`` or any other.
+        fluid_density: [kg/m^3], or ``sea`` (1025), ``fresh`` (1000) or ``air`` (0).
         gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a, the jaw rod, which the
             fingers follow).
         floating_base: Puts base_link on Pinocchio's free-flyer joint, ``root_joint``.
@@ -89,9 +88,24 @@ def load(
     return Arm(tree, volumes, density, parsed.mimics, parameters=record)
 
 
+def loaded(arm: Alpha5Parameters | Arm | None, **options: Any) -> Arm:
+    """The arm that an argument ``arm`` means: itself, or its record loaded.
+
+    Args:
+        arm: An arm, or the record of one; None for the catalogue's.
+        options: Of `load`, for a record.
+
+    Raises:
+        InputError: Neither.
+    """
+    if arm is None or isinstance(arm, Alpha5Parameters):
+        return load(arm=arm, **options)
+    return instance("arm", arm, Arm)
+
+
 def arm_of(
     parameters: Alpha5Parameters,
-    fluid_density: float = SEA_WATER,
+    fluid_density: Fluid = SEA_WATER,
     gravity: ArrayLike = GRAVITY,
 ) -> Arm:
     """The arm of a parameter set, on a fixed base with locked jaws.
@@ -105,7 +119,8 @@ def arm_of(
         fluid_density: See `alpha5_model.load`.
         gravity: In base_link, whatever the mount of the set, (3,) [m/s^2].
     """
-    model = load(fluid_density, gravity=gravity).model
+    catalogue = load(fluid_density, gravity=gravity)
+    model = catalogue.model
     _set_placements(model, parameters)
     for number, joint in enumerate(parameters.joints[:4]):
         model.lowerPositionLimit[number] = joint.lower
@@ -117,7 +132,7 @@ def arm_of(
         body = pin.Inertia(link.mass, link.com, link.inertia)
         model.inertias[frame.parentJoint] = frame.placement.act(body)
     volumes = displacements(model, parameters, "locked")
-    return Arm(model, volumes, fluid_density, parameters=parameters)
+    return Arm(model, volumes, catalogue.fluid_density, parameters=parameters)
 
 
 def _set_placements(model: pin.Model, parameters: Alpha5Parameters) -> None:
@@ -135,7 +150,7 @@ def _set_placements(model: pin.Model, parameters: Alpha5Parameters) -> None:
 
 
 def robot_wrapper(
-    gripper: str = "locked",
+    gripper: Gripper = "locked",
     floating_base: bool = False,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
     arm: Alpha5Parameters | None = None,
@@ -191,7 +206,9 @@ class _Parsed(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> _Parsed:
+def _parsed(
+    gripper: Gripper, floating_base: bool, parameters: Alpha5Parameters
+) -> _Parsed:
     """Read the URDF of an arm."""
     text = arm_urdf(gripper, parameters)
     root = [pin.JointModelFreeFlyer()] if floating_base else []
@@ -205,7 +222,7 @@ def _parsed(gripper: str, floating_base: bool, parameters: Alpha5Parameters) -> 
 
 
 @lru_cache(maxsize=64)
-def arm_urdf(gripper: str, parameters: Alpha5Parameters) -> str:
+def arm_urdf(gripper: Gripper, parameters: Alpha5Parameters) -> str:
     """Text of the URDF: the shipped one, or generated for another record.
 
     Its root is base_link: a mount would put a link of the vehicle there.
@@ -215,6 +232,9 @@ def arm_urdf(gripper: str, parameters: Alpha5Parameters) -> str:
     if shipped:
         path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
         return read_named(path, "the generated URDF (alpha5 generate)").decode()
+    # The shipped file needs no writer.
+    from alpha5_model.description.urdf import Variant, urdf
+
     if is_catalogue(parameters):
         return urdf(Variant(gripper=gripper, corrections=corrections))
     unmounted = replace(parameters, mount=None)

@@ -64,8 +64,8 @@ def state_vectors(model: pin.Model, q: Any, **rates: Any) -> list[FloatArray]:
 def rows(model: pin.Model, **states: ArrayLike) -> list[FloatArray]:
     """Check and convert states in rows.
 
-    The first one has nq columns, the others nv; ``current`` has 3. A single row is used
-    for all.
+    The first one has nq columns, the others nv; ``water_velocity`` has 3. A single row
+    is used for all.
 
     Raises:
         InputError: Not real numbers, too large ones, or a quaternion without unit norm.
@@ -75,7 +75,7 @@ def rows(model: pin.Model, **states: ArrayLike) -> list[FloatArray]:
     arrays: dict[str, FloatArray] = {}
     for name, value in states.items():
         columns = model.nv if arrays else model.nq
-        if name == "current":
+        if name == "water_velocity":
             columns = 3
         arrays[name] = _as_rows(name, value, columns)
     n_rows = _number_of_rows(arrays)

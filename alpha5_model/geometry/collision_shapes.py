@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 from alpha5_model._support.checks import choice
 from alpha5_model._support.spatial import Triple, pose
 from alpha5_model.geometry.primitives import Primitive
-from alpha5_model.numbers.jaws import GRIPPERS, split_link_4
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper, split_link_4
 from alpha5_model.numbers.parameters import parameters
 
 COMPARED_SHAPES_PATH = Path(__file__).with_name("compared_shapes.toml")
@@ -35,7 +35,7 @@ EXPORTED_SHAPES_PATH = Path(__file__).with_name("exported_shapes.toml")
 
 @cache
 def collision_primitives(
-    gripper: str = "jaws", spacer: float = 0.0
+    gripper: Gripper = "jaws", spacer: float = 0.0
 ) -> dict[str, tuple[Primitive, ...]]:
     """The shapes of each link that the package compares.
 
@@ -52,14 +52,14 @@ def collision_primitives(
 
 @cache
 def exported_primitives(
-    gripper: str = "jaws", spacer: float = 0.0
+    gripper: Gripper = "jaws", spacer: float = 0.0
 ) -> dict[str, tuple[Primitive, ...]]:
     """The shapes of each link for other programs; see `collision_primitives`."""
     return _shapes(EXPORTED_SHAPES_PATH, gripper, spacer)
 
 
 def _shapes(
-    path: Path, gripper: str, spacer: float
+    path: Path, gripper: Gripper, spacer: float
 ) -> dict[str, tuple[Primitive, ...]]:
     """The shapes of a file for an arm with a gripper."""
     choice("gripper", gripper, GRIPPERS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
@@ -20,24 +20,29 @@ AIR = 0.0
 GRAVITY = (0.0, 0.0, -9.81)
 
 
-def density_of(fluid_density: Any) -> float:
-    """Check the density of a fluid.
+#: The names of fluids, as on the command line and in files.
+FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
+#: A density [kg/m^3], or a name.
+Fluid = float | Literal["sea", "fresh", "air"]
 
-    Returns:
-        The same [kg/m^3].
+
+def density_of(fluid_density: Any) -> float:
+    """The density of a fluid [kg/m^3].
+
+    Args:
+        fluid_density: It, or a name of `FLUIDS`.
 
     Raises:
-        InputError: Not a number of at least 0.
+        InputError: No such name, and not a number of at least 0.
 
     Warns:
         ImplausibleWarning: No fluid has it; it may be in g/cm^3.
     """
     if isinstance(fluid_density, str):
-        expected = (
-            "a density [kg/m^3]: "
-            "SEA_WATER (1025), FRESH_WATER (1000), AIR (0), a number"
-        )
-        raise InputError("fluid_density", fluid_density, expected)
+        if fluid_density not in FLUIDS:
+            expected = f"a density [kg/m^3], or {', '.join(FLUIDS)}"
+            raise InputError("fluid_density", fluid_density, expected)
+        return FLUIDS[fluid_density]
     density = real("fluid_density", fluid_density, minimum=0.0)
     plausibility.check("fluid_density", density, plausibility.FLUID_DENSITY)
     return density

@@ -27,7 +27,7 @@ from alpha5_model._support.checks import (
 from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.jaws import GRIPPERS, Gripper
 from alpha5_model.numbers.parameters import in_si
 from alpha5_model.numbers.printed import hydrodynamics as read
 from alpha5_model.numbers.tables import BODY_NAMES, HydrodynamicRow
@@ -180,7 +180,7 @@ def added_mass(matrix: ArrayLike) -> FloatArray:
 
 
 def hydrodynamics(
-    gripper: str = "locked", level: str = "nominal", numbers: str = "estimated"
+    gripper: Gripper = "locked", level: str = "nominal", numbers: str = "estimated"
 ) -> dict[str, BodyHydrodynamics]:
     """Added mass and drag of each body of the arm.
 

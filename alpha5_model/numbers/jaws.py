@@ -21,6 +21,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -32,7 +33,9 @@ from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, chosen
 from alpha5_model.numbers.pose import Pose, tool_of
 from alpha5_model.numbers.rigid_body import AttachedBody, RigidBody, joined
 
-GRIPPERS = ("locked", "jaws")
+#: Jaws that are locked, or that axis_a opens.
+Gripper = Literal["locked", "jaws"]
+GRIPPERS: tuple[Gripper, ...] = get_args(Gripper)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ from types import FrameType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import FloatArray, array
 from alpha5_model.errors import ImplausibleWarning, InputError
 
 
@@ -71,6 +71,10 @@ GRAVITY = Plausible(
 #: 20 kg at the arm's reach of 0.5 m take 98 N m: the shoulder stalls at about that,
 #: from 24 V and without any limit of its current.
 MASS = Plausible("kg", ((0.0, 20.0),), _GRAMS)
+#: What a scale shows may be a tenth of the arm's mass off, where it tells little.
+SCALE_NOISE = Plausible("kg", ((0.0, 0.1),), _GRAMS)
+#: The plate on the scales is about 0.3 m wide.
+PLACEMENT = Plausible("m", ((0.0, 0.05),), _MM)
 #: Four times the arm's reach: the middle of a pole of 4 m.
 POSITION = Plausible("m", ((0.0, 2.0),), _MM)
 #: A buoy of this volume lifts with 1000 N: at 0.5 m, five times what the shoulder's
@@ -117,7 +121,7 @@ ROD: Mapping[str, Plausible] = {
     "effort": Plausible("N", ((0.0, 1000.0),), {"mN": 1e-3}),
 }
 #: The fastest tidal currents have 10 m/s.
-CURRENT = Plausible("m/s", ((0.0, 10.0),), {"cm/s": 1e-2, "mm/s": 1e-3})
+WATER_VELOCITY = Plausible("m/s", ((0.0, 10.0),), {"cm/s": 1e-2, "mm/s": 1e-3})
 #: A hundred times Table 4's largest numbers, in the units that it prints.
 RESISTANCE = Plausible("Ohm", ((0.0, 4000.0),), {"mOhm": 1e-3})
 INDUCTANCE = Plausible("H", ((0.0, 0.13),), {"mH": 1e-3, "uH": 1e-6})
@@ -173,6 +177,20 @@ def check(
         raise InputError(name, given.tolist(), expected)
     message = f"{name}: {_written(given)} {plausible.unit} is implausible"
     warn(f"{message}, expected {expected}")
+
+
+def angles(name: str, value: ArrayLike) -> FloatArray:
+    """Three angles (3,) [rad], with a warning if they are more likely in degrees.
+
+    Raises:
+        InputError: Not three finite numbers.
+
+    Warns:
+        ImplausibleWarning: They are implausible.
+    """
+    given = array(name, value, 3)
+    check(name, given, ANGLE)
+    return given
 
 
 def check_body(

@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, float_array, real
-from alpha5_model.errors import InputError, JointLimitError
+from alpha5_model.errors import InputError
 from alpha5_model.kinematics.choosing import TIE
 from alpha5_model.kinematics.geometry import on_axis
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+from alpha5_model.kinematics.limits import within
 from alpha5_model.kinematics.pose import inverse_kinematics_pose
-from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Kinds of targets.
 POINT = "position"
@@ -79,11 +80,7 @@ def joint_position(name: str, given: ArrayLike, arm: Alpha5Parameters) -> FloatA
     if q.shape != (4,):
         raise InputError(name, q.tolist(), "four joint positions [rad]")
     lower, upper = joint_range(arm)
-    inside = np.clip(q, lower, upper)
-    for joint, value, bound in zip(arm.joints[:4], q, inside, strict=True):
-        if abs(value - bound) > ON_LIMIT:
-            raise JointLimitError(joint.name, float(value), float(bound))
-    return inside
+    return within(JOINT_NAMES[:4], q, lower, upper)
 
 
 def joint_range(arm: Alpha5Parameters) -> tuple[FloatArray, FloatArray]:

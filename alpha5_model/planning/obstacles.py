@@ -22,7 +22,7 @@ from alpha5_model._support.spatial import inverse, moved, pose, rotation_from_rp
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.plausibility import ANGLE, POOL, POSITION
+from alpha5_model.numbers.plausibility import POOL, POSITION
 
 _ORIGIN = (0.0, 0.0, 0.0)
 
@@ -52,8 +52,8 @@ class Obstacle:
         shape: In base_link.
 
     Warns:
-        ImplausibleWarning: It is nowhere thinner than 2 m, a mesh 20 m, all of it is
-            more than 2 m away from base_link, or an angle is more than two turns.
+        ImplausibleWarning: It is nowhere thinner than 2 m, a mesh 20 m, or all of it is
+            more than 2 m away from base_link; or angles that are likely in degrees.
     """
 
     name: str
@@ -89,7 +89,7 @@ class Obstacle:
         size = tuple(array("edges", edges, 3).tolist())
         for number, edge in enumerate(size):
             real(f"edges[{number}]", edge, minimum=0.0, strict=True)
-        return cls(name, _primitive("box", size, xyz, _angles(name, rpy)))
+        return cls(name, _primitive("box", size, xyz, rpy))
 
     @classmethod
     def cylinder(
@@ -115,7 +115,7 @@ class Obstacle:
             real("radius", radius, minimum=0.0, strict=True),
             real("length", length, minimum=0.0, strict=True),
         )
-        return cls(name, _primitive("cylinder", size, xyz, _angles(name, rpy)))
+        return cls(name, _primitive("cylinder", size, xyz, rpy))
 
     @classmethod
     def sphere(cls, name: str, radius: float, xyz: ArrayLike = _ORIGIN) -> Obstacle:
@@ -167,7 +167,7 @@ class Obstacle:
             expected = f"whole numbers from 0 to {len(points) - 1}"
             raise InputError("triangles", worst, expected)
 
-        frame = pose(array("xyz", xyz, 3), _angles(name, rpy))
+        frame = pose(array("xyz", xyz, 3), plausibility.angles("rpy", rpy))
         corners = numbers.astype(np.intp)
         corners.flags.writeable = False
         return cls(name, Mesh(vertices=frozen(moved(frame, points)), triangles=corners))
@@ -208,13 +208,6 @@ def _warn_of_millimetres(name: str, shape: Primitive | Mesh) -> None:
     plausibility.check(f"distance of {name} from base_link", away, POSITION)
 
 
-def _angles(name: str, rpy: ArrayLike) -> FloatArray:
-    """Roll, pitch and yaw, (3,) [rad]. Warns of degrees."""
-    angles = array("rpy", rpy, 3)
-    plausibility.check(f"rpy of {name}", np.abs(angles).max(), ANGLE)
-    return angles
-
-
 def _half_edges(shape: Primitive) -> tuple[float, ...]:
     """Half the edges of the box around a shape, in its own frame [m]."""
     if shape.kind == "box":
@@ -226,13 +219,13 @@ def _half_edges(shape: Primitive) -> tuple[float, ...]:
 
 
 def _primitive(
-    kind: str, size: tuple[float, ...], xyz: ArrayLike, rpy: FloatArray
+    kind: str, size: tuple[float, ...], xyz: ArrayLike, rpy: ArrayLike
 ) -> Primitive:
     return Primitive(
         kind=kind,
         size=size,
         xyz=tuple(array("xyz", xyz, 3).tolist()),
-        rpy=tuple(rpy.tolist()),
+        rpy=tuple(plausibility.angles("rpy", rpy).tolist()),
     )
 
 

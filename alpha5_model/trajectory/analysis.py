@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, choice, frozen, real
+from alpha5_model._support.renaming import renamed
 from alpha5_model._support.text import short_repr
 from alpha5_model.dynamics.actuators import Actuator, Interval, actuator
 from alpha5_model.errors import InputError
@@ -142,9 +143,10 @@ class Analysis:
         return causes
 
 
+@renamed("current", "water_velocity")
 def analyse(
     motion: Motion,
-    arm: Arm | None = None,
+    arm: Alpha5Parameters | Arm | None = None,
     *,
     method: str = "spline",
     bandwidth: float = smoothing.DEFAULT_BANDWIDTH,
@@ -155,17 +157,17 @@ def analyse(
     current_limit: float | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
-    current: ArrayLike | None = None,
+    water_velocity: ArrayLike | None = None,
     efficiency: str = "gearbox",
 ) -> Analysis:
     """Torques, currents, powers, mount load and TCP path of a motion.
 
     Args:
         motion: From `read_motion` or `motion`.
-        arm: The model; its joints decide whether the jaw rod is used. None loads the
-            jaws variant in sea water if the motion has ``axis_a``, and the one with
-            locked jaws otherwise. The arm of a record of your own has the motors,
-            supply voltage and current limits of that record.
+        arm: The model; its joints decide whether the jaw rod is used. A record, or
+            None for the catalogue's, is loaded in sea water, with jaws if the motion
+            has ``axis_a``. The arm of a record of your own has the motors, supply
+            voltage and current limits of that record.
         method, bandwidth, use_velocity: See `alpha5_model.trajectory.smoothing.smooth`.
         constants: Which of the contradicting motor constants to use
             (`alpha5_model.dynamics.actuators`); None for those of the arm's record,
@@ -178,9 +180,9 @@ def analyse(
             None for those of the arm's record.
         threads: Of Pinocchio; None for all that this process may use.
         progress: Called with a stage's name and the part done, 0 to 1.
-        current: Water current, not a motor's: velocity of the water in base_link, (3,)
-            [m/s]. It adds drag and added mass, which are estimated, not published. None
-            for still water, with buoyancy only.
+        water_velocity: Velocity of the water in base_link, (3,) [m/s]. It adds drag and
+            added mass, which are estimated, not published. None for still water, with
+            buoyancy only.
         efficiency: Whose efficiency Table 4's eta_max is
             (`alpha5_model.dynamics.actuators`).
 
@@ -191,12 +193,12 @@ def analyse(
     """
     # Pinocchio, which reading and smoothing do not need, takes long to import.
     from alpha5_model.dynamics.batch import frame_positions
-    from alpha5_model.dynamics.load import load
+    from alpha5_model.dynamics.load import loaded
     from alpha5_model.dynamics.torque_causes import torque_terms
     from alpha5_model.water.terms import water_terms
 
-    if arm is None:
-        arm = load(gripper="jaws" if JOINT_NAMES[4] in motion.joints else "locked")
+    gripper = "jaws" if JOINT_NAMES[4] in motion.joints else "locked"
+    arm = loaded(arm, gripper=gripper)
     motion = _motion_for_arm(motion, arm)
     drive = _drive(arm.parameters, motion.joints, supply_voltage, current_limit)
     motors = {
@@ -216,8 +218,8 @@ def analyse(
     torque = terms.inertia + terms.coriolis + terms.weight + terms.buoyancy
     base_wrench = arm.base_wrench_batch(*state, threads)
     moving_water: WaterTerms | None = None
-    if current is not None:
-        moving_water = water_terms(arm, *state, current)
+    if water_velocity is not None:
+        moving_water = water_terms(arm, *state, water_velocity)
         nominal = 1
         torque = torque + moving_water.torque[:, nominal]
         base_wrench = base_wrench + moving_water.wrench[:, nominal]
@@ -267,7 +269,7 @@ def _motion_for_arm(motion: Motion, arm: Arm) -> Motion:
     from alpha5_model.dynamics.arm import Arm
 
     if not isinstance(arm, Arm) or arm.has_hydrodynamics:
-        expected = "an Arm in still water (moving water: the argument current)"
+        expected = "an Arm in still water (moving water: the argument water_velocity)"
         raise InputError("arm", type(arm).__name__, expected)
     if arm.floating_base or arm.model.nv not in (4, 5):
         found = f"a model with nv = {arm.model.nv}"

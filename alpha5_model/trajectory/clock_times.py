@@ -17,6 +17,8 @@ _TIME_OF_DAY = rf"(\d\d):(\d\d):(\d\d){_FRACTION}"
 _ZONE = r"(?:(Z|UTC)|([+-])(\d\d):?(\d\d))?"
 _ISO_TIME = re.compile(rf"{_DATE}[T ]{_TIME_OF_DAY} ?{_ZONE}", re.IGNORECASE)
 _ISO_DATE = re.compile(_DATE)
+#: ``11/27/2026`` or ``27/11/2026``: nobody can tell which of them is the month.
+_SLASHED_DATE = re.compile(r"\d\d?/\d\d?/\d{2,4}(?!\d)")
 _DOTTED_DATE = re.compile(r"(\d\d?)\.(\d\d?)\.(\d{4})")
 #: ``10:00:00.02``, ``10:00:00.02 PM``, and pandas' ``0 days 00:00:00.020000``.
 _CLOCK = re.compile(
@@ -69,6 +71,11 @@ def clock_of(text: str) -> Clock | None:
             continue
         return clock
     return None
+
+
+def is_slashed_date(text: str) -> bool:
+    """Whether a text begins with a date whose day and month may be exchanged."""
+    return _SLASHED_DATE.match(text.strip()) is not None
 
 
 def is_date(name: str) -> bool:

@@ -429,10 +429,11 @@ def only_choice(what: str, found: Collection[str]) -> str:
 def likely_time_unit(
     time: FloatArray, position: FloatArray, parameters: Alpha5Parameters
 ) -> str:
-    """The largest unit that makes a time step shorter than a second.
+    """The largest unit up to seconds that makes a time step shorter than a second.
 
     But it is seconds if that unit would make the mean speed of a joint exceed twice its
-    rated speed. This happens in a plan of few points.
+    rated speed. This happens in a plan of few points. It is minutes if in seconds a
+    joint would move at ten times its rated speed.
 
     Args:
         time: (N,) In the unit of the column.
@@ -444,18 +445,18 @@ def likely_time_unit(
     steps = steps[steps > 0]
     if not steps.size:
         return "s"
-    median = float(np.median(steps))
-    if median < 1.0:
-        return "s"
-
-    smaller = [unit for unit, count in PER_SECOND.items() if median < count]
-    unit = smaller[0] if smaller else "ns"
-    duration = (steps / PER_SECOND[unit]).sum()
     with np.errstate(over="ignore"):
         path = np.abs(np.diff(position, axis=0)).sum(axis=0)
     rated = np.array([joint.velocity for joint in parameters.joints[: path.size]])
-    too_fast = path / duration > 2 * rated
-    return "s" if too_fast.any() else unit
+    fastest = float((path / rated).max()) / steps.sum()
+    median = float(np.median(steps))
+    if median < 1.0:
+        fit_minutes = 10 < fastest < 2 / PER_SECOND["min"]
+        return "min" if fit_minutes else "s"
+
+    smaller = [unit for unit, count in PER_SECOND.items() if median < count]
+    unit = smaller[0] if smaller else "ns"
+    return "s" if fastest * PER_SECOND[unit] > 2 else unit
 
 
 def _found_time(

@@ -13,7 +13,13 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model.errors import FileFormatError
-from alpha5_model.trajectory.clock_times import Clock, clock_of, date_seconds, is_date
+from alpha5_model.trajectory.clock_times import (
+    Clock,
+    clock_of,
+    date_seconds,
+    is_date,
+    is_slashed_date,
+)
 from alpha5_model.trajectory.columns import JOINT_COLUMNS, with_columns_of_joints
 from alpha5_model.trajectory.tables import (
     Problem,
@@ -271,6 +277,12 @@ class _CsvTable:
                 text = f"expected {name[:40]!r}, got {fields[column][:40]!r}"
                 return Problem(self._place(row, column), text)
 
+        for column, got in enumerate(fields):
+            read = column in columns or is_date(self._names[column])
+            if read and is_slashed_date(got):
+                expected = "2026-11-27 or 27.11.2026, which exchange no day and month"
+                text = f"expected a date like {expected}, got {got[:40]!r}"
+                return Problem(self._place(row, column), text)
         for column in columns:
             got = fields[column]
             expected = "finite number"

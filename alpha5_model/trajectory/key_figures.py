@@ -229,7 +229,7 @@ def _model(a: Analysis) -> dict[str, Any]:
         "gravity": a.arm.model.gravity.linear,
     }
     if a.moving_water is not None:
-        model["water_current"] = a.moving_water.current
+        model["water_current"] = a.moving_water.water_velocity
     return model
 
 

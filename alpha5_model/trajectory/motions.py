@@ -48,8 +48,8 @@ class Motion:
         warnings: Warnings about the samples.
         source: File name, or ``"arrays"``.
         ignored: Columns of the file that were not used.
-        time_unit: Unit of the file's time column: ``"s"``, ``"ms"``, ``"us"`` or
-            ``"ns"``. `time` is in s.
+        time_unit: Unit of the file's time column: ``"s"``, ``"ms"``, ``"us"``,
+            ``"ns"``, or ``"min"``. `time` is in s.
         effort: Recorded joint torques, (N, n) [N m], jaw rod [N]; NaN if unknown, None
             if not given. They are compared with the model's torque, which does not
             depend on them. Efforts that are milliamperes are found by `analyse`.

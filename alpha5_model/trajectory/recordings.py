@@ -94,7 +94,7 @@ def read_motion(
         degrees: Whether angles are in degrees, and their velocities in deg/s, if the
             columns name no unit.
         time: Name of the column of the time in a table, ``"NAME"``, or ``"NAME:ms"``
-            with its unit (``s``, ``ms``, ``us`` or ``ns``); None to find it.
+            with its unit (``s``, ``ms``, ``us``, ``ns`` or ``min``); None to find it.
         episode: Number of the recording in a Parquet file of several, as its column
             ``episode_index`` counts them.
 
@@ -285,6 +285,14 @@ def _time_unit(
         return stated or likely, []
 
     name = header[roles.time]
+    place = table.place(int(samples.row[0]), roles.time)
+    if likely == "min":
+        text = (
+            f"{name} read as seconds, in which the arm would move at ten times its "
+            f"rated speed; if it is in minutes, name it as the time: {name}:min"
+        )
+        warning = MotionWarning(kind="time_unit", count=1, first=place, text=text)
+        return "s", [warning]
     text = (
         f"{name} read as {likely}, which its steps and speeds fit; "
         "call it time_secs if it is in seconds"
@@ -294,7 +302,6 @@ def _time_unit(
             f"{name} read as seconds, though its steps and speeds fit {likely}: "
             f"is it time_{likely}?"
         )
-    place = table.place(int(samples.row[0]), roles.time)
     warning = MotionWarning(kind="time_unit", count=1, first=place, text=text)
     return stated or likely, [warning]
 

@@ -245,7 +245,7 @@ def _water(a: Analysis, joints: _Joints) -> list[str]:
     for name, peak, unit in peaks:
         value = None if peak is None else peak.value
         rows.append([name, _cell(value, "+.4g"), _interval(peak, "+.4g"), unit])
-    speed = ", ".join(f"{x:g}" for x in a.moving_water.current)
+    speed = ", ".join(f"{x:g}" for x in a.moving_water.water_velocity)
     title = f"\n  water: current ({speed}) m/s; estimated, not published"
     return [title, *table(rows, "<>><", 2)]
 

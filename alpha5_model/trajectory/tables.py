@@ -19,7 +19,7 @@ from alpha5_model._support.files import PathLike
 from alpha5_model.trajectory.motions import MotionWarning
 
 #: Units of time, and how many of each make a second.
-PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
+PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9, "min": 1 / 60}
 #: A bag or Parquet file may expand to this many times its size. Joint states of an arm
 #: at rest, compressed by zstd, expand to 10 times.
 EXPANSION = 100

@@ -19,7 +19,6 @@ from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.reach import nearest_reachable
-from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.jaws import finger_tips
 from alpha5_model.numbers.parameters import Alpha5Parameters, is_catalogue, parameters
@@ -54,7 +53,7 @@ from alpha5_model.viewer.scene import (
 from alpha5_model.viewer.tracks import motion_track
 
 #: Velocity of the water in the scene if none is given [m/s].
-_CURRENT = (1.0, 0.0, 0.0)
+_WATER_VELOCITY = (1.0, 0.0, 0.0)
 #: Where file names of meshes in a URDF start.
 _FOLDER = str(Path(URDF_PATH).parent)
 
@@ -66,7 +65,7 @@ def build_scene(
     target: ArrayLike | None = None,
     motion: Motion | None = None,
     show: Iterable[str] | None = None,
-    current: ArrayLike | None = None,
+    water_velocity: ArrayLike | None = None,
     payload: Sequence[Any] | None = None,
     obstacles: Iterable[Obstacle] = (),
     curves: Mapping[str, ArrayLike] | None = None,
@@ -84,7 +83,7 @@ def build_scene(
         show: Groups to show, of `alpha5_model.viewer.scene.GROUPS`; the others can be
             switched on. If None: bodies, labels, centres, the ghosts if there is a
             target, the current if it is given.
-        current: Velocity of the water, (3,) [m/s], in base_link if the base is fixed,
+        water_velocity: (3,) [m/s], in base_link if the base is fixed,
             else in the world; 1 m/s along x if None. If the current is shown, the
             page's torques include its nominal load, which is estimated.
         payload: What the arm holds, beside payloads that it has, as
@@ -110,13 +109,15 @@ def build_scene(
     # Joints that the motion lacks stay where this pose has them.
     resting = with_base(arm, _start(arm, goal)) if q is None else q
     position = shaped("q", resting, (arm.model.nq,))
-    track = _track(motion, loaded, position, current, curves)
+    track = _track(motion, loaded, position, water_velocity, curves)
     if track is not None and q is None and goal is None:
         position = with_base(arm, track.q[0])
-    water = _water(arm, current)
+    water = _water(arm, water_velocity)
     loads = tuple(loads_of(arm, tree))
     if show is None:
-        show = _default_show(target=target is not None, current=current is not None)
+        show = _default_show(
+            target=target is not None, water_velocity=water_velocity is not None
+        )
 
     bodies = list(drawing.bodies(urdf, _FOLDER))
     bodies += drawing.spacer(bodies, record.spacer)
@@ -146,7 +147,7 @@ def build_scene(
         named_poses=named_poses(arm),
         motion=track,
         water=water,
-        collision=self_collision(record, _gripper_of(arm)).bodies,
+        collision=self_collision(record, arm.gripper).bodies,
         speed=np.array([joint.velocity for joint in joints]),
         target=goal,
         name=record.name if is_own else "",
@@ -171,11 +172,11 @@ def _forces(
     """Centres with weight and buoyancy, the current, and what the arm holds."""
     yield from drawing.centers(water.gravity, loads)
     frame = WORLD if arm.floating_base else root
-    yield from drawing.current_arrow(water.current, frame)
+    yield from drawing.current_arrow(water.water_velocity, frame)
     yield from drawing.payload(payload, water)
 
 
-def _water(arm: Arm, current: ArrayLike | None) -> Water:
+def _water(arm: Arm, water_velocity: ArrayLike | None) -> Water:
     """What the arm is in.
 
     The scene always has a current, which the page can switch on. A motion has one only
@@ -184,7 +185,11 @@ def _water(arm: Arm, current: ArrayLike | None) -> Water:
     return Water(
         density=arm.fluid_density,
         gravity=gravity_in_world(arm),
-        current=array("current", _CURRENT if current is None else current, 3),
+        water_velocity=array(
+            "water_velocity",
+            _WATER_VELOCITY if water_velocity is None else water_velocity,
+            3,
+        ),
         streams={level: tuple(streams_of(arm, level)) for level in LEVELS},
     )
 
@@ -200,27 +205,22 @@ def _track(
     motion: Motion | None,
     arm: Arm,
     q: FloatArray,
-    current: ArrayLike | None,
+    water_velocity: ArrayLike | None,
     curves: Mapping[str, ArrayLike] | None,
 ) -> MotionTrack | None:
     """A motion with its curves, if there is one."""
     if motion is not None:
-        return motion_track(motion, arm, q, current, curves)
+        return motion_track(motion, arm, q, water_velocity, curves)
     if curves:
         raise InputError("curves", [*curves], "a motion, with whose samples they go")
     return None
-
-
-def _gripper_of(arm: Arm) -> str:
-    """``jaws`` if they move, or ``locked``."""
-    return "jaws" if "axis_a" in arm.joint_names else "locked"
 
 
 def _urdf(arm: Arm) -> str:
     """The URDF that is drawn: the shipped one for the catalogue's arm."""
     record = arm.parameters
     # With other corrections, the joints of the shipped one are moved.
-    return arm_urdf(_gripper_of(arm), parameters() if is_catalogue(record) else record)
+    return arm_urdf(arm.gripper, parameters() if is_catalogue(record) else record)
 
 
 def _start(arm: Arm, goal: FloatArray | None) -> FloatArray:
@@ -252,21 +252,19 @@ def _start(arm: Arm, goal: FloatArray | None) -> FloatArray:
     return colliding
 
 
-def _default_show(target: bool, current: bool) -> list[str]:
+def _default_show(target: bool, water_velocity: bool) -> list[str]:
     """Groups that are shown if there is a target or a current."""
     shown = list(DEFAULT_SHOW)
     if target:
         shown.append("ghosts")
-    if current:
+    if water_velocity:
         shown.append("current")
     return shown
 
 
 def _beyond_limits(arm: Arm, q: FloatArray) -> dict[str, bool]:
     """Name of each joint of the arm -> whether it is beyond a limit."""
-    inside = np.clip(q, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
-    beyond = np.abs(q - inside) > ON_LIMIT
-    joints: list[bool] = beyond[-len(arm.joint_names) :].tolist()
+    joints = arm.limits.beyond(q[-len(arm.joint_names) :]).tolist()
     return dict(zip(arm.joint_names, joints, strict=True))
 
 

@@ -277,12 +277,12 @@ def obstacles(bodies: Iterable[Obstacle], root: str) -> Iterator[Shape | Label]:
         yield Label("obstacles", body.name, Rigid(root, middle))
 
 
-def current_arrow(current: FloatArray, frame: str) -> Iterator[Shape | Label]:
+def current_arrow(water_velocity: FloatArray, frame: str) -> Iterator[Shape | Label]:
     """An arrow beside the base along the current (3,) [m/s] of a frame."""
     teal = _COLORS["teal"]
     beside_base = Rigid(frame, transform(translation=LOOK["current_at"]))
-    speed = float(np.linalg.norm(current))
-    tip = ARROWS["current"] * current
+    speed = float(np.linalg.norm(water_velocity))
+    tip = ARROWS["current"] * water_velocity
     mesh = arrow(tip, 0.004) if speed else _ball(0.004, teal, teal)
     yield Shape(
         group="current",

@@ -38,8 +38,7 @@ def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
 
 def streams_of(arm: Arm, level: str) -> Iterator[Stream]:
     """Added mass and drag of each link, per density, at a level of the estimates."""
-    gripper = "jaws" if "axis_a" in arm.joint_names else "locked"
-    for link, water in hydrodynamics(gripper, level).items():
+    for link, water in hydrodynamics(arm.gripper, level).items():
         strips = [_strip_drag(strip) for strip in water.strips]
         added_mass = water.added_mass[:3, :3] / WATER_DENSITY
         yield Stream(link=link, strips=tuple(strips), added_mass=added_mass)

@@ -106,7 +106,7 @@ def _title(analysis: Analysis) -> str:
     smooth = analysis.smooth
     fluid = f"{len(smooth.time)} samples; fluid {analysis.arm.fluid_density:g} kg/m³"
     if analysis.moving_water is not None:
-        current = ", ".join(f"{x:g}" for x in analysis.moving_water.current)
+        current = ", ".join(f"{x:g}" for x in analysis.moving_water.water_velocity)
         fluid += f"; current ({current}) m/s, its effect estimated"
     width = "" if smooth.bandwidth is None else f" {smooth.bandwidth:.3g} Hz"
     constants = analysis.actuators[0].constants

@@ -226,14 +226,14 @@ class Water(NamedTuple):
         density: Of the fluid [kg/m^3].
         gravity: In the world, (3,) [m/s^2]. A fixed base is drawn so that it points
             down.
-        current: Velocity of the water, (3,) [m/s]: in base_link if the base is fixed,
-            else in the world.
+        water_velocity: (3,) [m/s]: in base_link if the base is fixed, else in the
+            world.
         streams: Level of the estimates -> added mass and drag of the links.
     """
 
     density: float
     gravity: FloatArray
-    current: FloatArray
+    water_velocity: FloatArray
     streams: Mapping[str, tuple[Stream, ...]]
 
 

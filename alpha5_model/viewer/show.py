@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
+from alpha5_model._support.renaming import renamed
+
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.planning.obstacles import Obstacle
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from alpha5_model.viewer.visualizer import ArmVisualizer
 
 
+@renamed("current", "water_velocity")
 def view(
     arm: Arm,
     q: ArrayLike | None = None,
@@ -21,7 +24,7 @@ def view(
     target: ArrayLike | None = None,
     motion: Motion | None = None,
     show: Iterable[str] | None = None,
-    current: ArrayLike | None = None,
+    water_velocity: ArrayLike | None = None,
     payload: Sequence[Any] | None = None,
     obstacles: Iterable[Obstacle] = (),
     curves: Mapping[str, ArrayLike] | None = None,
@@ -45,7 +48,7 @@ def view(
         motion: Played in real time by the page.
         show: Groups to show, of `alpha5_model.viewer.scene.GROUPS`; the others can be
             switched on.
-        current: Velocity of the water, (3,) [m/s], in base_link if the base is fixed,
+        water_velocity: (3,) [m/s], in base_link if the base is fixed,
             else in the world. If it is given, the torques on the page and those of the
             motion include its estimated load.
         payload: What the arm holds, beside payloads that it has: mass [kg], centre in
@@ -72,7 +75,7 @@ def view(
         target=target,
         motion=motion,
         show=show,
-        current=current,
+        water_velocity=water_velocity,
         payload=payload,
         obstacles=obstacles,
         curves=curves,

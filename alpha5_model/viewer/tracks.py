@@ -29,7 +29,7 @@ def motion_track(
     played: Motion,
     arm: Arm,
     q: FloatArray,
-    current: ArrayLike | None = None,
+    water_velocity: ArrayLike | None = None,
     curves: Mapping[str, ArrayLike] | None = None,
 ) -> MotionTrack:
     """A motion of the arm's joints, with its torques and its load on the mount.
@@ -40,8 +40,7 @@ def motion_track(
         played: The motion. Joints that the arm lacks are left out.
         arm: The arm. On a vehicle it has no mount, and the track has no loads.
         q: Where joints stay that the motion lacks, (nq,).
-        current: Velocity of the water in base_link, (3,) [m/s]; no moving water if
-            None.
+        water_velocity: In base_link, (3,) [m/s]; no moving water if None.
         curves: Name -> signals of the user, with one number for each sample, (N,).
     """
     signals = _signals(curves or {}, len(played.time))
@@ -77,7 +76,7 @@ def motion_track(
         effort=widened(played.effort, np.nan),
         current=widened(played.current, np.nan),
     )
-    analysis = _analysis(arm, moved, current)
+    analysis = _analysis(arm, moved, water_velocity)
     return replace(track, loads=_loads(analysis), compared=_compared(analysis))
 
 
@@ -97,11 +96,11 @@ def _signals(curves: Mapping[str, ArrayLike], samples: int) -> dict[str, FloatAr
     return signals
 
 
-def _analysis(arm: Arm, moved: Motion, current: ArrayLike | None) -> Analysis:
+def _analysis(arm: Arm, moved: Motion, water_velocity: ArrayLike | None) -> Analysis:
     # A smoothing bandwidth needs more than two samples for each of its periods.
     step = np.median(np.diff(moved.time))
     method = "spline" if step < 0.5 / DEFAULT_BANDWIDTH else "interpolate"
-    return analyse(moved, arm, method=method, current=current)
+    return analyse(moved, arm, method=method, water_velocity=water_velocity)
 
 
 def _loads(analysis: Analysis) -> dict[str, FloatArray]:

@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray, choice, float_array, real, shaped
 from alpha5_model._support.files import PathLike
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.errors import InputError, JointLimitError, ShapeError
-from alpha5_model.kinematics.tolerances import ON_LIMIT
+from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.kinematics.limits import within
 from alpha5_model.viewer.commands import Command, pose_message, scene_commands
 from alpha5_model.viewer.framing import framed
 from alpha5_model.viewer.live import LiveWindow, PageConnection
@@ -69,12 +69,7 @@ def read_move(content: Any, arm: Arm) -> FloatArray:
     names = arm.joint_names
     limits = arm.limits
     joints = shaped("q", content["q"], (len(names),))
-    inside = np.clip(joints, limits.lower, limits.upper)
-    for name, value, bound in zip(names, joints, inside, strict=True):
-        if abs(value - bound) > ON_LIMIT:
-            unit = "m" if name == "axis_a" else "rad"
-            raise JointLimitError(name, float(value), float(bound), unit)
-    return inside
+    return within(names, joints, limits.lower, limits.upper)
 
 
 class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]

@@ -25,6 +25,7 @@ from alpha5_model._support.checks import (
     listed,
     rigid_transform,
 )
+from alpha5_model._support.renaming import renamed
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import solved, solved_rows
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
@@ -51,24 +52,24 @@ from alpha5_model.water.vehicle import (
 
 #: One state in each row, or one for all.
 Rows = ArrayLike
-#: Velocity of the water, in the world [m/s]; None for the arm's `current`.
-Current = ArrayLike | None
+#: Velocity of the water, in the world [m/s]; None for the arm's `water_velocity`.
+WaterVelocity = ArrayLike | None
 
 
 def in_moving_water(
-    arm: Arm, current: ArrayLike, level: str, numbers: str
+    arm: Arm, water_velocity: ArrayLike, level: str, numbers: str
 ) -> HydrodynamicArm:
     """An arm in moving water: see `Arm.with_hydrodynamics`."""
-    gripper = "jaws" if "finger_1" in arm._frames else "locked"
-    links = hydrodynamics(gripper, level, numbers)
+    links = hydrodynamics(arm.gripper, level, numbers)
     needed_for = "the moving water at its links"
     check_dimensions(arm._model, needed_for, DRAWN, arm.parameters)
     bodies = [joint_water(arm, link, data) for link, data in links.items()]
-    velocity = array("current", current, 3)
-    plausibility.check("current", velocity, plausibility.CURRENT)
+    velocity = array("water_velocity", water_velocity, 3)
+    plausibility.check("water_velocity", velocity, plausibility.WATER_VELOCITY)
     return HydrodynamicArm(arm, bodies, velocity)
 
 
+@renamed("current", "water_velocity")
 class HydrodynamicArm(Arm):
     """An arm in moving water.
 
@@ -76,13 +77,14 @@ class HydrodynamicArm(Arm):
 
     It is an `alpha5_model.dynamics.arm.Arm`, whose methods it overrides where the water
     changes the result; arguments and errors are the same. Every method that depends on
-    the current has an argument ``current``, the uniform velocity of the water in the
-    world, (3,) [m/s]; batches take one for each row. The generated kernels, JAX, CasADi
-    and C do not know moving water.
+    the current has an argument ``water_velocity``, the uniform velocity of the water in
+    the world, (3,) [m/s]; batches take one for each row. The generated kernels, JAX,
+    CasADi and C do not know moving water.
 
     Attributes:
         still: The same arm in still water: with buoyancy only.
-        current: Velocity of the water if a method gets none, in the world, (3,) [m/s].
+        water_velocity: Velocity of the water if a method gets none, in the world, (3,)
+            [m/s].
         bodies: The added mass and drag of each body.
     """
 
@@ -92,12 +94,12 @@ class HydrodynamicArm(Arm):
         self,
         still: Arm,
         bodies: Iterable[JointWater],
-        current: ArrayLike = (0.0, 0.0, 0.0),
+        water_velocity: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         super().__init__(*still._constructor_arguments, parameters=still.parameters)
         self.still = still
         self.bodies = tuple(bodies)
-        self.current = frozen(array("current", current, 3))
+        self.water_velocity = frozen(array("water_velocity", water_velocity, 3))
         self._tree = HydrodynamicTree(still, self.bodies)
 
     def added_mass(self, link: str) -> FloatArray:
@@ -124,14 +126,16 @@ class HydrodynamicArm(Arm):
         return self._tree.coriolis(q_tree, v_tree)
 
     def nonlinear_effects(
-        self, q: ArrayLike, v: ArrayLike, current: Current = None
+        self, q: ArrayLike, v: ArrayLike, water_velocity: WaterVelocity = None
     ) -> FloatArray:
         """Inverse dynamics without acceleration, (nv,) [N m].
 
         This is Coriolis torque, weight, buoyancy and drag.
         """
         no_acceleration = np.zeros(self._model.nv)
-        return self.inverse_dynamics(q, v, no_acceleration, current=current)
+        return self.inverse_dynamics(
+            q, v, no_acceleration, water_velocity=water_velocity
+        )
 
     def inverse_dynamics(
         self,
@@ -139,11 +143,13 @@ class HydrodynamicArm(Arm):
         v: ArrayLike,
         a: ArrayLike,
         fext: Any = None,
-        current: Current = None,
+        water_velocity: WaterVelocity = None,
     ) -> FloatArray:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
         state = self._clean_qva(q, v, a)
-        return np.asarray(self._tree.g.T @ self._tree_torque(state, fext, current))
+        return np.asarray(
+            self._tree.g.T @ self._tree_torque(state, fext, water_velocity)
+        )
 
     def forward_dynamics(
         self,
@@ -151,43 +157,55 @@ class HydrodynamicArm(Arm):
         v: ArrayLike,
         tau: ArrayLike,
         fext: Any = None,
-        current: Current = None,
+        water_velocity: WaterVelocity = None,
     ) -> FloatArray:
         """Joint acceleration under a torque, (nv,) [rad/s^2].
 
         See `Arm.forward_dynamics`.
         """
         q, v, torque = self._clean_qvtau(q, v, tau)
-        bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
+        bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, water_velocity)
         return solved(self.mass_matrix(q), torque - bias)
 
     def inverse_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        water_velocity: WaterVelocity = None,
     ) -> Partials:
         """dtau/dq, dtau/dv, dtau/da = M, each (nv, nv).
 
         See `Arm.inverse_dynamics_derivatives`.
         """
-        dq, dv, da, _ = self._derivatives(current, q, v, a)
+        dq, dv, da, _ = self._derivatives(water_velocity, q, v, a)
         to_arm = self._tree.g.T
         return to_arm @ dq, to_arm @ dv, to_arm @ da
 
     def inverse_dynamics_current_derivative(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        water_velocity: WaterVelocity = None,
     ) -> FloatArray:
         """Derivative of `inverse_dynamics` by the current, (nv, 3) [N s]."""
-        _, _, _, du = self._derivatives(current, q, v, a)
+        _, _, _, du = self._derivatives(water_velocity, q, v, a)
         return np.asarray(self._tree.g.T @ du)
 
     def forward_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Current = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        tau: ArrayLike,
+        water_velocity: WaterVelocity = None,
     ) -> Partials:
         """da/dq, da/dv, da/dtau = M^-1, each (nv, nv).
 
         See `Arm.forward_dynamics_derivatives`.
         """
-        a = self.forward_dynamics(q, v, tau, current=current)
-        dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a, current)
+        a = self.forward_dynamics(q, v, tau, water_velocity=water_velocity)
+        dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a, water_velocity)
         inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
         return -inverse @ dq, -inverse @ dv, inverse
 
@@ -198,7 +216,7 @@ class HydrodynamicArm(Arm):
         tau: ArrayLike,
         dt: float | None = None,
         motors: bool = False,
-        current: Current = None,
+        water_velocity: WaterVelocity = None,
     ) -> LinearModel:
         """The linear model ``dx/dt = A x + B u`` about a state; see `Arm.linearized`.
 
@@ -207,8 +225,8 @@ class HydrodynamicArm(Arm):
         """
         q, v, tau = self._clean_qvtau(q, v, tau)
         motors = flag("motors", motors)
-        water = self._checked(current)
-        return linear_model(self, q, v, tau, dt, motors, current=water)
+        water = self._checked(water_velocity)
+        return linear_model(self, q, v, tau, dt, motors, water_velocity=water)
 
     def base_wrench(
         self,
@@ -216,24 +234,28 @@ class HydrodynamicArm(Arm):
         v: ArrayLike,
         a: ArrayLike,
         fext: Any = None,
-        current: Current = None,
+        water_velocity: WaterVelocity = None,
     ) -> Any:
         """Wrench that the arm exerts on its mount, a pin.Force in base_link.
 
         See `Arm.base_wrench`.
         """
         state = self._clean_qva(q, v, a)
-        return pin.Force(-self._tree_torque(state, fext, current)[:6])
+        return pin.Force(-self._tree_torque(state, fext, water_velocity)[:6])
 
     def base_wrench_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        water_velocity: WaterVelocity = None,
     ) -> Partials:
         """dw/dq, dw/dv, dw/da, each (6, nv); see `Arm.base_wrench_derivatives`."""
-        dq, dv, da, _ = self._derivatives(current, q, v, a)
+        dq, dv, da, _ = self._derivatives(water_velocity, q, v, a)
         return -dq[:6], -dv[:6], -da[:6]
 
     def current_load(
-        self, q: ArrayLike, current: Current = None
+        self, q: ArrayLike, water_velocity: WaterVelocity = None
     ) -> tuple[FloatArray, FloatArray]:
         """Forces of a steady water current on an arm at rest.
 
@@ -241,7 +263,7 @@ class HydrodynamicArm(Arm):
 
         Args:
             q: (nq,).
-            current: Velocity of the water, (3,) [m/s]; None for the arm's `current`.
+            water_velocity: Velocity of the water, (3,) [m/s]; None for the arm's.
 
         Returns:
             Torque that holds the joints, (nv,) [N m], and the wrench on the mount, in
@@ -249,7 +271,7 @@ class HydrodynamicArm(Arm):
         """
         at_rest = np.zeros(self._model.nv)
         position = self._clean_q(q)
-        velocity = self._checked(current)
+        velocity = self._checked(water_velocity)
         (tree_torque,) = self._water_torques(position, at_rest, at_rest, velocity)
         return self._tree.g.T @ tree_torque, -tree_torque[:6]
 
@@ -282,7 +304,7 @@ class HydrodynamicArm(Arm):
         return self._tree.g.T @ tree_torque, -tree_torque[:6]
 
     def kinetic_energy(
-        self, q: ArrayLike, v: ArrayLike, current: Current = None
+        self, q: ArrayLike, v: ArrayLike, water_velocity: WaterVelocity = None
     ) -> float:
         """Kinetic energy of the arm and of the water that it moves [J].
 
@@ -290,16 +312,16 @@ class HydrodynamicArm(Arm):
         velocities nu relative to the water.
         """
         state = self._tree_state(q, v)
-        return self._tree.kinetic_energy(state, self._checked(current))
+        return self._tree.kinetic_energy(state, self._checked(water_velocity))
 
     def dissipated_power(
-        self, q: ArrayLike, v: ArrayLike, current: Current = None
+        self, q: ArrayLike, v: ArrayLike, water_velocity: WaterVelocity = None
     ) -> float:
         """Power that drag takes out of the motion relative to the water [W].
 
         It is never negative.
         """
-        nu, _ = self._tree.motion(self._tree_state(q, v), self._checked(current))
+        nu, _ = self._tree.motion(self._tree_state(q, v), self._checked(water_velocity))
         return float(self._tree.water.dissipated_power(nu).item())
 
     def inverse_dynamics_batch(
@@ -308,7 +330,7 @@ class HydrodynamicArm(Arm):
         v: Rows,
         a: Rows,
         threads: int | None = None,
-        current: Current = None,
+        water_velocity: WaterVelocity = None,
     ) -> FloatArray:
         """`inverse_dynamics` of many states, (N, nv).
 
@@ -317,9 +339,9 @@ class HydrodynamicArm(Arm):
             v: (N, nv).
             a: (N, nv).
             threads: As in `Arm.inverse_dynamics_batch`.
-            current: (3,), or (N, 3), one for each row.
+            water_velocity: (3,), or (N, 3), one for each row.
         """
-        water = self._water_torques(q, v, a, current) @ self._tree.g
+        water = self._water_torques(q, v, a, water_velocity) @ self._tree.g
         return np.asarray(self.still.inverse_dynamics_batch(q, v, a, threads) + water)
 
     def base_wrench_batch(
@@ -328,13 +350,13 @@ class HydrodynamicArm(Arm):
         v: Rows,
         a: Rows,
         threads: int | None = None,
-        current: Current = None,
+        water_velocity: WaterVelocity = None,
     ) -> FloatArray:
         """`base_wrench` of many states, (N, 6).
 
         Arguments are as of `inverse_dynamics_batch`.
         """
-        water = self._water_torques(q, v, a, current)[:, :6]
+        water = self._water_torques(q, v, a, water_velocity)[:, :6]
         return np.asarray(self.still.base_wrench_batch(q, v, a, threads) - water)
 
     def forward_dynamics_batch(
@@ -343,13 +365,13 @@ class HydrodynamicArm(Arm):
         v: Rows,
         tau: Rows,
         threads: int | None = None,
-        current: Current = None,
+        water_velocity: WaterVelocity = None,
     ) -> FloatArray:
         """`forward_dynamics` of many states, (N, nv).
 
         Arguments are as of `inverse_dynamics_batch`.
         """
-        return solved_rows(self, q, v, tau, threads, current=current)
+        return solved_rows(self, q, v, tau, threads, water_velocity=water_velocity)
 
     def with_payload(
         self,
@@ -374,11 +396,11 @@ class HydrodynamicArm(Arm):
         matrix: Any = np.zeros((6, 6)) if added_mass is None else added_mass
         data = BodyHydrodynamics(matrix, tuple(listed("strips", strips, "DragStrips")))
         body = joint_water(still, still.displacements[-1].body, data)
-        return HydrodynamicArm(still, (*self.bodies, body), self.current)
+        return HydrodynamicArm(still, (*self.bodies, body), self.water_velocity)
 
     def with_hydrodynamics(
         self,
-        current: ArrayLike = (0.0, 0.0, 0.0),
+        water_velocity: ArrayLike = (0.0, 0.0, 0.0),
         level: str = "nominal",
         numbers: str = "estimated",
     ) -> HydrodynamicArm:
@@ -386,10 +408,12 @@ class HydrodynamicArm(Arm):
 
         The added mass and drag of payloads stay.
         """
-        other = self.still.with_hydrodynamics(current, level, numbers)
+        other = self.still.with_hydrodynamics(water_velocity, level, numbers)
         links = {body.body for body in other.bodies}
         payloads = [body for body in self.bodies if body.body not in links]
-        return HydrodynamicArm(self.still, (*other.bodies, *payloads), other.current)
+        return HydrodynamicArm(
+            self.still, (*other.bodies, *payloads), other.water_velocity
+        )
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
         """Drag is not linear in base parameters: ask ``still.regressor``.
@@ -402,18 +426,21 @@ class HydrodynamicArm(Arm):
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         """This arm, afloat, with a vehicle in place of the mount."""
         still = on_floating_base(self.still)
-        floating = HydrodynamicArm(still, self.bodies, self.current)
+        floating = HydrodynamicArm(still, self.bodies, self.water_velocity)
         return ArmOnVehicle(floating, vehicle)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.still, self.bodies, self.current)
+        return type(self), (self.still, self.bodies, self.water_velocity)
 
     def __repr__(self) -> str:
-        return f"HydrodynamicArm({self.still!r}, current {self.current.tolist()} m/s)"
+        velocity = self.water_velocity.tolist()
+        return f"HydrodynamicArm({self.still!r}, water_velocity {velocity} m/s)"
 
-    def _checked(self, current: Current) -> FloatArray:
-        """A current (3,), checked; None for the arm's."""
-        return self.current if current is None else array("current", current, 3)
+    def _checked(self, water_velocity: WaterVelocity) -> FloatArray:
+        """A velocity of the water (3,), checked; None for the arm's."""
+        if water_velocity is None:
+            return self.water_velocity
+        return array("water_velocity", water_velocity, 3)
 
     def _tree_state(self, q: ArrayLike, v: ArrayLike) -> list[FloatArray]:
         """State of the tree, without acceleration."""
@@ -421,7 +448,7 @@ class HydrodynamicArm(Arm):
         return self._tree.expand(position, velocity, np.zeros_like(velocity))
 
     def _tree_torque(
-        self, state: Iterable[FloatArray], fext: Any, current: Current
+        self, state: Iterable[FloatArray], fext: Any, water_velocity: WaterVelocity
     ) -> FloatArray:
         """Inverse dynamics of the tree, (tree nv,)."""
         outside = None
@@ -432,23 +459,24 @@ class HydrodynamicArm(Arm):
             given = forces(fext, self._model.njoints)[first:]
             outside = np.array([force.vector for force in given])
         state_of_tree = self._tree.expand(*state)
-        return self._tree.torque(state_of_tree, self._checked(current), outside)
+        return self._tree.torque(state_of_tree, self._checked(water_velocity), outside)
 
     def _water_torques(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, water_velocity: WaterVelocity
     ) -> FloatArray:
         """What moving water adds to the tree's torques, in each row, (N, tree nv)."""
-        given = self.current if current is None else current
-        *states, currents = rows(self._model, q=q, v=v, a=a, current=given)
-        return self._tree.water_torques(self._tree.expand(*states), currents)
+        given = self.water_velocity if water_velocity is None else water_velocity
+        *states, velocities = rows(self._model, q=q, v=v, a=a, water_velocity=given)
+        return self._tree.water_torques(self._tree.expand(*states), velocities)
 
     def _derivatives(
-        self, current: Current, *given: ArrayLike
+        self, water_velocity: WaterVelocity, *given: ArrayLike
     ) -> tuple[FloatArray, ...]:
         state = self._tree.expand(*self._clean_qva(*given))
-        return self._tree.derivatives(state, self._checked(current))
+        return self._tree.derivatives(state, self._checked(water_velocity))
 
 
+@renamed("current", "water_velocity")
 class ArmOnVehicle(HydrodynamicArm):
     """A floating arm and its vehicle as one system.
 
@@ -470,7 +498,7 @@ class ArmOnVehicle(HydrodynamicArm):
             linear=vehicle.linear_damping,
             quadratic=vehicle.quadratic_damping,
         )
-        super().__init__(still, (*arm.bodies, body), arm.current)
+        super().__init__(still, (*arm.bodies, body), arm.water_velocity)
 
     def configuration(
         self, transform_vehicle_to_world: ArrayLike, q: ArrayLike
@@ -487,13 +515,23 @@ class ArmOnVehicle(HydrodynamicArm):
         return np.concatenate([pin.SE3ToXYZQUAT(base), joints])
 
     def mount_load(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        water_velocity: WaterVelocity = None,
     ) -> Any:
         """Wrench that the arm exerts on the vehicle, a pin.Force in base_link."""
-        return self.arm.base_wrench(q, v, a, current=self._checked(current))
+        return self.arm.base_wrench(
+            q, v, a, water_velocity=self._checked(water_velocity)
+        )
 
     def reaction(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Current = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        water_velocity: WaterVelocity = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Reaction of the vehicle, with its thrusters off, to a motion of the arm.
 
@@ -501,7 +539,7 @@ class ArmOnVehicle(HydrodynamicArm):
             q: (nq,).
             v: (nv,).
             a: Acceleration of the joints, (nv - 6,).
-            current: Velocity of the water, (3,) [m/s]; None for the arm's `current`.
+            water_velocity: Velocity of the water, (3,) [m/s]; None for the arm's.
 
         Returns:
             Spatial acceleration of base_link in its axes, (6,), and the torque of the
@@ -509,7 +547,9 @@ class ArmOnVehicle(HydrodynamicArm):
         """
         joints = array("a", a, self._model.nv - 6)
         with_base_held = np.concatenate([np.zeros(6), joints])
-        bias = self.inverse_dynamics(q, v, with_base_held, current=current)
+        bias = self.inverse_dynamics(
+            q, v, with_base_held, water_velocity=water_velocity
+        )
         mass = self.mass_matrix(q)
         of_base = np.linalg.solve(mass[:6, :6], -bias[:6])
         acceleration = np.asarray(of_base, dtype=np.float64)
@@ -533,12 +573,12 @@ class ArmOnVehicle(HydrodynamicArm):
 
     def with_hydrodynamics(
         self,
-        current: ArrayLike = (0.0, 0.0, 0.0),
+        water_velocity: ArrayLike = (0.0, 0.0, 0.0),
         level: str = "nominal",
         numbers: str = "estimated",
     ) -> ArmOnVehicle:
         """The system with other water around it; the vehicle's numbers stay."""
-        arm = self.arm.with_hydrodynamics(current, level, numbers)
+        arm = self.arm.with_hydrodynamics(water_velocity, level, numbers)
         return ArmOnVehicle(arm, self.vehicle)
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:

@@ -82,7 +82,7 @@ class HydrodynamicTree:
         return np.array(of_tree)
 
     def motion(
-        self, state: State, current: FloatArray
+        self, state: State, water_velocity: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Velocities of the joints relative to the water, and their rates.
 
@@ -90,9 +90,9 @@ class HydrodynamicTree:
             (joints, 6, 1) each.
         """
         q, v, a = state
-        if current.any():
+        if water_velocity.any():
             # In the frame of the water, the base drifts against the current.
-            stream = current @ pin.XYZQUATToSE3(q[:7]).rotation
+            stream = water_velocity @ pin.XYZQUATToSE3(q[:7]).rotation
             v = v.copy()
             a = a.copy()
             v[:3] -= stream
@@ -131,26 +131,29 @@ class HydrodynamicTree:
         of_joints = added_mass @ rates + coriolis_matrix(momentum) @ jacobians
         return np.asarray(of_arm + np.einsum("jai,jak->ik", jacobians, of_joints))
 
-    def kinetic_energy(self, state: State, current: FloatArray) -> float:
+    def kinetic_energy(self, state: State, water_velocity: FloatArray) -> float:
         """Energy of the arm in the world and of the water relative to itself [J]."""
         q, v, _ = state
-        nu, _ = self.motion(state, current)
+        nu, _ = self.motion(state, water_velocity)
         of_water = float((self.water.added_mass @ nu * nu).sum()) / 2
         of_arm = float(pin.computeKineticEnergy(self._tree, self._scratch.data, q, v))
         return of_arm + of_water
 
     def torque(
-        self, state: State, current: FloatArray, outside: FloatArray | None = None
+        self,
+        state: State,
+        water_velocity: FloatArray,
+        outside: FloatArray | None = None,
     ) -> FloatArray:
         """Inverse dynamics, (tree nv,).
 
         Args:
             state: q, v, a of the tree.
-            current: In the world, (3,).
+            water_velocity: In the world, (3,).
             outside: Further forces on the joints, (joints, 6).
         """
         scratch = self._scratch
-        nu, dnu = self.motion(state, current)
+        nu, dnu = self.motion(state, water_velocity)
         force = self.water.force(nu, dnu)[..., 0]
         if outside is not None:
             force += outside
@@ -205,15 +208,17 @@ class HydrodynamicTree:
     def _pass(self) -> TreePass:
         return TreePass(self._tree, self.water)
 
-    def derivatives(self, state: State, current: FloatArray) -> tuple[FloatArray, ...]:
+    def derivatives(
+        self, state: State, water_velocity: FloatArray
+    ) -> tuple[FloatArray, ...]:
         """Derivatives of `torque` with respect to the arm's q, v, a and to the current.
 
         Returns:
             (tree nv, nv) three times, and (tree nv, 3).
         """
-        nu, dnu = self.motion(state, current)
+        nu, dnu = self.motion(state, water_velocity)
         rotations = np.array(self._scratch.rotations)
-        stream = current @ rotations
+        stream = water_velocity @ rotations
         self._scratch.set_forces(self.water.force(nu, dnu)[..., 0])
         dq, dv, da = self._derivatives_at_fixed_forces(state)
 

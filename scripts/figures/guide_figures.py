@@ -56,9 +56,9 @@ def loads_of_current(level: str) -> np.ndarray:
     direction = rng.normal(size=(POSES, 3))
     direction /= np.linalg.norm(direction, axis=1)[:, None]
     still = np.zeros_like(q)
-    torque = wet.inverse_dynamics_batch(q, still, still, current=direction)
+    torque = wet.inverse_dynamics_batch(q, still, still, water_velocity=direction)
     torque -= arm.inverse_dynamics_batch(q, still, still)
-    wrench = wet.base_wrench_batch(q, still, still, current=direction)
+    wrench = wet.base_wrench_batch(q, still, still, water_velocity=direction)
     wrench -= arm.base_wrench_batch(q, still, still)
     sizes = np.linalg.norm(wrench.reshape(-1, 2, 3), axis=2)
     return np.median(np.column_stack([sizes, np.abs(torque[:, :3])]), axis=0)

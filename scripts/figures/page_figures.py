@@ -42,7 +42,10 @@ ARGUMENTS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftsh
 def opened(browser: Any, show: tuple[str, ...], size: tuple[int, int]) -> Any:
     """The page with the arm at a target, ready."""
     scene = build_scene(
-        a5.load(gripper="jaws"), target=TARGET, show=show, current=[0.0, 0.5, 0.0]
+        a5.load(gripper="jaws"),
+        target=TARGET,
+        show=show,
+        water_velocity=[0.0, 0.5, 0.0],
     )
     page = browser.new_page(
         viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce"

@@ -67,6 +67,7 @@ def test_a_full_disk_is_one_line_and_status_2():
     ("arguments", "words"),
     [
         ((*TORQUE, "--fluid", "1e308"), "fluid"),
+        (("torque", "--q", "3", "1", "1", ""), "--q"),
         ((*TORQUE, "--gravity", "1e300 0 0"), "gravity"),
         ((*TORQUE, "--gravity", "nan 0 0"), "gravity[0]"),
         (("ik", "1e300", "0", "0"), "1e+303 mm away"),

@@ -58,7 +58,15 @@ ANSWERS = {
     "planar": ("planar", "5", "4", "1", "--radius", "3"),
     "sweep": ("sweep", "study.toml", "--output", "results"),
     "torque": ("torque", *POSE),
-    "torque-water": ("torque", "--q", "3.1,1.2,1.8,7", "--current", "0", "1", "0"),
+    "torque-water": (
+        "torque",
+        "--q",
+        "3.1,1.2,1.8,7",
+        "--water-velocity",
+        "0",
+        "1",
+        "0",
+    ),
     "trajectory": ("trajectory", "motion.csv"),
     "workspace": ("workspace",),
     "view": ("view", "--pose", "reach", "--html", "arm.html"),
@@ -299,7 +307,11 @@ def test_on_a_real_terminal(columns: int) -> None:
         (
             "trajectory",
             "--payload 1 --current 0 1 0 1.csv",
-            {"payload": [1.0], "current": [0.0, 1.0, 0.0], "file": Path("1.csv")},
+            {
+                "payload": [1.0],
+                "water_velocity": [0.0, 1.0, 0.0],
+                "file": Path("1.csv"),
+            },
         ),
     ],
 )

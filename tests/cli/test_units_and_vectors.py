@@ -38,12 +38,16 @@ def test_units_are_those_of_the_quantity(capsys: Capture) -> None:
     place = answer(capsys, "ik", "0.25", "-0.1", "0.05")
     for words in (["250", "-100", "50", "mm"], ["250mm", "-0.1m", "50mm"]):
         assert answer(capsys, "ik", *words)["branches"] == place["branches"]
+    slow = answer(capsys, "torque", *POSE, "--water-velocity", "300", "0", "0", "mm/s")
+    again = answer(capsys, "torque", *POSE, "--current", "0.3 0 0")
+    assert again["joints"] == slow["joints"]
     assert refused(capsys, "argument Q", "fk", "1.5m", "1.2", "1.8", "0")
     assert refused(capsys, "", "ik", "0.25deg", "-0.1", "0.05")
 
 
 @pytest.mark.parametrize(
-    ("option", "largest", "count"), [("--current", 100, 3), ("--fluid", 100_000, 1)]
+    ("option", "largest", "count"),
+    [("--water-velocity", 100, 3), ("--fluid", 100_000, 1)],
 )
 def test_numbers_that_no_water_has_are_refused(
     option: str, largest: int, count: int, capsys: Capture
@@ -66,6 +70,20 @@ def test_a_payload_has_one_four_or_five_numbers(capsys: Capture) -> None:
     for count in (2, 3, 6):
         text = " ".join(["0.1"] * count)
         assert refused(capsys, "payload", "torque", *POSE, "--payload", text)
+
+
+def test_units_of_another_quantity_and_unknown_options_are_named(
+    capsys: Capture,
+) -> None:
+    """Faults of an earlier command line, which took these for something else."""
+    for payload in ("500mm", "30deg", "1 0 0 0 0.1mm"):
+        assert refused(capsys, "--payload", "torque", *POSE, "--payload", payload)
+    rod = ("180deg", "70deg", "100deg", "0deg", "0.005deg")
+    assert refused(capsys, "argument Q", "fk", *rod)
+    assert refused(capsys, "--radius", "planar", "5", "4", "1", "--radius", "-3")
+    for command in (["fk", *POSE[1:]], ["ik", "0.2", "0.1", "0.1"], ["dh"]):
+        assert refused(capsys, "--colour", *command, "--colour", "red")
+    assert refused(capsys, "--obstacle", "move", "home", "reach", "--obstacle", "x")
 
 
 @pytest.fixture

@@ -540,7 +540,7 @@ def test_the_committed_folder_is_a_menagerie_model(scene):
         ({"actuators": "muscle"}, UnknownNameError),
         ({"fluid_density": -1.0}, InputError),
         ({"fluid_density": float("nan")}, NonFiniteError),
-        ({"fluid_density": "sea"}, InputError),
+        ({"fluid_density": "brine"}, InputError),
         ({"collision": "mesh"}, UnknownNameError),
         ({"buoyancy": "net"}, UnknownNameError),
         ({"corrections": ("no_such",)}, UnknownNameError),

@@ -8,6 +8,7 @@ names.
 from __future__ import annotations
 
 import ast
+import inspect
 import re
 import shlex
 import shutil
@@ -206,21 +207,19 @@ def test_every_public_name_has_its_place_in_the_api_pages() -> None:
         for name in re.findall(r"^\.\. auto\w+:: (\S+)", text, re.M)
     }
     modules = set(re.findall(r"^\.\. automodule:: alpha5_model\.(\S+)", text, re.M))
-    renamed = {name for name, where in a5._MODULES.items() if where in modules}
-    modules = {name.rpartition(".")[2] for name in modules} | renamed
-    # Modules of which each name has its own place.
-    modules |= {
-        name
-        for name, where in a5._MODULES.items()
-        if f":: alpha5_model.{where}." in text
+    # A module has its own page, or each of its names has its own place.
+    places = {
+        name: getattr(a5, name).__name__.removeprefix("alpha5_model.")
+        for name in a5.__all__
+        if inspect.ismodule(getattr(a5, name))
     }
-    modules |= (
-        {name for name in vars(a5.paths) if name.isupper()}
-        if "paths" in modules
-        else set()
-    )
-    modules |= set(vars(a5.errors)) if "errors" in modules else set()
-    assert set(a5.__all__) - named - modules == {"__version__"}
+    listed = {
+        name
+        for name, where in places.items()
+        if where in modules or f":: alpha5_model.{where}." in text
+    }
+    names = {name for place in ("paths", "errors") for name in vars(getattr(a5, place))}
+    assert set(a5.__all__) - named - listed - names == {"__version__"}
 
 
 def test_every_key_of_arm_files_is_in_a_page() -> None:

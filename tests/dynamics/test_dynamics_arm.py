@@ -646,7 +646,7 @@ def test_impossible_payloads():
 
 
 def test_load_refuses_what_it_cannot_use():
-    for bad in (-1.0, math.nan, "sea", None, [1000.0, 1025.0], 1e60):
+    for bad in (-1.0, math.nan, "brine", None, [1000.0, 1025.0], 1e60):
         with pytest.raises(InputError):
             a5.load(bad)
     with pytest.raises(UnknownNameError, match="locked, jaws"):
@@ -689,6 +689,8 @@ def test_constants_do_not_load_pinocchio():
 
 def test_public_types_and_constants():
     assert (a5.SEA_WATER, a5.FRESH_WATER, a5.AIR) == (1025.0, 1000.0, 0.0)
+    named = [a5.load(name).fluid_density for name in ("sea", "fresh", "air")]
+    assert named == [1025.0, 1000.0, 0.0]
     arm = a5.load()
     assert isinstance(arm, a5.Arm)
     assert isinstance(arm.model, pin.Model)

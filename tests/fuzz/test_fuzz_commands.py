@@ -54,7 +54,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     "--collision": ("none", "shapes"),
     "--constants": ("printed", "torque", "voltage"),
     "--corrections": ("", "base_frame", "link3_cob"),
-    "--current": TRIPLES,
+    "--water-velocity": TRIPLES,
     "--explain": ("body.mass", "tool.offset", ""),
     "--fluid": ("sea", "fresh", "air", "1025", "0", "1.025", "1e5", "-3"),
     "--format": ("text", "json", "junit"),

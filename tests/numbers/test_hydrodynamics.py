@@ -196,7 +196,7 @@ def test_the_points_on_the_strips_are_enough(speed):
     current *= speed / np.linalg.norm(current, axis=1, keepdims=True)
     still = np.zeros((n, 4))
     wet = HydrodynamicArm(arm, dragged)
-    tau = wet.inverse_dynamics_batch(q, v, still, current=current)
+    tau = wet.inverse_dynamics_batch(q, v, still, water_velocity=current)
     tau -= arm.inverse_dynamics_batch(q, v, still)
 
     expected = np.zeros((n, 4))

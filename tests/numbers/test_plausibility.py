@@ -231,7 +231,7 @@ def test_calls_in_a_loop_never_warn() -> None:
         arm = a5.load(1.025)
     with pytest.warns(ImplausibleWarning, match="500 kg"):
         loaded = arm.with_payload(500)
-    with pytest.warns(ImplausibleWarning, match="current"):
+    with pytest.warns(ImplausibleWarning, match="water_velocity"):
         wet = a5.load().with_hydrodynamics((0, 50, 0))
     q = np.full(4, 170.0)
     with warnings.catch_warnings():
@@ -243,7 +243,7 @@ def test_calls_in_a_loop_never_warn() -> None:
             made.base_wrench(q, q, q)
             made.with_payload(0.5)
             made.with_hydrodynamics()
-        wet.inverse_dynamics(q, q, q, current=(0, 100, 0))
+        wet.inverse_dynamics(q, q, q, water_velocity=(0, 100, 0))
         wet.with_payload(0.1)
 
 

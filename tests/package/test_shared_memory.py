@@ -114,7 +114,7 @@ def answers() -> dict[str, Any]:
 
 
 def _parts(wet: Any) -> list[Any]:
-    return [wet.current, wet.bodies, wet.added_mass("link_2")]
+    return [wet.water_velocity, wet.bodies, wet.added_mass("link_2")]
 
 
 ANSWERS = answers()

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import own_arm_dynamics as own
 import pytest
+import trimesh
 from coal_world import CoalWorld, samples
 from reference import LOWER, UPPER
 from scipy.spatial import ConvexHull
@@ -333,3 +334,12 @@ def test_degrees_are_warned_of(make: Callable[[Sequence[float]], Obstacle]) -> N
 def test_a_wide_sea_bed_is_plausible() -> None:
     Obstacle.box("sea bed", (50.0, 50.0, 0.1), xyz=(20.0, 0.0, -1.0))
     Obstacle.mesh("hull", [[0, 0, 0], [0, 0, -9], [0, 9, 0]], [[0, 1, 2]])
+
+
+def test_arrays_of_other_libraries_are_taken() -> None:
+    """trimesh gives subclasses of arrays, as the guide on motions shows."""
+    box = trimesh.creation.box((0.4, 0.2, 0.1))
+    hull = Obstacle.mesh("hull", box.vertices, box.faces)
+    np.testing.assert_array_equal(hull.shape.vertices, np.array(box.vertices))
+    with pytest.raises(InputError, match="vertices"):
+        Obstacle.mesh("hull", np.ma.masked_array(box.vertices), box.faces)

@@ -10,7 +10,7 @@ import pytest
 from support.weighing import VEHICLE, random_q, rotation
 
 import alpha5_model as a5
-from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.errors import FileFormatError, ImplausibleWarning, InputError
 
 calibrate = a5.calibrate
 #: Sensors whose channels all differ, and readings that they can show.
@@ -18,7 +18,7 @@ SENSORS = {
     "scales": calibrate.scales(
         noise=[1e-3, 2e-3, 3e-3], gain=[0.1, 0.2, 0.3], placement=[0.0, 1e-3, 2e-3]
     ),
-    "zeroed": calibrate.scales(noise=3.0, zeroed=True),
+    "zeroed": calibrate.scales(noise=0.03, zeroed=True),
     "weight": calibrate.weight(noise=0.007, zeroed=False),
     "cell": calibrate.force_torque(
         force_noise=[0.1, 0.2, 0.3], torque_noise=[1e-3, 2e-3, 3e-3], gain=0.0
@@ -189,3 +189,27 @@ def test_readings_may_have_gaps() -> None:
     for given in wrong:
         with pytest.raises(InputError, match="readings"):
             calibrate.with_readings(planned, given)
+
+
+def test_a_file_given_twice_is_noticed() -> None:
+    """Two names for one file would count its readings twice."""
+    readings = np.linspace(1.1, 1.3, 4)[:, None]
+    q = random_q(4, seed=3)
+    first = a5.calibrate.session(a5.calibrate.weight(), q, readings, name="a.toml")
+    copy = a5.calibrate.session(a5.calibrate.weight(), q, readings, name="b.toml")
+    other = a5.calibrate.session(a5.calibrate.weight(), q, readings + 1e-3)
+    with pytest.warns(ImplausibleWarning, match=r"b\.toml .* a\.toml"):
+        a5.calibrate.fit([first, copy])
+    a5.calibrate.fit([first, other])
+
+
+def test_numbers_of_scales_in_grams_and_millimetres_are_noticed() -> None:
+    for name, make in {
+        "noise": lambda: a5.calibrate.scales(noise=0.3),
+        "placement": lambda: a5.calibrate.scales(placement=0.5),
+        "ballast": lambda: a5.calibrate.plan_poses(
+            a5.calibrate.weight(), 1, ballast=2000.0
+        ),
+    }.items():
+        with pytest.warns(ImplausibleWarning, match=name):
+            make()

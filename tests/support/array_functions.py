@@ -103,7 +103,7 @@ def _of_arm(owner: str, arm: Any, rng: np.random.Generator) -> dict[str, Call]:
     q = np.array([pin.randomConfiguration(_bounded(model)) for _ in range(ROWS)])
     rates = rng.normal(size=(3, ROWS, model.nv))
     state = {"q": q, "v": rates[0], "a": rates[1], "tau": rates[2]}
-    state["current"] = rng.normal(scale=0.3, size=(ROWS, 3))
+    state["water_velocity"] = rng.normal(scale=0.3, size=(ROWS, 3))
     state["acceleration"] = rng.normal(size=(ROWS, 3))
     state["position"] = np.tile([0.2, 0.1, 0.1], (ROWS, 1))
     calls = {}
@@ -172,7 +172,7 @@ def arm_calls() -> list[tuple[str, Call]]:
 
     q, v, a = rng.normal(size=(3, ROWS, 4))
     state = {"q": q, "v": v, "a": a}
-    current = {"current": rng.normal(scale=0.3, size=3)}
+    current = {"water_velocity": rng.normal(scale=0.3, size=3)}
     plain = arms["Pinocchio"]
 
     def torque(arm: Any) -> Any:
@@ -649,7 +649,7 @@ def _recording_calls(rows: _TheoryRows) -> list[_Row]:
             {**moved, "velocity": wave, "effort": wave},
             {},
         ),
-        ("analyse", analysed, {"current": rows.com[0]}, {}),
+        ("analyse", analysed, {"water_velocity": rows.com[0]}, {}),
     ]
 
 

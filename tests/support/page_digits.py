@@ -66,7 +66,7 @@ def case(name: str) -> Case:
         return Case(
             arm=_loaded(a5.load(gravity=_gravity(*ATTITUDE))),
             bare=a5.load(gravity=_gravity(*ATTITUDE)),
-            opened={"payload": PAYLOAD, "current": CURRENT},
+            opened={"payload": PAYLOAD, "water_velocity": CURRENT},
             current=CURRENT,
         )
     if name == "recording":

@@ -145,3 +145,18 @@ def test_the_command_says_which_arm_and_has_its_limits(
     assert "gravity (0, 0, -9.81)" in printed
     assert "torque limits are those of alpha5_lab_2" in printed
     assert "used here: voltage" in printed
+
+
+def test_a_record_is_the_arm_that_it_loads() -> None:
+    """``arm=`` takes a record or an arm, here as in `alpha5_model.plan`."""
+    record = own.RECORDS[0]
+    motion = trajectory.motion(TIME, swing(record), arm=record)
+    of_record = trajectory.analyse(motion, record)
+    of_arm = trajectory.analyse(motion, a5.load(arm=record))
+    np.testing.assert_allclose(of_record.torque, of_arm.torque, rtol=1e-12)
+
+    q = swing(record)[:3]
+    bounds = [
+        a5.uncertainty.bounds(q, 0 * q, 0 * q, arm) for arm in (record, of_arm.arm)
+    ]
+    np.testing.assert_allclose(bounds[0].torque.upper, bounds[1].torque.upper)

@@ -217,6 +217,34 @@ def test_time_without_a_unit_is_judged_by_steps_and_speeds(
     )
 
 
+def test_minutes_are_named_and_read_if_asked_for(tmp_path: Path) -> None:
+    rows = in_unit(1 / 60)
+    for k, row in enumerate(rows):
+        row[1] = f"{1.0 + 0.4 * np.sin(0.1 * k)}"
+    path = write(tmp_path / "m.csv", ["time", *HEADER[1:]], rows)
+    motion = a5.trajectory.read_motion(path)
+    assert motion.time[-1] == pytest.approx(2.9 / 60)
+    [warning] = [one for one in motion.warnings if one.kind == "time_unit"]
+    assert "time:min" in warning.text
+    motion = a5.trajectory.read_motion(path, time="time:min")
+    np.testing.assert_allclose(motion.time, 0.1 * np.arange(30), atol=1e-14)
+    assert (motion.time_unit, motion.warnings) == ("min", ())
+
+
+@pytest.mark.parametrize("header", [["time"], ["date", "time"]])
+def test_dates_that_may_exchange_day_and_month_are_refused(
+    header: list[str], tmp_path: Path
+) -> None:
+    rows = table()
+    for k, row in enumerate(rows):
+        row[0] = f"11/27/2026 10:00:{k:02d}"
+    if len(header) == 2:
+        rows = [[*row[0].split(), *row[1:]] for row in rows]
+    path = write(tmp_path / "m.csv", [*header, *HEADER[1:]], rows)
+    with pytest.raises(FileFormatError, match=r"2026-11-27 or 27\.11\.2026"):
+        a5.trajectory.read_motion(path)
+
+
 def test_two_names_for_the_time(tmp_path: Path) -> None:
     """Times in two other units are refused; beside plain seconds one is ignored."""
     rows = [[*row, row[0]] for row in table()]

@@ -76,7 +76,7 @@ def case(name: str) -> Case:
         return Case(arm=held(jaws), shown=jaws, part=part)
     if name == "current on a mount":
         arm = a5.load(gravity=(3.0, -5.0, -7.0))
-        options = {"payload": payload, "current": CURRENT}
+        options = {"payload": payload, "water_velocity": CURRENT}
         return Case(arm=held(arm), shown=arm, options=options, flows=True)
     seed = {"tool beside": 0, "spacer": 1, "own mount": 9}[name]
     arm = a5.load(gripper="jaws", arm=own.RECORDS[seed])

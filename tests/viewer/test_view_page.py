@@ -252,6 +252,26 @@ def test_a_page_and_a_picture_of_a_motion_begin_where_it_does(
     assert image.read_bytes() != moving
 
 
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+def test_a_motion_is_read_with_the_arm_of_the_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """A bare time column in steps of 2 is in ms if the arm can be so fast."""
+    text = (
+        'format = 1\n[joint_limits.axis_e]\nmax_velocity = {value=700, unit="deg/s"}\n'
+    )
+    arm = tmp_path / "fast.toml"
+    arm.write_text(text)
+    rows = [f"{2 * k},{170 + k % 2},60,110,30" for k in range(40)]
+    names = "time,axis_e_deg,axis_d_deg,axis_c_deg,axis_b_deg"
+    file = recording(tmp_path / "rec.csv", names, *rows)
+    record = a5.arm_file(arm)
+    expected = a5.trajectory.read_motion(file, arm=record)
+    assert expected.time_unit != a5.trajectory.read_motion(file).time_unit
+    data = page_of(capsys, tmp_path, "--motion", str(file), "--arm", str(arm))
+    np.testing.assert_allclose(data["motion"]["time"][-1], expected.time[-1])
+
+
 def test_a_motion_is_read_as_trajectory_reads_it(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -162,15 +162,15 @@ def test_a_current_that_is_given_is_shown_to_scale() -> None:
     arm = a5.load()
     hidden = build_scene(arm)
     assert "current" not in hidden.show
-    np.testing.assert_array_equal(hidden.water.current, [1.0, 0.0, 0.0])
-    scene = build_scene(arm, current=(0.3, -0.4, 0.0))
+    np.testing.assert_array_equal(hidden.water.water_velocity, [1.0, 0.0, 0.0])
+    scene = build_scene(arm, water_velocity=(0.3, -0.4, 0.0))
     assert "current" in scene.show
     (shape,) = (s for s in scene.shapes if s.group == "current")
     tip = shape.mesh.vertices[np.argmax(shape.mesh.vertices @ [0.3, -0.4, 0.0])]
     np.testing.assert_allclose(tip, 0.12 * np.array([0.3, -0.4, 0.0]), atol=1e-9)
     (label,) = (one for one in scene.labels if one.group == "current")
     assert label.text == "current 0.5 m/s, load estimated"
-    still = build_scene(arm, current=(0.0, 0.0, 0.0))
+    still = build_scene(arm, water_velocity=(0.0, 0.0, 0.0))
     assert [s.name for s in still.shapes if s.group == "current"] == ["arrow"]
 
 

@@ -87,9 +87,9 @@ def test_terms_add_up_in_still_water(variant) -> None:
         a = random_v(wet, rng)
         inertia = wet.inverse_dynamics(q, v, a) - wet.nonlinear_effects(q, v)
         close(inertia, wet.mass_matrix(q) @ a, 1e-11)
-        effects = wet.nonlinear_effects(q, v, current=still)
+        effects = wet.nonlinear_effects(q, v, water_velocity=still)
         drag = effects - wet.coriolis_matrix(q, v) @ v - wet.hydrostatic_torque(q)
-        dissipated = wet.dissipated_power(q, v, current=still)
+        dissipated = wet.dissipated_power(q, v, water_velocity=still)
         assert drag @ v == pytest.approx(dissipated, rel=1e-9, abs=1e-12)
 
 
@@ -127,8 +127,8 @@ def test_power_balance(variant) -> None:
         rate = rate_of(wet.potential_energy, wet, q, v)
         rate += rate_of(lambda x, v=v: wet.kinetic_energy(x, v, none), wet, q, v)
         rate += v @ wet.mass_matrix(q) @ a
-        power = wet.inverse_dynamics(q, v, a, current=none) @ v
-        lost = wet.dissipated_power(q, v, current=none)
+        power = wet.inverse_dynamics(q, v, a, water_velocity=none) @ v
+        lost = wet.dissipated_power(q, v, water_velocity=none)
         assert power == pytest.approx(rate + lost, rel=1e-8, abs=1e-8)
 
 
@@ -140,7 +140,7 @@ def test_drag_never_adds_energy(variant) -> None:
         q = random_q(wet, rng)
         v = random_v(wet, rng, 3.0)
         assert wet.dissipated_power(q, v) >= 0
-        assert wet.dissipated_power(q, 0 * v, current=np.zeros(3)) == 0
+        assert wet.dissipated_power(q, 0 * v, water_velocity=np.zeros(3)) == 0
 
 
 @pytest.mark.parametrize("variant", FLOATING)
@@ -163,7 +163,7 @@ def test_moving_with_the_water_takes_no_force(variant, rng):
         drifting[:3] += stream
         rate[:3] -= np.cross(v[3:6], stream)
         ours = wet.inverse_dynamics(q, drifting, rate)
-        close(ours, wet.inverse_dynamics(q, v, a, current=np.zeros(3)), 1e-12)
+        close(ours, wet.inverse_dynamics(q, v, a, water_velocity=np.zeros(3)), 1e-12)
 
 
 def check_derivatives(function, wet, state, derivatives):
@@ -196,8 +196,8 @@ def test_inverse_dynamics_derivatives(variant) -> None:
         close(derivatives[2], wet.mass_matrix(state[0]), 1e-12)
         by_current = wet.inverse_dynamics_current_derivative(*state)
         for i, e in enumerate(1e-6 * np.eye(3)):
-            ahead = wet.inverse_dynamics(*state, current=CURRENT + e)
-            behind = wet.inverse_dynamics(*state, current=CURRENT - e)
+            ahead = wet.inverse_dynamics(*state, water_velocity=CURRENT + e)
+            behind = wet.inverse_dynamics(*state, water_velocity=CURRENT - e)
             close(by_current[:, i], (ahead - behind) / 2e-6, 1e-6)
 
 
@@ -206,8 +206,8 @@ def test_base_wrench_derivatives(variant) -> None:
     wet = wetted(variant)
     rng = np.random.default_rng(11)
 
-    def wrench(q, v, a, current=None):
-        return wet.base_wrench(q, v, a, current=current).vector
+    def wrench(q, v, a, water_velocity=None):
+        return wet.base_wrench(q, v, a, water_velocity=water_velocity).vector
 
     for _ in range(2):
         state = random_state(wet, rng)
@@ -244,13 +244,21 @@ def test_batches_are_the_single_calls(variant) -> None:
     v, a = (np.array([random_v(wet, rng) for _ in range(n)]) for _ in range(2))
     flows = rng.normal(size=(n, 3))
     for current in (None, flows[0], flows):
-        tau = wet.inverse_dynamics_batch(q, v, a, current=current)
-        load = wet.base_wrench_batch(q, v, a, current=current)
-        back = wet.forward_dynamics_batch(q, v, tau, current=current)
+        tau = wet.inverse_dynamics_batch(q, v, a, water_velocity=current)
+        load = wet.base_wrench_batch(q, v, a, water_velocity=current)
+        back = wet.forward_dynamics_batch(q, v, tau, water_velocity=current)
         for i in range(n):
             one = current[i] if current is flows else current
-            close(tau[i], wet.inverse_dynamics(q[i], v[i], a[i], current=one), 1e-12)
-            close(load[i], wet.base_wrench(q[i], v[i], a[i], current=one).vector, 1e-12)
+            close(
+                tau[i],
+                wet.inverse_dynamics(q[i], v[i], a[i], water_velocity=one),
+                1e-12,
+            )
+            close(
+                load[i],
+                wet.base_wrench(q[i], v[i], a[i], water_velocity=one).vector,
+                1e-12,
+            )
         close(back, a, 1e-9)
     assert wet.inverse_dynamics_batch(q[:0], v[:0], a[:0]).shape == (0, wet.model.nv)
     assert wet.forward_dynamics_batch(q[:0], v[:0], a[:0]).shape == (0, wet.model.nv)
@@ -262,8 +270,8 @@ def test_batches_are_the_single_calls(variant) -> None:
     [
         {"q": np.full(4, np.nan)},
         {"v": np.full(4, 1e300)},
-        {"current": [0, 0, np.inf]},
-        {"current": "x"},
+        {"water_velocity": [0, 0, np.inf]},
+        {"water_velocity": "x"},
     ],
 )
 def test_what_cannot_be_computed_is_told(call, wrong):
@@ -315,6 +323,7 @@ def test_what_is_asked_of_the_arm_in_still_water():
         "displaced_volume",
         "forward_kinematics",
         "gravity_torque",
+        "gripper",
         "hydrostatic_torque",
         "hydrostatic_torque_derivative",
         "in_collision",
@@ -409,7 +418,7 @@ def test_current_load_is_what_the_current_adds_at_rest(variant) -> None:
     close(
         torque, wet.inverse_dynamics(q, still, still) - wet.hydrostatic_torque(q), 1e-12
     )
-    at_rest = wet.base_wrench(q, still, still, current=np.zeros(3)).vector
+    at_rest = wet.base_wrench(q, still, still, water_velocity=np.zeros(3)).vector
     close(wrench, wet.base_wrench(q, still, still).vector - at_rest, 1e-12)
     assert not wet.current_load(q, np.zeros(3))[0].any()
     # Drag is quadratic in the current.
@@ -459,7 +468,7 @@ def cylinder_water(cd=CD, along=0.0):
 
 
 def cylinder(
-    joint, mass=1.5, cd=CD, gravity=(0.0, -9.81, 0.0), current=(0.0, 0.0, 0.0)
+    joint, mass=1.5, cd=CD, gravity=(0.0, -9.81, 0.0), water_velocity=(0.0, 0.0, 0.0)
 ):
     model = pin.Model()
     model.gravity.linear = np.array(gravity)
@@ -475,7 +484,8 @@ def cylinder(
     arm = Arm(
         model, [Displacement("rod", "hinge", volume, np.array([L / 2, 0, 0]))], 1000.0
     )
-    return HydrodynamicArm(arm, [joint_water(arm, "rod", cylinder_water(cd))], current)
+    water = [joint_water(arm, "rod", cylinder_water(cd))]
+    return HydrodynamicArm(arm, water, water_velocity)
 
 
 def test_pendulum_in_water_has_its_closed_period():
@@ -503,7 +513,7 @@ def test_drag_of_a_turning_cylinder():
 def test_cross_flow_at_an_angle():
     """Drag counts the velocity across, U^2 sin^2, and added mass adds Munk's moment."""
     speed, angle = 0.9, 0.7
-    rod = cylinder(pin.JointModelRZ(), gravity=(0, 0, 0), current=(speed, 0, 0))
+    rod = cylinder(pin.JointModelRZ(), gravity=(0, 0, 0), water_velocity=(speed, 0, 0))
     torque, wrench = rod.current_load([angle])
     across = speed * np.sin(angle)
     force = 1000.0 / 2 * CD * 2 * R * L * across**2
@@ -523,7 +533,7 @@ def test_a_screw_is_refused_where_only_turning_and_sliding_are_computed(pitch):
 
 @pytest.mark.parametrize("joint", [pin.JointModelRZ(), pin.JointModelPX()])
 def test_a_batch_of_one_joint_is_its_single_calls(joint, rng):
-    rod = cylinder(joint, current=(0.4, -0.6, 0.8))
+    rod = cylinder(joint, water_velocity=(0.4, -0.6, 0.8))
     q, v, a = rng.normal(size=(3, 5, 1))
     single = [rod.inverse_dynamics(*state) for state in zip(q, v, a, strict=True)]
     close(rod.inverse_dynamics_batch(q, v, a), np.array(single), 1e-12)
@@ -622,7 +632,7 @@ def test_it_can_be_pickled_and_printed(variant) -> None:
     assert np.array_equal(
         again.inverse_dynamics(q, v, a), wet.inverse_dynamics(q, v, a)
     )
-    assert "current [0.4, -0.6, 0.8] m/s" in repr(wet)
+    assert "[0.4, -0.6, 0.8] m/s" in repr(wet)
     assert {"jacobian", "inverse_dynamics"} <= set(dir(wet))
     assert [name for name in dir(wet) if not hasattr(wet, name)] == []
 
@@ -636,19 +646,19 @@ SKEWED = np.eye(6) + np.eye(6, k=1) * 1e-3
     [
         lambda arm: arm.with_hydrodynamics(level="medium"),
         lambda arm: arm.with_hydrodynamics(numbers="guessed"),
-        lambda arm: arm.with_hydrodynamics(current=(1.0, 0.0)),
-        lambda arm: arm.with_hydrodynamics(current=(1.0, 0.0, np.nan)),
-        lambda arm: arm.with_hydrodynamics(current="fast"),
-        lambda arm: arm.with_hydrodynamics(current=(1e200, 0, 0)),
+        lambda arm: arm.with_hydrodynamics(water_velocity=(1.0, 0.0)),
+        lambda arm: arm.with_hydrodynamics(water_velocity=(1.0, 0.0, np.nan)),
+        lambda arm: arm.with_hydrodynamics(water_velocity="fast"),
+        lambda arm: arm.with_hydrodynamics(water_velocity=(1e200, 0, 0)),
         lambda arm: arm.with_hydrodynamics().added_mass("link_9"),
         lambda arm: arm.with_hydrodynamics().inverse_dynamics(
             [0] * 4, [0] * 4, [0] * 3
         ),
         lambda arm: arm.with_hydrodynamics().inverse_dynamics(
-            [0] * 4, [0] * 4, [0] * 4, current=[1]
+            [0] * 4, [0] * 4, [0] * 4, water_velocity=[1]
         ),
         lambda arm: arm.with_hydrodynamics().inverse_dynamics_batch(
-            np.zeros((5, 4)), np.zeros(4), np.zeros(4), current=np.zeros((4, 3))
+            np.zeros((5, 4)), np.zeros(4), np.zeros(4), water_velocity=np.zeros((4, 3))
         ),
         lambda arm: arm.with_hydrodynamics().with_payload(1.0, added_mass=INDEFINITE),
         lambda arm: arm.with_hydrodynamics().with_payload(1.0, added_mass=SKEWED),

@@ -41,7 +41,7 @@ def test_a_steady_current_by_an_own_strip_sum(capsys, fluid, density):
     for q in np.random.default_rng(5).uniform(LOWER, UPPER, (4, 4)):
         arguments = ["--q", *words(q), "--fluid", fluid, "--json"]
         still = json.loads(torque(capsys, *arguments))
-        moved = json.loads(torque(capsys, *arguments, "--current", TEXT))
+        moved = json.loads(torque(capsys, *arguments, "--water-velocity", TEXT))
         levels = [current_load.load(q, CURRENT, level, density) for level in range(3)]
         for i, (joint, before) in enumerate(
             zip(moved["joints"], still["joints"], strict=True)
@@ -67,7 +67,7 @@ def test_a_steady_current_by_an_own_strip_sum(capsys, fluid, density):
 def test_still_water_resists_a_motion(capsys):
     """A current of zero adds drag and added mass, which cost power."""
     arguments = ["--q", "3.1", "1.2", "1.8", "0.4", "--v", "0.3", "0.3", "-0.3", "0"]
-    out = torque(capsys, *arguments, "--current", "0 0 0", "--json")
+    out = torque(capsys, *arguments, "--water-velocity", "0 0 0", "--json")
     joints = json.loads(out)["joints"]
     power = sum(joint["moving_water"] * joint["velocity"] for joint in joints)
     assert power > 0
@@ -81,8 +81,8 @@ def test_still_water_resists_a_motion(capsys):
 
 def test_the_text_names_the_cause_and_its_interval(capsys):
     arguments = ["--q", "3.1", "1.2", "1.8", "0.4"]
-    result = json.loads(torque(capsys, *arguments, "--current", TEXT, "--json"))
-    out = torque(capsys, *arguments, "--current", TEXT)
+    result = json.loads(torque(capsys, *arguments, "--water-velocity", TEXT, "--json"))
+    out = torque(capsys, *arguments, "--water-velocity", TEXT)
     assert "buoyancy  + water  = torque" in out
     _, _, water = out.partition("moving water, ")
     assert water.startswith("(0.4, -0.7, 0.3) m/s in base_link; estimated, not publ")
@@ -111,7 +111,7 @@ def test_the_text_names_the_cause_and_its_interval(capsys):
     ("text", "message"),
     [
         ("1 0", "three numbers"),
-        ("1 0 nan", "current"),
+        ("1 0 nan", "water_velocity"),
         ("east", "three numbers"),
         ("1e9 0 0", "at most 100 m/s"),
     ],
@@ -123,7 +123,7 @@ def test_a_bad_current_is_one_line_and_status_2(
     path = tmp_path / "motion.csv"
     path.write_text(motion_text())
     first = ["--q", "3", "1", "1", "0"] if command == "torque" else [str(path)]
-    assert main([command, *first, "--current", text]) == 2
+    assert main([command, *first, "--water-velocity", text]) == 2
     out = capsys.readouterr()
     assert out.out == ""
     assert len(out.err.strip().splitlines()) == 1
@@ -147,7 +147,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def test_a_motion_in_a_current_is_that_of_the_arm_in_moving_water(file):
-    a = a5.trajectory.analyse(a5.trajectory.read_motion(file), current=CURRENT)
+    a = a5.trajectory.analyse(a5.trajectory.read_motion(file), water_velocity=CURRENT)
     s = a.smooth
     for k in (0, 17, 60):
         state = s.position[k], s.velocity[k], s.acceleration[k]
@@ -181,7 +181,7 @@ def test_a_motion_in_a_current_is_that_of_the_arm_in_moving_water(file):
 def columns_of_the_command(file, tmp_path):
     """The table that the command writes for a current: name -> numbers."""
     table = tmp_path / "out.csv"
-    words = ["trajectory", str(file), "--current", TEXT, "--output", str(table)]
+    words = ["trajectory", str(file), "--water-velocity", TEXT, "--output", str(table)]
     assert main(words) == 0
     with table.open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))
@@ -189,7 +189,7 @@ def columns_of_the_command(file, tmp_path):
 
 
 def summary_of_the_command(file, capsys):
-    assert main(["trajectory", str(file), "--current", TEXT, "--json"]) == 0
+    assert main(["trajectory", str(file), "--water-velocity", TEXT, "--json"]) == 0
     return json.loads(capsys.readouterr().out)
 
 
@@ -223,7 +223,7 @@ def test_table_and_summary_have_the_cause(file, tmp_path, capsys):
 
 def test_summary_has_the_cause_on_the_mount(file, capsys):
     summary = summary_of_the_command(file, capsys)
-    a = a5.trajectory.analyse(a5.trajectory.read_motion(file), current=CURRENT)
+    a = a5.trajectory.analyse(a5.trajectory.read_motion(file), water_velocity=CURRENT)
     for key, part in (
         ("water_force_peak_n", slice(3)),
         ("water_moment_peak_nm", slice(3, 6)),
@@ -269,7 +269,7 @@ def test_the_polar_picture_is_the_load_over_the_direction(tmp_path, capsys):
                 assert near.min() < 1e-9
     assert "estimated, not published" in page.get_suptitle()
     path = tmp_path / "polar.svg"
-    words_given = ["--q", *words(q), "--current", "0.8 0 0", "--plot", str(path)]
+    words_given = ["--q", *words(q), "--water-velocity", "0.8 0 0", "--plot", str(path)]
     assert torque(capsys, *words_given).endswith(f"wrote {path}\n")
     assert path.stat().st_size > 5000
 
@@ -300,7 +300,16 @@ def test_the_polar_picture_is_that_of_the_position(monkeypatch, tmp_path, capsys
         "4",
     ]
     path = str(tmp_path / "polar.svg")
-    torque(capsys, *given, "--fluid", "fresh", "--current", "0.3 0.4 0", "--plot", path)
+    torque(
+        capsys,
+        *given,
+        "--fluid",
+        "fresh",
+        "--water-velocity",
+        "0.3 0.4 0",
+        "--plot",
+        path,
+    )
     wanted = mount_load_figure(a5.load(a5.FRESH_WATER), q, 0.5)
     (page,) = made
     for axes, other in zip(page.axes, wanted.axes, strict=True):
@@ -308,14 +317,14 @@ def test_the_polar_picture_is_that_of_the_position(monkeypatch, tmp_path, capsys
         assert line == pytest.approx(other.lines[0].get_ydata(), rel=1e-9)
 
 
-@pytest.mark.parametrize("current", [[], ["--current", "0 0 0"]])
+@pytest.mark.parametrize("current", [[], ["--water-velocity", "0 0 0"]])
 def test_a_polar_picture_needs_a_current(tmp_path, capsys, current):
     path = tmp_path / "polar.png"
     assert (
         main(["torque", "--q", "3", "1", "1", "0", *current, "--plot", str(path)]) == 2
     )
     out = capsys.readouterr()
-    assert "a --current that flows" in out.err
+    assert "--water-velocity" in out.err
     assert (out.out, path.exists()) == ("", False)
 
 
@@ -352,9 +361,9 @@ def loads_of_unit_current(
     arm = a5.load()
     wet = arm.with_hydrodynamics(level=level)
     still = np.zeros_like(q)
-    tau = wet.inverse_dynamics_batch(q, still, still, current=direction)
+    tau = wet.inverse_dynamics_batch(q, still, still, water_velocity=direction)
     tau -= arm.inverse_dynamics_batch(q, still, still)
-    wrench = wet.base_wrench_batch(q, still, still, current=direction)
+    wrench = wet.base_wrench_batch(q, still, still, water_velocity=direction)
     wrench -= arm.base_wrench_batch(q, still, still)
     sizes = np.linalg.norm(wrench.reshape(-1, 2, 3), axis=2)
     return np.column_stack([sizes, np.abs(tau[:, :3])])

@@ -210,7 +210,7 @@ def test_a_drifting_vehicle_comes_to_rest_with_the_water(rng):
     rotation = pin.XYZQUATToSE3(q[:7]).rotation
     v = np.zeros(10)
     v[:3] = rotation.T @ CURRENT
-    power = system.dissipated_power(q, v, current=CURRENT)
+    power = system.dissipated_power(q, v, water_velocity=CURRENT)
     assert power == pytest.approx(0.0, abs=1e-20)
 
 

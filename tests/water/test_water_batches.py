@@ -22,12 +22,12 @@ def test_rows_of_long_batches_are_single_calls(gripper: str) -> None:
     v = rng.normal(size=(n, wet.model.nv))
     a = rng.normal(size=(n, wet.model.nv))
     flows = rng.normal(size=(n, 3))
-    tau = wet.inverse_dynamics_batch(q, v, a, current=flows)
-    load = wet.base_wrench_batch(q, v, a, current=flows)
+    tau = wet.inverse_dynamics_batch(q, v, a, water_velocity=flows)
+    load = wet.base_wrench_batch(q, v, a, water_velocity=flows)
     for i in (0, 1, 383, 384, 385, 500, 767, 768, 769, 899):
         state = q[i], v[i], a[i]
-        close(tau[i], wet.inverse_dynamics(*state, current=flows[i]), 1e-11)
-        close(load[i], wet.base_wrench(*state, current=flows[i]).vector, 1e-11)
+        close(tau[i], wet.inverse_dynamics(*state, water_velocity=flows[i]), 1e-11)
+        close(load[i], wet.base_wrench(*state, water_velocity=flows[i]).vector, 1e-11)
 
 
 def test_outside_forces_add_to_the_torques() -> None:

@@ -20,7 +20,7 @@ class COptions:
     """What can be chosen about the C library.
 
     Attributes:
-        fluid_density: [kg/m^3].
+        fluid_density: [kg/m^3], given as for `alpha5_model.load`.
         gravity: As of `alpha5_model.load`, (3,) [m/s^2].
         corrections: Recorded corrections to the document.
         arm: Record of an arm of your own, which has its corrections already; None for

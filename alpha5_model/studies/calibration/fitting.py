@@ -25,6 +25,7 @@ from alpha5_model._support.checks import (
 from alpha5_model._support.files import PathLike
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.covariance import Covariance
 from alpha5_model.numbers.parameters import (
@@ -177,6 +178,9 @@ def fit(
     Raises:
         InputError: Nothing is read, or the arm is calibrated already.
         UnknownNameError: No such prior.
+
+    Warns:
+        ImplausibleWarning: Two sessions have the same poses and readings.
     """
     given = [sessions] if isinstance(sessions, Session) else sessions
     measured = [
@@ -186,6 +190,7 @@ def fit(
     if not any(one.is_read for one in measured):
         expected = "at least one session with readings"
         raise InputError("sessions", [one.name for one in measured], expected)
+    _warn_of_copies(measured)
     flag("correlated", correlated)
     own = chosen_arm(arm)
     moves = any(one.moves for one in measured)
@@ -217,6 +222,17 @@ def fit(
         torque_before=before,
         torque_after=after,
     )
+
+
+def _warn_of_copies(sessions: Sequence[Session]) -> None:
+    """Warn of sessions with the same readings: a file may have been given twice."""
+    seen: dict[bytes, str] = {}
+    for one in sessions:
+        content = one.q.tobytes() + one.readings.tobytes()
+        if one.is_read and content in seen:
+            same = f"{one.name} has the poses and readings of {seen[content]}"
+            plausibility.warn(f"sessions: {same}, which count twice")
+        seen[content] = one.name
 
 
 class Estimate(NamedTuple):

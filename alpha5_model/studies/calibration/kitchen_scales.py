@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import BoolArray, FloatArray, array, flag, frozen
 from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.planning.obstacles import Obstacle
 from alpha5_model.studies.calibration.sensor import (
@@ -164,6 +165,9 @@ def scales(
 
     Raises:
         InputError: Not three points of a triangle, or numbers not above 0.
+
+    Warns:
+        ImplausibleWarning: A noise or placement that looks like g or mm.
     """
     points = array("positions", positions, 3, 3)
     sides = points - points[[1, 2, 0]]
@@ -171,13 +175,16 @@ def scales(
     if twice_area <= _FLAT * np.linalg.norm(sides, axis=1).max():
         expected = f"three points at least {_FLAT:g} m off one line, in m"
         raise InputError("positions", points.tolist(), expected)
-    return Scales(
+    made = Scales(
         gain=deviations("gain", gain, 3),
         positions=frozen(points.copy()),
         noise=deviations("noise", noise, 3, above_zero=True),
         placement=deviations("placement", placement, 3),
         zeroed=flag("zeroed", zeroed),
     )
+    plausibility.check("noise", made.noise.max(), plausibility.SCALE_NOISE)
+    plausibility.check("placement", made.placement.max(), plausibility.PLACEMENT)
+    return made
 
 
 def weight(
@@ -190,12 +197,17 @@ def weight(
 
     Raises:
         InputError: Numbers not above 0.
+
+    Warns:
+        ImplausibleWarning: A noise that looks like g.
     """
-    return Weight(
+    made = Weight(
         gain=deviations("gain", gain, 1),
         noise=deviations("noise", noise, 1, above_zero=True),
         zeroed=flag("zeroed", zeroed),
     )
+    plausibility.check("noise", made.noise.max(), plausibility.SCALE_NOISE)
+    return made
 
 
 def _offset(noise: FloatArray, zeroed: bool) -> FloatArray:

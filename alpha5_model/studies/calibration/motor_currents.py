@@ -23,7 +23,7 @@ from alpha5_model._support.checks import BoolArray, FloatArray, flag, instance
 from alpha5_model._support.files import PathLike
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.load import load
+from alpha5_model.dynamics.load import loaded
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.fluids import AIR, SEA_WATER
@@ -149,7 +149,7 @@ class MotorCalibration(NamedTuple):
 
 def motors(
     motion: Motion,
-    arm: Arm | None = None,
+    arm: Alpha5Parameters | Arm | None = None,
     *,
     payload: bool = False,
     **smoothing: Any,
@@ -161,8 +161,9 @@ def motors(
 
     Args:
         motion: With currents, see `alpha5_model.trajectory`; the jaw rod is left out.
-        arm: The known load, in its fluid, on a fixed base; None for the bare arm in
-            air. A torque per ampere with a half width in its file is known to that.
+        arm: The known load, in its fluid, on a fixed base; a record, or None for the
+            catalogue's, is the bare arm in air. A torque per ampere with a half width
+            in its file is known to that.
         payload: Whether an unknown mass is at the tool point. Calibrate the motors
             without it first. It may also stand for another fluid, which is not judged
             then.
@@ -173,7 +174,7 @@ def motors(
             in the columns of other joints, or a payload that the currents cannot tell;
             the message says why.
     """
-    arm = load(AIR) if arm is None else instance("arm", arm, Arm)
+    arm = loaded(arm, fluid_density=AIR)
     flag("payload", payload)
     recorded = instance("motion", motion, Motion).current
     if recorded is None:

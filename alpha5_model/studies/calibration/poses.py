@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, count, generator, instance, real
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.fluids import AIR
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.fluids import AIR, Fluid
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.planning.surroundings import Surroundings
 from alpha5_model.studies.calibration.equations import ZEROS, Equations, prior_numbers
@@ -36,7 +37,7 @@ def plan_poses(
     poses: int = 12,
     *,
     arm: Alpha5Parameters | None = None,
-    fluid_density: float = AIR,
+    fluid_density: Fluid = AIR,
     gravity: ArrayLike | None = None,
     prior: str = "digits",
     ballast: float = 0.0,
@@ -55,7 +56,7 @@ def plan_poses(
         sensor: From `scales`, `weight`, `force_torque`, `efforts` or `vehicle_tilt`.
         poses: How many.
         arm: Record of an arm of your own; None for the catalogue's.
-        fluid_density: [kg/m^3].
+        fluid_density: [kg/m^3], or a name as for `alpha5_model.load`.
         gravity: In base_link, (3,) [m/s^2]; None as of `session`.
         prior: As of `fit`.
         ballast: Mass that rests on the scales beside the arm, evenly [kg].
@@ -74,6 +75,7 @@ def plan_poses(
     rng = generator(seed)
     record = chosen_arm(arm)
     ballast = real("ballast", ballast, minimum=0.0)
+    plausibility.check("ballast", ballast, plausibility.MASS)
     chosen = instance("sensor", sensor, Sensor)  # type: ignore[type-abstract]
     options: dict[str, Any] = {"fluid_density": fluid_density, "gravity": gravity}
     numbers = prior_numbers(record, prior, ZEROS, moves=False)

@@ -40,7 +40,7 @@ from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.toml import toml_tables
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, ShapeError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, density_of
+from alpha5_model.numbers.fluids import AIR, FLUIDS, Fluid, density_of
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.studies.calibration.sensor import Sensor
@@ -53,8 +53,7 @@ _LARGEST = 1 << 22
 _LARGEST_NUMBER = 1e9
 #: The version of the keys.
 FORMAT = 1
-#: Name of a fluid in a file -> its density [kg/m^3].
-FLUIDS = {"air": AIR, "fresh": FRESH_WATER, "sea": SEA_WATER}
+#: Keys of a file.
 _KEYS = ("format", "sensor", "fluid", "gravity", "unit", "settings", "pose")
 #: Keys of a pose that hold a number for each joint, in degrees.
 _OF_JOINTS = ("angles", "rates", "accelerations")
@@ -99,7 +98,7 @@ def session(
     q: ArrayLike,
     readings: ArrayLike | None = None,
     *,
-    fluid_density: float = AIR,
+    fluid_density: Fluid = AIR,
     v: ArrayLike | None = None,
     a: ArrayLike | None = None,
     gravity: ArrayLike | None = None,
@@ -112,7 +111,7 @@ def session(
         q: Joint positions as the joints report them, (N, 4) [rad].
         readings: In the sensor's units, (N, k); NaN for one that is missing. None for
             poses that are only planned.
-        fluid_density: [kg/m^3]; air by default.
+        fluid_density: [kg/m^3], or a name as for `alpha5_model.load`.
         v, a: Rates of joints that move, (N, 4); None for an arm at rest. Then the rows
             are in the order of time.
         gravity: In base_link, (3,) [m/s^2]. None for that of a level mount, or of a
@@ -128,6 +127,7 @@ def session(
     if positions.ndim != 2 or not 0 < len(positions) <= MOST_STATES:
         expected = f"1 to {MOST_STATES} states, (N, 4)"
         raise ShapeError("q", positions.shape, expected)
+    plausibility.check("q", np.abs(positions).max(), plausibility.ANGLE)
     if gravity is None:
         pull = chosen.usual_gravity()
     else:
@@ -271,7 +271,7 @@ def _session_of(given: Mapping[str, Any], name: str, signs: FloatArray) -> Sessi
     size = sensor.units[choice("unit", unit, tuple(sensor.units))]
     fluid = given.get("fluid", "air")
     if isinstance(fluid, str):
-        fluid = FLUIDS[choice("fluid", fluid, tuple(FLUIDS))]
+        choice("fluid", fluid, tuple(FLUIDS))
 
     poses = given["pose"]
     if not isinstance(poses, list) or not 0 < len(poses) <= MOST_STATES:

@@ -48,7 +48,7 @@ CASE_NUMBERS: dict[str, tuple[str, plausibility.Plausible | None]] = {
     "payload_z": ("m", plausibility.POSITION),
     "payload_volume": ("m^3", plausibility.VOLUME),
     "fluid_density": ("kg/m^3", plausibility.FLUID_DENSITY),
-    "current_speed": ("m/s", plausibility.CURRENT),
+    "current_speed": ("m/s", plausibility.WATER_VELOCITY),
     "current_azimuth": ("rad", None),
     "current_elevation": ("rad", None),
 }

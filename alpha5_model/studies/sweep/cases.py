@@ -130,8 +130,8 @@ def _in_water(arm: Arm, values: dict[str, Any], rotation: FloatArray) -> Any:
     azimuth = values.get("current_azimuth", 0.0)
     elevation = values.get("current_elevation", 0.0)
     direction = rotation_from_rpy([0.0, -elevation, azimuth])[:, 0]
-    current = rotation.T @ (values.get("current_speed", 0.0) * direction)
-    return arm.with_hydrodynamics(current, values.get("level", "nominal"))
+    water_velocity = rotation.T @ (values.get("current_speed", 0.0) * direction)
+    return arm.with_hydrodynamics(water_velocity, values.get("level", "nominal"))
 
 
 def _mount(

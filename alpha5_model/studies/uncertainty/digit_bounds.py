@@ -11,14 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, instance
+from alpha5_model._support.checks import FloatArray
 from alpha5_model.dynamics.actuators import Interval
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.dynamics.kernel_numbers import moments_of_links
-from alpha5_model.dynamics.load import load
+from alpha5_model.dynamics.load import load, loaded
 from alpha5_model.dynamics.states import is_one_state, rows
 from alpha5_model.errors import InputError
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.studies.arm_numbers import (
     arm_numbers,
     gravity_slopes,
@@ -49,7 +50,12 @@ class Bounds(NamedTuple):
     potential_energy: Interval
 
 
-def bounds(q: ArrayLike, v: ArrayLike, a: ArrayLike, arm: Arm | None = None) -> Bounds:
+def bounds(
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    arm: Alpha5Parameters | Arm | None = None,
+) -> Bounds:
     """What an arm gives, ± what the half widths of its numbers leave open.
 
     The ± is the worst case to first order: the sum over all numbers of half width times
@@ -61,15 +67,15 @@ def bounds(q: ArrayLike, v: ArrayLike, a: ArrayLike, arm: Arm | None = None) -> 
     Args:
         q, v, a: (4,) each, or (N, 4); (5,) or (N, 5) with jaws. One row is used for all
             states.
-        arm: On a fixed base in still water; None for the bare arm in sea water. What
-            its record says of half widths holds, its other numbers have those of the
-            printed digits. Fluid, gravity and payload are known, and so is link 4's
-            share of jaws that move.
+        arm: On a fixed base in still water; a record, or None for the catalogue's, is
+            the bare arm in sea water. What its record says of half widths holds, its
+            other numbers have those of the printed digits. Fluid, gravity and payload
+            are known, and so is link 4's share of jaws that move.
 
     Raises:
         InputError: As of `Arm.inverse_dynamics_batch`, or another arm.
     """
-    arm = load() if arm is None else instance("arm", arm, Arm)
+    arm = loaded(arm)
     if arm.floating_base or arm.has_hydrodynamics:
         raise InputError("arm", arm, "one on a fixed base in still water")
     _check_dimensions(arm)

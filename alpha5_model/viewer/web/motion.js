@@ -100,7 +100,7 @@ const RECORDED = "#d0482a";
 const charts = [];
 // What the page has set that the curves were not computed with.
 function changed() {
-  const flowing = data.motion.moving_water ? data.water.current : [0, 0, 0];
+  const flowing = data.motion.moving_water ? data.water.water_velocity : [0, 0, 0];
   const { mass, com, volume } = state.payload;
   const held = [mass, volume, ...com];
   const { payload } = data;

@@ -10,7 +10,7 @@ export const state = {
   root: data.root, // poses of links without a joint; Python moves a floating base
   aim: data.target, // target of the tcp in base_link, or null
   density: data.water.density, // of the fluid
-  current: data.water.current, // velocity of the water, in base_link if the base is fixed
+  current: data.water.water_velocity, // velocity of the water, in base_link if the base is fixed
   payload: data.payload, // mass, com and volume of what the arm holds, in tcp
   attitude: data.attitude, // roll and pitch of a fixed base in the world, in which gravity points down
   limits: data.sliders.slice(0, 4).map(() => null), // torques that the joints may hold, or null

@@ -1,0 +1,51 @@
+"""The limits of joints, and which positions are beyond them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model.errors import JointLimitError
+from alpha5_model.kinematics.tolerances import ON_LIMIT
+
+
+class Limits(NamedTuple):
+    """Limits of an arm's n joints, (n,) each.
+
+    Attributes:
+        lower, upper: Ends of the ranges [rad, and m for axis_a].
+        velocity: Rated speeds [rad/s, m/s].
+        effort: [N m, N]; what every public model copies, no rating is published.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    velocity: FloatArray
+    effort: FloatArray
+
+    def beyond(self, q: FloatArray) -> BoolArray:
+        """Whether each joint of q (n,) is beyond its range, by more than 1e-6."""
+        return beyond(q, self.lower, self.upper)
+
+
+def beyond(q: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
+    """Whether each joint of q (n,) is beyond its range, by more than `ON_LIMIT`."""
+    return np.asarray((q < lower - ON_LIMIT) | (q > upper + ON_LIMIT))
+
+
+def within(
+    joints: Sequence[str], q: FloatArray, lower: FloatArray, upper: FloatArray
+) -> FloatArray:
+    """q (n,), moved to a limit that it is beyond by at most `ON_LIMIT`.
+
+    Raises:
+        JointLimitError: A joint is farther beyond its limit.
+    """
+    inside = np.clip(q, lower, upper)
+    for k in np.flatnonzero(beyond(q, lower, upper)).tolist():
+        unit = "m" if joints[k] == "axis_a" else "rad"
+        raise JointLimitError(joints[k], float(q[k]), float(inside[k]), unit)
+    return inside
