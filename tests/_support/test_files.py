@@ -412,7 +412,14 @@ COMMANDS = {
         {"--plot": ".png"},
     ),
     "ik": (["ik", "0.2", "0", "0.1", "--arm", "{}"], {}),
-    "move": (["move", "home", "reach", "--obstacles", "{}"], {"--output": ".csv"}),
+    "move": (
+        ["move", "home", "reach", "--obstacles", "{}"],
+        {"--output": ".csv", "--bus": ".csv"},
+    ),
+    "park": (
+        ["park", "0.4", "0", "0.1", "--hull", "{}"],
+        {"--output": ".csv", "--plot": ".png", "--html": ".html"},
+    ),
     "calibrate": (["calibrate", "fit", "{}"], {"--output": ".toml"}),
     "fk": (["fk", "3", "1", "1", "0", "--arm", "{}"], {}),
     "gains": (
@@ -426,12 +433,14 @@ def test_no_command_has_a_path_that_is_not_tested_here() -> None:
     read = {
         "file",
         "files",
+        "hull",
         "motion",
         "other",
         "urdf",
         "study",
         "arm",
         "obstacles",
+        "through",
         "vehicle",
     }
     for command in COMMAND_NAMES:

@@ -167,6 +167,7 @@ ANSWERED = {
     "inverse_dynamics_derivatives",
     "jacobian",
     "kinetic_energy",
+    "linearized",
     "mass_matrix",
     "nonlinear_effects",
     "on_vehicle",

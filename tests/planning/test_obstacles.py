@@ -314,22 +314,6 @@ def test_millimetres_are_warned_of(make: Callable[[float], Obstacle]) -> None:
         make(1.0)
 
 
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda rpy: Obstacle.box("hull", (0.4, 0.3, 0.2), rpy=rpy),
-        lambda rpy: Obstacle.cylinder("post", 0.03, 1.0, rpy=rpy),
-        lambda rpy: Obstacle.mesh("sail", np.eye(3), [[0, 1, 2]], rpy=rpy),
-    ],
-)
-def test_degrees_are_warned_of(make: Callable[[Sequence[float]], Obstacle]) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        make([0.0, math.radians(45), math.radians(-270)])
-    with pytest.warns(ImplausibleWarning, match="rpy of (hull|post|sail)"):
-        make([0, 45, -270])
-
-
 @pytest.mark.filterwarnings("error")
 def test_a_wide_sea_bed_is_plausible() -> None:
     Obstacle.box("sea bed", (50.0, 50.0, 0.1), xyz=(20.0, 0.0, -1.0))
