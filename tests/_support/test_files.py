@@ -416,6 +416,7 @@ COMMANDS = {
         ["move", "home", "reach", "--obstacles", "{}"],
         {"--output": ".csv", "--bus": ".csv"},
     ),
+    "jaws": (["jaws", "--arm", "{}"], {}),
     "park": (
         ["park", "0.4", "0", "0.1", "--hull", "{}"],
         {"--output": ".csv", "--plot": ".png", "--html": ".html"},
