@@ -74,7 +74,7 @@ class Step(NamedTuple):
         return self.arguments
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Program:
     """A function in static-single-assignment form: each register is written once."""
 

@@ -1,7 +1,7 @@
 """Waypoints from files: joint positions, points or poses, for `alpha5_model.plan`.
 
 A CSV table has one waypoint in each row. Names of its columns, and their units, are
-those of recordings (`alpha5_model.trajectory.columns`)::
+those of recordings (`alpha5_model.trajectory.column_names`)::
 
     axis_e [deg], axis_d [deg], axis_c [deg], axis_b [deg]
 
@@ -33,7 +33,7 @@ from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.planning.goals import JOINTS, POINT, POSE, Target
-from alpha5_model.trajectory.columns import JointMap, Roles, find_roles, split_unit
+from alpha5_model.trajectory.column_names import JointMap, Roles, find_roles, split_unit
 from alpha5_model.trajectory.csv_file import read_csv
 from alpha5_model.trajectory.tables import Problem, Table
 

@@ -17,7 +17,7 @@ from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.trajectory.columns import JointMap, arms_in, only_choice
+from alpha5_model.trajectory.column_names import JointMap, arms_in, only_choice
 from alpha5_model.trajectory.motions import MotionWarning
 from alpha5_model.trajectory.tables import (
     EXPANSION,

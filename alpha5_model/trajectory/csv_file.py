@@ -20,7 +20,7 @@ from alpha5_model.trajectory.clock_times import (
     is_date,
     is_slashed_date,
 )
-from alpha5_model.trajectory.columns import JOINT_COLUMNS, with_columns_of_joints
+from alpha5_model.trajectory.column_names import JOINT_COLUMNS, with_columns_of_joints
 from alpha5_model.trajectory.tables import (
     Problem,
     Progress,

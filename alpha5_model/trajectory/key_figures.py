@@ -57,7 +57,7 @@ class Comparison:
     difference_rms_with_friction: float | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class JointFigures:
     """The figures of a joint, in its units and in A, V, W and J.
 

@@ -13,7 +13,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
-from alpha5_model.trajectory.columns import JOINT_COLUMNS, with_columns_of_joints
+from alpha5_model.trajectory.column_names import JOINT_COLUMNS, with_columns_of_joints
 from alpha5_model.trajectory.tables import (
     EXPANSION,
     PER_SECOND,

@@ -23,7 +23,7 @@ from alpha5_model.trajectory.checks import (
     checked,
     most_amperes,
 )
-from alpha5_model.trajectory.columns import (
+from alpha5_model.trajectory.column_names import (
     JointMap,
     Roles,
     find_roles,

@@ -1,7 +1,7 @@
 """A recording as a table of numbers with names, as every reader of files returns it.
 
 `alpha5_model.trajectory.csv_file`, `parquet_file` and `bags` read a `Table`;
-`alpha5_model.trajectory.columns` finds out what its columns mean.
+`alpha5_model.trajectory.column_names` finds out what its columns mean.
 """
 
 from __future__ import annotations

@@ -158,6 +158,9 @@ def files_of_a_reader() -> None:
         header=head,
         comments="",
     )
+    for name, xyz in (("hull", [-0.3, 0.0, 0.2]), ("wall", [0.9, 0.0, 0.0])):
+        text = f"[{name}]\nbox = [0.1, 1.0, 0.3]\nxyz = {xyz}\n"
+        Path(f"{name}.toml").write_text(text, "utf-8")
     ours = Path(a5.URDF_PATH).read_text("utf-8")
     Path("my_arm.urdf").write_text(ours, "utf-8")
     for number, axis in enumerate("edcb", 1):

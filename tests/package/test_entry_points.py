@@ -17,7 +17,6 @@ CATALOGUE = {
 ENTRY_POINTS = {
     "cli.arm": "a command",
     "cli.ik": "a command",
-    "codegen.sources": "a generator; the page has the catalogue's arm",
     "collision.link_pairs": "for which lengths links never meet",
     "dynamics.arm_model": "Arm without a record",
     "dynamics.dimensions": "for which arm kernels and drawn bodies were made",

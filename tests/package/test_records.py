@@ -21,7 +21,7 @@ def records() -> list[type]:
         parts = file.relative_to(PACKAGE.parent).with_suffix("").parts
         if parts[-1] == "__main__" or "_data" in parts:
             continue
-        module = import_module(".".join(parts))
+        module = import_module(".".join(parts).removesuffix(".__init__"))
         for value in vars(module).values():
             if isinstance(value, type) and dataclasses.is_dataclass(value):
                 found[f"{value.__module__}.{value.__qualname__}"] = value

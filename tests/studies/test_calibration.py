@@ -20,7 +20,7 @@ from support.weighing import (
 )
 
 import alpha5_model as a5
-from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.errors import ImplausibleWarning, InputError, UnknownNameError
 from alpha5_model.numbers.covariance import WIDTH
 from alpha5_model.numbers.pose import Pose
 from alpha5_model.studies.arm_numbers import arm_numbers
@@ -77,7 +77,8 @@ def test_scales_beside_the_arm_have_no_poses() -> None:
     corners = calibrate.scales().positions + np.array([0.5, 0.0, 0.0])
     with pytest.raises(InputError, match="more ballast"):
         calibrate.plan_poses(calibrate.scales(corners))
-    planned = calibrate.plan_poses(calibrate.scales(corners), 3, ballast=200.0)
+    with pytest.warns(ImplausibleWarning, match="ballast"):
+        planned = calibrate.plan_poses(calibrate.scales(corners), 3, ballast=200.0)
     assert len(planned.q) == 3
 
 

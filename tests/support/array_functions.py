@@ -35,6 +35,19 @@ NOT_CALLED = {
     "Analysis": "a record",
     "Calibration": "a record",
     "DexterityMap": "a record",
+    "Gains": "a record",
+    "Margins": "a record",
+    "Step": "a record",
+    "Sensor.check": "for `fit`, which has checked readings",
+    "Sensor.check_readings": "for `fit`, which has checked readings",
+    "Sensor.holds": "for `fit`, which has checked readings",
+    "Sensor.read": "for `fit`, which has checked readings",
+    "Scales.check": "for `fit`, which has checked readings",
+    "Scales.check_readings": "for `fit`, which has checked readings",
+    "Scales.holds": "for `fit`, which has checked readings",
+    "Scales.read": "for `fit`, which has checked readings",
+    "summary": "takes what `analyse` computed",
+    "text": "takes what `analyse` computed",
     "Described.theirs": "a record of compare",
     "Interval": "a record",
     "Motion": "a record",
@@ -257,10 +270,12 @@ def kinematics_calls() -> list[tuple[str, Call]]:
     inside = (posed.within_limits & ~posed.collides).any(axis=-1)
     posed = a5.inverse_kinematics_pose(poses[inside])
     space = a5.workspace
+    limits = a5.load().limits
     jaws = a5.jaws()
     rods = {"rod": rng.uniform(jaws.closed, jaws.open, ROWS)}
     places = {"at": rng.uniform(-0.03, 0.03, ROWS)}
     table: list[tuple[str, Any, dict[str, Any], dict[str, Any]]] = [
+        ("Limits.beyond", limits.beyond, {"q": q}, {}),
         ("JawTool.opening", jaws.opening, rods, {}),
         ("JawTool.rod", jaws.rod, {"opening": rng.uniform(0.0, 0.1, ROWS)}, {}),
         ("JawTool.gap", jaws.gap, places, {"rod": 0.006}),
@@ -386,6 +401,7 @@ def theory_calls() -> list[tuple[str, Call]]:
         *_water_calls(rows),
         *_obstacle_calls(rows),
         *_calibration_calls(rows),
+        *_control_calls(rows),
     ]
     return [(name, Call(*call)) for name, *call in table]
 
@@ -690,6 +706,49 @@ def _calibration_calls(rows: _TheoryRows) -> list[_Row]:
             "with_readings",
             lambda **g: c.with_readings(planned, **g).readings,
             {"readings": 2 * q},
+            {},
+        ),
+    ]
+
+
+def _control_calls(rows: _TheoryRows) -> list[_Row]:
+    """Of gains and sensors with one number for each joint or channel, (name, call)."""
+    c, calibrate = a5.control, a5.calibrate
+    rotors = np.array([5e-8, 6e-8, 7e-8, 8e-8])
+    settings = {"bandwidth": 6.0, "rate": 200.0, "delay": 0.01}
+    found = c.gains(**settings, rotor_inertias=rotors)
+    q, goal = rows.q[0], rows.q[0] + 0.1
+    states = {"q": q, "v": goal, "goal": goal, "v_goal": q}
+
+    def arrays(make: Any) -> Any:
+        """What a sensor holds of its arguments."""
+        return lambda **given: [
+            value for value in vars(make(**given)).values() if np.ndim(value)
+        ]
+
+    loop = {"stiffness": rotors + 3, "damping": rotors + 2, "inertia": rotors + 1}
+    step = {"start": q, "goal": goal, "current_limit": rotors + 0.5}
+    return [
+        (
+            "gains",
+            lambda **g: c.gains(**settings, **g).stiffness,
+            {"rotor_inertias": rotors, "q": rows.q[:3]},
+            {},
+        ),
+        ("Gains.torque", found.torque, states, {}),
+        ("margins", c.margins, {**loop, "delay": rotors}, {}),
+        (
+            "step",
+            lambda **g: c.step(found, **g, duration=0.5).position,
+            {**step, "friction": rotors},
+            {},
+        ),
+        ("efforts", arrays(calibrate.efforts), {"noise": rotors}, {}),
+        ("weight", arrays(calibrate.weight), {"gain": rotors[:1]}, {}),
+        (
+            "force_torque",
+            arrays(calibrate.force_torque),
+            {"gain": np.arange(1, 7.0)},
             {},
         ),
     ]

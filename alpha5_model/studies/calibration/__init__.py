@@ -18,7 +18,7 @@ from alpha5_model.studies.calibration.motor_currents import (
 from alpha5_model.studies.calibration.motor_record import JointMotor
 from alpha5_model.studies.calibration.poses import plan_poses
 from alpha5_model.studies.calibration.sensor import Loads, Own, Sensor
-from alpha5_model.studies.calibration.session import (
+from alpha5_model.studies.calibration.sessions import (
     Session,
     read_session,
     session,

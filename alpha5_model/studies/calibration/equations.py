@@ -28,7 +28,7 @@ from alpha5_model.studies.arm_numbers import (
 )
 from alpha5_model.studies.calibration.ar1 import whitened
 from alpha5_model.studies.calibration.sensor import Loads, Own
-from alpha5_model.studies.calibration.session import Session
+from alpha5_model.studies.calibration.sessions import Session
 
 #: What is known of the bodies before a calibration.
 PRIORS = ("digits", "loose")

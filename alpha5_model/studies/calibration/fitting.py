@@ -45,7 +45,7 @@ from alpha5_model.studies.calibration.equations import (
     prior_numbers,
 )
 from alpha5_model.studies.calibration.possible_bodies import possible_values
-from alpha5_model.studies.calibration.session import Session
+from alpha5_model.studies.calibration.sessions import Session
 
 #: The search goes no further from the prior, in its standard deviations, so that even
 #: wrong readings leave an arm.

@@ -20,7 +20,7 @@ from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.planning.surroundings import Surroundings
 from alpha5_model.studies.calibration.equations import ZEROS, Equations, prior_numbers
 from alpha5_model.studies.calibration.sensor import Sensor
-from alpha5_model.studies.calibration.session import MOST_STATES, Session, session
+from alpha5_model.studies.calibration.sessions import MOST_STATES, Session, session
 
 #: Poses that are looked at.
 _CANDIDATES = 800
