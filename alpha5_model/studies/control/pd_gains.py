@@ -170,7 +170,7 @@ def gains(
 
     Args:
         bandwidth: w, the natural frequency of a joint with its largest inertia [rad/s].
-        settling_time: Instead of it: `Gains.settling_time`, to 2 % at every pose [s].
+        settling_time: Instead of it: ``settling_time`` of the result [s].
         rate: Samples per second of the controller [Hz].
         delay: From measuring a position to the change of the torque, the sampling
             itself left out [s].
