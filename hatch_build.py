@@ -10,6 +10,7 @@ error.
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import os
 import shutil
@@ -56,9 +57,11 @@ def made_of() -> str:
 
 def compiled() -> Path:
     """The module, compiled below ``build/`` unless one of these sources is there."""
-    # Where the sources cannot be written, such as on a read-only mount, for this once.
-    root = ROOT if os.access(ROOT, os.W_OK) else Path(tempfile.mkdtemp())
-    folder = root / "build" / "kernels" / sysconfig.get_platform()
+    folder = ROOT / "build" / "kernels" / sysconfig.get_platform()
+    there = next(path for path in (folder, *folder.parents) if path.exists())
+    if not os.access(there, os.W_OK):  # a read-only mount, another user's build: once
+        folder = Path(tempfile.mkdtemp())
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
     module = folder / MODULE
     if not (module.is_file() and made_of().encode() in module.read_bytes()):
         compile_into(folder)

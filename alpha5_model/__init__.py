@@ -17,6 +17,7 @@ __version__ = "1.0.0"
 def _public_names() -> dict[str, tuple[str, str]]:
     """Public name -> its module, and its name there; ``__init__.pyi`` has them."""
     stub = __loader__.get_data(f"{__path__[0]}/__init__.pyi").decode()
+    stub = stub.replace("\r", "")  # of a checkout on Windows
     lines = stub.replace("(\n", "").replace(",\n)", "").splitlines()
     words = [line.split() for line in lines if line.startswith("from ")]
     return {public: (module, name) for _, module, _, name, _, public in words}

@@ -15,12 +15,15 @@ from alpha5_model.cli import printing
 from alpha5_model.cli.parsing import Parser
 from alpha5_model.cli.quantities import ANGLE, MASS, NUMBER, Scalar, Vector
 from alpha5_model.errors import InputError
+from alpha5_model.numbers.fluids import GRAVITY
 
 if TYPE_CHECKING:
     from alpha5_model.numbers.parameters import Alpha5Parameters
     from alpha5_model.studies.control import Gains, Step
 
 _FOUR_OR_ONE = (1, 4)
+#: Error that a joint may keep in the simulation [rad].
+_TOLERANCE = 0.05
 #: Numbers that are 0 but for rounding.
 _ROUNDING = 1e-12
 
@@ -92,7 +95,6 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--tolerance",
         type=Scalar(ANGLE),
-        default=0.05,
         help="error that a joint may keep in the simulation (rad). Default: 0.05",
     )
     parser.add_argument(
@@ -108,7 +110,7 @@ def options(parser: Parser) -> None:
         help="write the MuJoCo model with these gains in its servos",
     )
     common.fluid(parser)
-    common.gravity(parser)
+    common.gravity(parser, default=None)
     common.mount(parser)
     common.arm_file(parser)
     common.as_json(parser)
@@ -116,6 +118,12 @@ def options(parser: Parser) -> None:
 
 def run(given: Namespace) -> int:
     check_outputs([given.arm], ros2_control=(given.ros2_control, (".yaml", ".yml")))
+    for option in ("mount", "gravity"):
+        if given.mjcf is not None and getattr(given, option) is not None:
+            expected = "no --mjcf with it; [mount] of an arm file is written"
+            raise InputError(option, getattr(given, option), expected)
+    if given.gravity is None:
+        given.gravity = list(GRAVITY)
     own = common.record_of(given)
     arm = common.arm_of(given, "locked", own, payload=False)
 
@@ -136,22 +144,34 @@ def run(given: Namespace) -> int:
     if limit is None:
         limit = _limits_of(own)
     steps = {}
-    if limit is not None:
+    skipped = []
+    if limit is None:
+        for option in ("friction", "tolerance"):
+            if getattr(given, option) is not None:
+                expected = "a --current-limit with it"
+                raise InputError(option, getattr(given, option), expected)
+    else:
         arms = {"no payload": arm}
         if given.payload:
             arms[f"{given.payload:g} kg"] = arm.with_payload(given.payload)
         for words, true_arm in arms.items():
-            steps[words] = control.step(
-                found,
-                named_pose("home", own),
-                named_pose("reach", own),
-                current_limit=limit,
-                friction=_one_or_four(given.friction),
-                arm=true_arm,
-                tolerance=given.tolerance,
-            )
-    elif given.friction is not None:
-        raise InputError("friction", given.friction, "a --current-limit with it")
+            try:
+                steps[words] = control.step(
+                    found,
+                    named_pose("home", own),
+                    named_pose("reach", own),
+                    current_limit=limit,
+                    friction=_one_or_four(given.friction),
+                    arm=true_arm,
+                    tolerance=_TOLERANCE
+                    if given.tolerance is None
+                    else given.tolerance,
+                )
+            except InputError as error:
+                if error.name != "duration":
+                    raise
+                skipped = ["", f"no step is simulated, {error}"]
+                break
 
     if given.ros2_control is not None:
         atomic_write(given.ros2_control, control.ros2_control(found))
@@ -161,7 +181,7 @@ def run(given: Namespace) -> int:
     printing.show(
         given.json,
         _record(found, steps),
-        _text(found, steps),
+        _text(found, steps) + skipped,
         given.ros2_control,
         given.mjcf,
     )
@@ -197,6 +217,7 @@ def _record(found: Gains, steps: dict[str, Step]) -> dict[str, Any]:
         "armature": found.armature,
         "ratio": found.ratio,
         "ratio_of_digits": found.ratio_of_digits,
+        "least_ratio": found.least_ratio,
         "margins": found.margins,
         "dead_band": found.dead_band,
         "sag": found.sag,
@@ -217,10 +238,13 @@ def _record(found: Gains, steps: dict[str, Step]) -> dict[str, Any]:
 
 def _text(found: Gains, steps: dict[str, Step]) -> list[str]:
     """The result for people."""
+    from alpha5_model.studies.control.pd_gains import three_digits
+
     m = found.margins
     lines = [
         f"bandwidth {found.bandwidth:.4g} rad/s, settled to 2 % in "
-        f"{found.settling_time:.3g} s; the delay permits {found.fastest:.3g} rad/s",
+        f"{found.settling_time:.3g} s; the delay permits "
+        f"{three_digits(found.fastest)} rad/s",
         f"left at the worst pose, payload and digits: {math.degrees(m.phase):.0f} deg "
         f"of phase, {1e3 * m.delay:.0f} ms of delay, a factor of {m.gain:.2g} of the "
         "gains",

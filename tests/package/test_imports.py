@@ -29,14 +29,14 @@ HEAVY = {
 }
 
 
-def printed(script: str) -> set[str]:
-    """The words that a script prints in a process of its own."""
+def printed(script: str, folder: Path = PACKAGE.parent) -> set[str]:
+    """The words that a script prints in a process of its own, run in a folder."""
     done = subprocess.run(
         [sys.executable, "-c", script],
         capture_output=True,
         text=True,
         check=True,
-        cwd=PACKAGE.parent,
+        cwd=folder,
     )
     return set(done.stdout.split())
 
@@ -44,6 +44,16 @@ def printed(script: str) -> set[str]:
 def loaded_after(statement: str) -> set[str]:
     top_levels = "{m.split('.')[0] for m in sys.modules}"
     return printed(f"{statement}\nimport sys; print(*{top_levels})")
+
+
+def test_a_checkout_with_windows_line_ends_has_all_names(tmp_path: Path) -> None:
+    folder = tmp_path / PACKAGE.name
+    folder.mkdir()
+    for name in ("__init__.py", "__init__.pyi", "errors.py"):
+        lines = (PACKAGE / name).read_bytes().splitlines()
+        (folder / name).write_bytes(b"\r\n".join(lines))
+    script = "import alpha5_model; print(*alpha5_model.__all__)"
+    assert printed(script, tmp_path) == printed(script)
 
 
 def test_light_imports() -> None:

@@ -15,6 +15,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
 from alpha5_model.errors import (
+    ImplausibleWarning,
     InputError,
     MissingParameterError,
     NonFiniteError,
@@ -117,6 +118,49 @@ def test_no_pose_and_payload_has_less_margin(payload):
     assert g.margins.phase - 0.5 * DEGREE < least < g.margins.phase + 4 * DEGREE
 
 
+@pytest.mark.parametrize(
+    ("bandwidth", "hardware"),
+    [
+        (1.0, HARDWARE),
+        (0.3, {"rate": 1e3, "delay": 0, "rotor_inertias": 1e-8, "payload": 0.5}),
+    ],
+)
+def test_at_low_bandwidth_the_worst_loop_is_that_of_joints_that_turn_together(
+    bandwidth, hardware
+):
+    g = a5.control.gains(bandwidth, **hardware)
+    least = np.inf
+    for mass in {0.0, g.payload}:
+        arm = g.arm.with_payload(mass) if mass else g.arm
+        for matrix in matrices(arm, random_poses(arm, 300), g.armature):
+            ratios = np.linalg.eigvals(np.linalg.inv(matrix) * g.inertia).real
+            w = np.geomspace(0.2, 20, 2000)[:, None] * bandwidth
+            delay = g.delay + 1 / g.rate
+            loop = response(bandwidth**2, 2 * bandwidth, 1 / ratios, delay, w)
+            crossed = np.abs(loop) < 1
+            angles = np.angle(-np.take_along_axis(loop, crossed.argmax(0)[None], 0))
+            least = min(least, angles.min())
+    assert g.margins.phase - 0.2 * DEGREE < least < g.margins.phase + 2 * DEGREE
+
+
+@pytest.mark.parametrize("rotor", [0.0, 1e-9, 5e-8])
+def test_each_loop_settles_in_the_settling_time(rotor):
+    """By the poles of ``M e'' + D e' + K e = 0`` at random poses."""
+    g = a5.control.gains(0.05, rate=1000, delay=0, rotor_inertias=rotor)
+    time = np.linspace(0, 2 * g.settling_time, 4000)
+    slowest = 0.0
+    for matrix in matrices(g.arm, random_poses(g.arm, 200), g.armature):
+        for r in np.linalg.eigvals(np.linalg.inv(matrix) * g.inertia).real:
+            w = g.bandwidth
+            a, b = np.roots([1, 2 * w * r, w**2 * r]).astype(complex)
+            error = (b * np.exp(a * time) - a * np.exp(b * time)) / (b - a)
+            slowest = max(slowest, time[np.flatnonzero(np.abs(error) > 0.02)[-1]])
+    assert 0.75 * g.settling_time < slowest < 1.001 * g.settling_time
+    again = {"rate": 1000, "delay": 0, "rotor_inertias": rotor}
+    back = a5.control.gains(settling_time=g.settling_time, **again)
+    assert back.bandwidth == pytest.approx(0.05)
+
+
 def test_the_fastest_bandwidth_keeps_45_degrees(found):
     fastest = a5.control.gains(0.9999 * found.fastest, **HARDWARE)
     assert fastest.margins.phase == pytest.approx(45 * DEGREE, abs=0.01 * DEGREE)
@@ -130,7 +174,7 @@ def test_the_fastest_bandwidth_keeps_45_degrees(found):
         a5.control.gains(settling_time=0.1, **HARDWARE)
     assert error.value.name == "settling_time"
     possible = float(error.value.expected.split()[2])
-    a5.control.gains(settling_time=1.005 * possible, **HARDWARE)
+    a5.control.gains(settling_time=possible, **HARDWARE)
 
 
 def test_rotors_behind_gears_make_loops_alike():
@@ -247,6 +291,15 @@ def test_mujocos_servos_move_as_the_simulated_step(tmp_path):
     assert ours.holds
     assert np.abs(ours.position[-1] - goal).max() < 0.02
     assert (ours.limited[:2] > 0).all()  # and the limit was reached
+
+
+def test_a_goal_that_has_arrived_stands_still():
+    """To the last bit: a rate that stays would hold the joint off its goal."""
+    g = a5.control.gains(8.0, **HARDWARE)
+    start, goal = [0.97, 1.99, 1.41, 0.87], [4.49, 0.84, 1.25, 5.48]
+    done = a5.control.step(g, start, goal, current_limit=0.6, friction=0.0)
+    assert (done.goal[-1] == goal).all()
+    assert done.error.max() < 0.03
 
 
 def swing(g, arm, pose, extra):
@@ -386,6 +439,25 @@ def test_the_command_fails_if_the_step_does_not_hold(capsys):
     assert "failed" in capsys.readouterr().out
 
 
+def test_the_command_refuses_what_it_would_leave_out(capsys, tmp_path):
+    words = (*COMMAND, "--bandwidth", "8")
+    folder = ("--mjcf", str(tmp_path / "servos"))
+    for name, more in {
+        "mount": (*folder, "--mount", "3.14159", "0", "0"),
+        "gravity": (*folder, "--gravity", "0", "0", "9.81"),
+        "tolerance": ("--tolerance", "0.1"),
+        "friction": ("--friction", "1"),
+    }.items():
+        assert main((*words, *more)) == 2
+        assert name in capsys.readouterr().err
+    assert not (tmp_path / "servos").exists()
+
+
+def test_the_command_skips_a_step_that_is_too_long_to_simulate(capsys):
+    assert main((*COMMAND, "--bandwidth", "0.1", "--current-limit", "0.6")) == 0
+    assert "no step is simulated" in capsys.readouterr().out
+
+
 def test_what_cannot_be_used_is_named(found):
     good = {"bandwidth": 5.0, **HARDWARE}
     wrong = {
@@ -402,6 +474,15 @@ def test_what_cannot_be_used_is_named(found):
         with pytest.raises(kind) as error:
             a5.control.gains(**{**good, **change})
         assert error.value.name == name
+    with pytest.raises(InputError) as error:
+        a5.control.gains(**{**good, "q": np.zeros((0, 4))})
+    assert error.value.name == "q"
+    with pytest.raises(InputError) as error:
+        found.torque(HOME, HOME, HOME, [0.1, 0.1])
+    assert error.value.name == "v_goal"
+    with pytest.raises(InputError) as error:
+        a5.control.ros2_control(replace(found, rate=62.5))
+    assert error.value.name == "rate"
     for times in ({}, {"bandwidth": 5.0, "settling_time": 1.0}):
         with pytest.raises(InputError) as error:
             a5.control.gains(**times, **HARDWARE)
@@ -413,6 +494,7 @@ def test_what_cannot_be_used_is_named(found):
     steps = {
         "start": {"start": [0, 0, 0, 0]},
         "current_limit": {"current_limit": 0.0},
+        "arm": {"arm": a5.load(gripper="jaws")},
         "friction": {"friction": [1.0, -1.0, 1.0, 1.0]},
         "tolerance": {"tolerance": 0.0},
         "duration": {"duration": 1e6},
@@ -422,6 +504,11 @@ def test_what_cannot_be_used_is_named(found):
         with pytest.raises(InputError) as error:
             a5.control.step(found, given.pop("start"), given.pop("goal"), **given)
         assert error.value.name == name
+    with pytest.raises(InputError) as error:
+        a5.control.step("gains", HOME, REACH, current_limit=0.5)
+    assert error.value.name == "found"
+    with pytest.warns(ImplausibleWarning, match="mA"):
+        a5.control.step(found, HOME, HOME, current_limit=600, duration=0.01)
     for name in ("stiffness", "damping", "inertia", "delay"):
         loop = {"stiffness": 1.0, "damping": 1.0, "inertia": 1.0, "delay": 0.01}
         with pytest.raises(InputError) as error:

@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from alpha5_model._support.checks import instance
 from alpha5_model.description.mjcf import MjcfOptions, Servo, mjcf_files
+from alpha5_model.errors import InputError
 from alpha5_model.studies.control.pd_gains import Gains
 
 
@@ -15,7 +17,14 @@ def ros2_control(found: Gains) -> str:
 
     Its law is ``p (q_goal - q) + d (v_goal - v)``. The torque that holds weight and
     buoyancy is not part of it: see the comment in the file.
+
+    Raises:
+        InputError: A rate that is not a whole number, which the controller manager
+            cannot have.
     """
+    rate = instance("found", found, Gains).rate
+    if not rate.is_integer():
+        raise InputError("rate", rate, "a whole number of samples per second")
     import yaml
 
     joints = found.arm.joint_names
@@ -31,7 +40,7 @@ def ros2_control(found: Gains) -> str:
     settings = {
         "controller_manager": {
             "ros__parameters": {
-                "update_rate": round(found.rate),
+                "update_rate": int(rate),
                 "arm_controller": {
                     "type": "joint_trajectory_controller/JointTrajectoryController"
                 },
@@ -52,12 +61,15 @@ def ros2_control(found: Gains) -> str:
 
 
 def mujoco_files(found: Gains) -> dict[str, bytes]:
-    """The folder of `alpha5 generate mjcf` whose position servos have these gains.
+    """The folder of ``alpha5 generate mjcf`` whose position servos have these gains.
 
     They know no weight: add ``arm.hydrostatic_torque(q)`` to ``qfrc_applied``. The
     joints have the rotor inertia of the gains, and the measured friction of the arm's
-    record.
+    record. Gravity is MuJoCo's own, along -z of the world, in which the arm stands as
+    the mount of its record says: a ``gravity=`` that the arm was loaded with is not
+    carried, nor are delay, rate and moving water.
     """
+    instance("found", found, Gains)
     servos = {
         joint: Servo(float(p), float(d))
         for joint, p, d in zip(

@@ -8,14 +8,19 @@ with tau_hold, the torque that holds weight and buoyancy, and F_k, the measured 
 friction. The gains are ``K = w^2 I`` and ``D = 2 w I - B`` with the bandwidth w, the
 joint's viscous friction B, and I, the largest inertia that the joint turns in any pose
 and with any payload, that of the rotor, n^2 J, included. There the joint is critically
-damped. In all others it is overdamped, because I is smaller: its slowest pole is
-between w and w / 2, so that it settles to 2 % within ``2 ln(50) / w``.
+damped. Alone in any other, it is overdamped, because it turns less.
 
-What limits w is the delay. All K and D are multiples of the same matrix diag(I). So at
-each pose the four coupled loops fall apart into four single ones, whose inertias are
-those of the gains divided by the eigenvalues r of ``M(q)^-1 diag(I)``. The largest r
-has the least margin: a joint that turns little inertia answers fast, perhaps faster
-than the delay permits. Rotors behind large gears make r small.
+All K and D are multiples of the same matrix diag(I). So at each pose the four coupled
+loops fall apart into four single ones, whose inertias are those of the gains divided by
+the eigenvalues r of ``M(q)^-1 diag(I)``. Rotors behind large gears bring r close to 1.
+Where r is above 1, the slowest pole is between w and w / 2, so that the loop settles to
+2 % within ``2 ln(50) / w``. Where joints turn together, r is below 1, down to 0.5
+without rotors. There the loop is underdamped and may need up to ``8.5 / w``.
+
+What limits w is the delay. The phase margin, ``atan(2 x) - x w T`` at the crossover x
+w, is concave in x, which grows with r. So it is the least at an end of the range of r.
+Most often that is the largest: a joint that turns little inertia answers fast, perhaps
+faster than the delay permits.
 """
 
 from __future__ import annotations
@@ -31,6 +36,7 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import (
     FloatArray,
     array,
+    bounded,
     float_array,
     frozen,
     instance,
@@ -40,7 +46,7 @@ from alpha5_model.dynamics.actuators import actuator
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.linear_model import motor_terms
 from alpha5_model.dynamics.load import load
-from alpha5_model.errors import InputError, MissingParameterError
+from alpha5_model.errors import InputError, MissingParameterError, ShapeError
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.motors import joint_losses
 from alpha5_model.studies.control.loop import (
@@ -83,7 +89,10 @@ class Gains:
         torque_per_ampere: Joint torque of the motor current, K_t n eta [N m/A].
         ratio: The largest eigenvalue r: how much smaller the least inertia is.
         ratio_of_digits: How far the uncertain numbers of the arm move it.
-        margins: Of the loop with the largest r, those numbers included.
+        least_ratio: The smallest r, those numbers included; it is below 1 where joints
+            turn together.
+        margins: The least of the loops of all poses and payloads, those numbers
+            included; the crossover is the fastest.
         fastest: The largest bandwidth that keeps a phase margin of 45 deg [rad/s].
         dead_band: Error at which the friction of the arm's record can hold a joint, F n
             / K [rad].
@@ -106,6 +115,7 @@ class Gains:
     torque_per_ampere: FloatArray
     ratio: float
     ratio_of_digits: float
+    least_ratio: float
     margins: Margins
     fastest: float
     dead_band: FloatArray
@@ -114,8 +124,11 @@ class Gains:
 
     @property
     def settling_time(self) -> float:
-        """In which an error falls to 2 % at every pose, without limits [s]."""
-        return 2 * _SETTLED / self.bandwidth
+        """In which each loop falls to 2 % at every pose, without delay and limits [s].
+
+        It is ``2 ln(50) / w``, and longer if ``least_ratio`` is below 0.55.
+        """
+        return _settling(self.least_ratio) / self.bandwidth
 
     def torque(
         self, q: ArrayLike, v: ArrayLike, goal: ArrayLike, v_goal: ArrayLike = 0.0
@@ -126,10 +139,13 @@ class Gains:
             q, v: Measured position and velocity, (4,).
             goal: Position, (4,) [rad].
             v_goal: Velocity of the goal, (4,) or one number [rad/s].
+
+        Raises:
+            InputError: Other shapes, or no finite numbers.
         """
         position, velocity = array("q", q, _JOINTS), array("v", v, _JOINTS)
         error = array("goal", goal, _JOINTS) - position
-        rate = float_array("v_goal", v_goal, ())
+        rate = per_joint("v_goal", v_goal)
         return np.asarray(
             self.stiffness * error
             + self.damping * (rate - velocity)
@@ -154,7 +170,7 @@ def gains(
 
     Args:
         bandwidth: w, the natural frequency of a joint with its largest inertia [rad/s].
-        settling_time: Instead of it: to 2 % at every pose, ``2 ln(50) / w`` [s].
+        settling_time: Instead of it: ``settling_time`` of the result [s].
         rate: Samples per second of the controller [Hz].
         delay: From measuring a position to the change of the torque, the sampling
             itself left out [s].
@@ -172,10 +188,8 @@ def gains(
         InputError: Also another arm, or a bandwidth that the delay does not permit; the
             message has the largest possible one.
     """
-    arm = load() if arm is None else instance("arm", arm, Arm)
-    if arm.floating_base or len(arm.joint_names) != _JOINTS:
-        raise InputError("arm", arm, "an arm on a fixed base with locked jaws")
-    w, asked = _bandwidth(bandwidth, settling_time)
+    arm = load() if arm is None else four_joints(arm)
+    asked, wanted = _asked(bandwidth, settling_time)
     rate = real("rate", rate)
     if not 1.0 <= rate <= 1e5:
         raise InputError("rate", rate, "1 to 100000 samples per second")
@@ -184,6 +198,8 @@ def gains(
     heaviest = real("payload", payload, minimum=0.0)
     loaded = arm.with_payload(heaviest) if heaviest else arm
     poses = _poses(arm) if q is None else np.atleast_2d(float_array("q", q, (_JOINTS,)))
+    if poses.ndim != 2 or not len(poses):
+        raise ShapeError("q", poses.shape, "at least one pose, (N, 4)")
 
     motors = [actuator(name, arm=arm.parameters) for name in arm.joint_names]
     gears = np.array([motor.ratio for motor in motors])
@@ -196,12 +212,15 @@ def gains(
     matrices = np.concatenate([_mass_matrices(a, poses) for a in arms])
     matrices += np.diag(armature)
     inertia = np.diagonal(matrices, axis1=1, axis2=2).max(axis=0)
-    ratio, of_digits = _largest_ratio(arm, poses, matrices, inertia)
+    ratio, of_digits, least = _ratios(arm, poses, matrices, inertia)
 
     total_delay = delay + 1 / rate
-    fastest = fastest_bandwidth(ratio + of_digits, total_delay)
+    ends = np.array([least, ratio + of_digits])
+    fastest = min(fastest_bandwidth(r, total_delay) for r in ends.tolist())
+    w = wanted if asked == "bandwidth" else _settling(least) / wanted
     if w > fastest:
-        _refuse(asked, w, fastest, total_delay, ratio + of_digits)
+        _refuse(asked, wanted, fastest, total_delay, ends)
+    both = margins(w**2, 2 * w, 1 / ends, total_delay)
 
     stiffness = w**2 * inertia
     full_damping = 2 * w * inertia
@@ -210,7 +229,6 @@ def gains(
     losses = joint_losses(arm.parameters)
     friction = [losses[n].friction if n in losses else 0.0 for n in arm.joint_names]
     in_record = np.array([motor.joint_friction for motor in motors])
-    worst = ratio + of_digits
     return Gains(
         arm=arm,
         bandwidth=w,
@@ -226,7 +244,13 @@ def gains(
         torque_per_ampere=frozen(per_ampere),
         ratio=ratio,
         ratio_of_digits=of_digits,
-        margins=margins(w**2, 2 * w, 1 / worst, total_delay),
+        least_ratio=least,
+        margins=Margins(
+            crossover=both.crossover.max(),
+            phase=both.phase.min(),
+            delay=both.delay.min(),
+            gain=both.gain.min(),
+        ),
         fastest=fastest,
         dead_band=frozen(in_record / stiffness),
         sag=frozen(_wrong_hold(arm, loaded, poses) / stiffness),
@@ -234,34 +258,74 @@ def gains(
     )
 
 
-def _bandwidth(bandwidth: Any, settling_time: Any) -> tuple[float, str]:
-    """The bandwidth [rad/s], and the name of what was asked for."""
+def four_joints(arm: Any) -> Arm:
+    """An arm with the four joints that the gains are for.
+
+    Raises:
+        InputError: It is none.
+    """
+    checked = instance("arm", arm, Arm)
+    if checked.floating_base or len(checked.joint_names) != _JOINTS:
+        raise InputError("arm", arm, "an arm on a fixed base with locked jaws")
+    return checked
+
+
+def per_joint(name: str, given: ArrayLike, least: float = -math.inf) -> FloatArray:
+    """Four numbers, or one for all; (4,).
+
+    Raises:
+        InputError: Another shape, or a number below the least.
+    """
+    values = float_array(name, given, ())
+    if values.shape not in ((), (_JOINTS,)) or (values < least).any():
+        bound = f" of at least {least:g}" if math.isfinite(least) else ""
+        raise InputError(name, given, f"one or 4 numbers{bound}")
+    return np.broadcast_to(bounded(name, values), _JOINTS).copy()
+
+
+def _asked(bandwidth: Any, settling_time: Any) -> tuple[str, float]:
+    """The name of what was asked for, and its value."""
     if (bandwidth is None) == (settling_time is None):
         given = "both" if bandwidth is not None else None
         raise InputError("bandwidth", given, "a bandwidth or a settling_time")
     if settling_time is None:
-        return real("bandwidth", bandwidth, 0.0, strict=True), "bandwidth"
-    time = real("settling_time", settling_time, 0.0, strict=True)
-    return 2 * _SETTLED / time, "settling_time"
+        return "bandwidth", real("bandwidth", bandwidth, 0.0, strict=True)
+    return "settling_time", real("settling_time", settling_time, 0.0, strict=True)
 
 
-def _refuse(asked: str, w: float, fastest: float, delay: float, ratio: float) -> None:
+def _settling(least_ratio: float) -> float:
+    """Settling time to 2 %, times the bandwidth, of all r from the smallest up.
+
+    A loop with r below 1 rings within ``exp(-r w t) / sqrt(1 - r)``. With r above 0.9
+    this bound is useless, and the time is below that of a pole at w / 2.
+    """
+    r = min(least_ratio, 0.9)
+    return max(2 * _SETTLED, (_SETTLED - math.log(1 - r) / 2) / r)
+
+
+def _refuse(
+    asked: str, wanted: float, fastest: float, delay: float, ratios: FloatArray
+) -> None:
     """Say what the delay permits."""
+    least, most = 1 / ratios.max(), 1 / ratios.min()
     reason = (
         f"{1e3 * delay:.3g} ms from a position to the torque that answers it, and "
-        f"inertias down to 1/{ratio:.3g} of the largest, leave "
+        f"{least:.3g} to {most:.3g} times the inertia of the gains, leave "
         f"{math.degrees(LEAST_PHASE):g} deg of phase up to there"
     )
     if asked == "bandwidth":
-        raise InputError(asked, w, f"at most {_down(fastest)} rad/s ({reason})")
-    shortest = 2 * _SETTLED / float(_down(fastest))
-    raise InputError(asked, 2 * _SETTLED / w, f"at least {shortest:.3g} s ({reason})")
+        possible = f"at most {three_digits(fastest)} rad/s"
+    else:
+        shortest = three_digits(_settling(ratios.min()) / fastest, up=True)
+        possible = f"at least {shortest} s"
+    raise InputError(asked, wanted, f"{possible} ({reason})")
 
 
-def _down(number: float) -> str:
-    """A positive number, rounded down to three digits: it is still possible."""
+def three_digits(number: float, up: bool = False) -> str:
+    """A positive number, rounded down or up, so that a bound stays possible."""
     unit = 10.0 ** (math.floor(math.log10(number)) - 2)
-    return f"{math.floor(number / unit) * unit:.3g}"
+    whole = math.ceil(number / unit) if up else math.floor(number / unit)
+    return f"{whole * unit:.3g}"
 
 
 def _within(name: str, value: float, largest: float, unit: str) -> float:
@@ -274,10 +338,7 @@ def _within(name: str, value: float, largest: float, unit: str) -> float:
 def _rotor_inertias(given: ArrayLike | None, motors: list[Any]) -> FloatArray:
     """Of the motors, (4,) [kg m^2]: those given, or those of the record."""
     if given is not None:
-        values = float_array("rotor_inertias", given, ())
-        if values.shape not in ((), (_JOINTS,)) or (values < 0).any():
-            raise InputError("rotor_inertias", given, "one or 4 numbers of at least 0")
-        values = np.broadcast_to(values, _JOINTS)
+        values = per_joint("rotor_inertias", given, least=0.0)
         for value in values.tolist():
             plausibility.check("rotor_inertias", value, plausibility.ROTOR_INERTIA)
         return values
@@ -308,27 +369,34 @@ def _mass_matrices(arm: Arm, poses: FloatArray) -> FloatArray:
     return np.asarray((matrices + matrices.transpose(0, 2, 1)) / 2)
 
 
-def _largest_ratio(
+def _ratios(
     arm: Arm, poses: FloatArray, matrices: FloatArray, inertia: FloatArray
-) -> tuple[float, float]:
-    """Largest eigenvalue of ``M^-1 diag(I)``, and how far the digits move it.
+) -> tuple[float, float, float]:
+    """The largest eigenvalue r of ``M^-1 diag(I)``, what the digits add, the smallest.
 
-    With the eigenvector x it is ``x' diag(I) x / x' M x``. To first order the digits
-    change the last factor alone, which is twice the kinetic energy at the velocity x.
+    What the digits take from the smallest is already subtracted.
     """
     root = np.sqrt(inertia)
-    least = np.linalg.eigvalsh(matrices / np.outer(root, root))[:, 0]
-    k = int(least.argmin())
-    pose, matrix = poses[k % len(poses)], matrices[k]
-    _, vectors = np.linalg.eigh(matrix / np.outer(root, root))
-    x = vectors[:, 0] / root
-    x /= np.linalg.norm(x)
-    ratio = 1 / float(least[k])
+    values, vectors = np.linalg.eigh(matrices / np.outer(root, root))
 
-    # Added mass is not one of the digits.
-    still = arm.still if isinstance(arm, HydrodynamicArm) else arm
-    energy = bounds(pose, x, np.zeros(_JOINTS), still).kinetic_energy
-    return ratio, float(ratio * (energy.upper - energy.lower) / (x @ matrix @ x))
+    def ratio(k: int, column: int) -> tuple[float, float]:
+        """One eigenvalue r, and how far the digits move it.
+
+        With the eigenvector x it is ``x' diag(I) x / x' M x``. To first order the
+        digits change the last factor alone, twice the kinetic energy at the velocity x.
+        """
+        x = vectors[k, :, column] / root
+        x /= np.linalg.norm(x)
+        # Added mass is not one of the digits.
+        still = arm.still if isinstance(arm, HydrodynamicArm) else arm
+        pose = poses[k % len(poses)]
+        energy = bounds(pose, x, np.zeros(_JOINTS), still).kinetic_energy
+        r = 1 / float(values[k, column])
+        return r, float(r * (energy.upper - energy.lower) / (x @ matrices[k] @ x))
+
+    largest, more = ratio(int(values[:, 0].argmin()), 0)
+    smallest, less = ratio(int(values[:, -1].argmax()), -1)
+    return largest, more, smallest - less
 
 
 def _wrong_hold(arm: Arm, loaded: Arm, poses: FloatArray) -> FloatArray:

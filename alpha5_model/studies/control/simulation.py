@@ -17,16 +17,16 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, array, float_array, frozen, real
+from alpha5_model._support.checks import FloatArray, array, frozen, instance, real
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.linear_model import motor_terms
 from alpha5_model.errors import InputError
-from alpha5_model.studies.control.pd_gains import Gains
+from alpha5_model.numbers import plausibility
+from alpha5_model.studies.control.pd_gains import Gains, four_joints, per_joint
 
 _JOINTS = 4
 #: Longest step of the integrator [s].
@@ -97,24 +97,32 @@ def step(
         duration: [s]; None for the motion of the goal and twice the settling time.
 
     Raises:
-        InputError: Positions beyond the limits, or values that no hardware has.
+        InputError: Positions beyond the limits, values that no hardware has, or a
+            duration above 60 s.
+
+    Warns:
+        ImplausibleWarning: A current limit that is most likely in mA.
     """
-    plant = found.arm if arm is None else arm
+    instance("found", found, Gains)
+    plant = found.arm if arm is None else four_joints(arm)
     first, last = array("start", start, _JOINTS), array("goal", goal, _JOINTS)
     limits = found.arm.limits
     for name, q in (("start", first), ("goal", last)):
-        if (q < limits.lower - 1e-9).any() or (q > limits.upper + 1e-9).any():
+        if limits.beyond(q).any():
             ends = ", ".join(
                 f"{low:.4g} to {high:.4g}"
                 for low, high in zip(limits.lower, limits.upper, strict=True)
             )
             raise InputError(name, q.tolist(), f"positions within {ends} rad")
-    largest = _per_joint("current_limit", current_limit) * found.torque_per_ampere
-    if not largest.all():
+    amperes = per_joint("current_limit", current_limit, least=0.0)
+    if not amperes.all():
         raise InputError("current_limit", current_limit, "currents above 0 A")
+    for ampere in amperes.tolist():
+        plausibility.check("current_limit", ampere, plausibility.CURRENT_LIMIT)
+    largest = amperes * found.torque_per_ampere
     dry = found.dead_band * found.stiffness
     if friction is not None:
-        dry = _per_joint("friction", friction)
+        dry = per_joint("friction", friction, least=0.0)
 
     tolerance = real("tolerance", tolerance, minimum=0.0, strict=True)
 
@@ -128,9 +136,10 @@ def step(
     period = 1 / found.rate
     n = max(2, math.ceil(seconds / period))
     time: FloatArray = np.arange(n, dtype=np.float64) * period
-    travelled = np.minimum(time[:, None] * limits.velocity, np.abs(last - first))
-    goals = first + np.sign(last - first) * travelled
-    goal_rates = np.sign(last - goals) * limits.velocity
+    velocity = np.sign(last - first) * limits.velocity
+    travelling = time[:, None] * limits.velocity < np.abs(last - first)
+    goals = np.where(travelling, first + time[:, None] * velocity, last)
+    goal_rates = np.where(travelling, velocity, 0.0)
 
     q, v = first.copy(), np.zeros(_JOINTS)
     seen_before = _counted(q, found.quantisation)
@@ -229,11 +238,3 @@ class _Body:
 def _counted(q: FloatArray, count: float) -> FloatArray:
     """Positions in whole counts."""
     return np.round(q / count) * count if count else q.copy()
-
-
-def _per_joint(name: str, given: ArrayLike) -> FloatArray:
-    """Four numbers of at least 0, or one for all."""
-    values: Any = float_array(name, given, ())
-    if values.shape not in ((), (_JOINTS,)) or (values < 0).any():
-        raise InputError(name, given, "one or 4 numbers of at least 0")
-    return np.broadcast_to(values, _JOINTS).copy()

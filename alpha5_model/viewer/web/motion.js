@@ -235,7 +235,10 @@ function addChart(place) {
     }
     const perPixel = (other.time - one.time) / (other.x - one.x);
     const start = one.time - perPixel * one.x;
-    if (perPixel > 0) zoom(start, start + perPixel * box.width);
+    // Two fingers on one pixel have no scale.
+    if (perPixel > 0 && Number.isFinite(perPixel)) {
+      zoom(start, start + perPixel * box.width);
+    }
   };
   svg.onpointerup = svg.onpointercancel = (event) => held.delete(event.pointerId);
   svg.onwheel = (event) => {
