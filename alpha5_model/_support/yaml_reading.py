@@ -28,7 +28,7 @@ def yaml_document(content: bytes, path: PathLike) -> Any:
     # The compiled one is ten times as fast, but not in every installation.
     fastest = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
-    class Loader(fastest):  # type: ignore[misc]
+    class Loader(fastest):  # type: ignore[misc, valid-type]
         """YAML forbids equal keys; PyYAML would keep the last one."""
 
         def construct_mapping(self, node: Any, deep: bool = False) -> Any:

@@ -255,10 +255,9 @@ def test_the_bus_in_the_arms_own_units(tmp_path: Path) -> None:
         ("w.csv", "axis_e,axis_d,axis_c,axis_b,axis_a\n1,1,1,1,0.005\n", "jaws"),
         ("w.csv", "x,y,z,qx,qy,qz,qw\n0.2,0.1,0.1,0,0,0,2\n", "line 2, column 4"),
         ("w.csv", "x,y,z,roll,pitch,yaw\n0.2,0.1,0.1,0,90,0\n", "line 2, column 5"),
-        ("w.json", json.dumps(message([[1, 2, "x", 1]])), "axis_c"),
+        ("w.json", json.dumps(message([[1, 2, None, 1]])), "axis_c"),
         ("w.json", '{"points": [], "points": [], "joint_names": []}', "'points'"),
         ("w.yaml", "joint_names: []\npoints: []\npoints: []\n", "line 3"),
-        ("w.csv", "\0", "JointTrajectory"),
         ("w.json", json.dumps({"joint_names": [], "points": {}}), "JointTrajectory"),
         ("w.json", json.dumps(message([[1, 2, "x", 1]])), "points[0]"),
         ("w.json", json.dumps(message([[1, 2, 1]])), "points[0]"),
@@ -286,6 +285,9 @@ def test_mistakes_of_arguments(tmp_path: Path) -> None:
         read_waypoints(tmp_path / "none.csv")
     with pytest.raises(MissingFileError):
         read_waypoints(tmp_path / "none.yaml")
+    (tmp_path / "binary.csv").write_bytes(b"\0\xff\1")
+    with pytest.raises(FileFormatError, match="of waypoints"):
+        read_waypoints(tmp_path / "binary.csv")
     with pytest.raises(UnreachableError, match=r"through\[1\]: ") as caught:
         a5.plan(HOME, POINTS[0], through=[POINTS[1], [0.9, 0.0, 0.0]])
     assert caught.value.distance > 0.4
