@@ -25,7 +25,7 @@ def yaml_document(content: bytes, path: PathLike) -> Any:
     """
     import yaml
 
-    # The compiled one is ten times as fast, but not in every installation.
+    # The compiled one is several times as fast, but not in every installation.
     fastest = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
     class Loader(fastest):  # type: ignore[misc, valid-type]

@@ -100,8 +100,8 @@ def read_waypoints(
         InputError: Not a path, or several arms to choose from.
         MissingFileError: No such file.
         FileFormatError: Columns that are missing or not understood, no rows, a value
-            that is no finite number, degrees or mm without their unit, or jaws that
-            are not closed; it names the place.
+            that is no finite number, degrees or mm without their unit, a key twice, or
+            jaws that are not closed; it names the place.
     """
     named = JointMap(joints)
     in_degrees = flag("degrees", degrees)
