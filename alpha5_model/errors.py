@@ -284,8 +284,8 @@ class NoPlacementError(Alpha5Error, ValueError):
         beyond: By how much the best pose fails to reach one of the points [m]; 0 if
             some pose reaches them all.
         needed: The clearance that was asked for [m].
-        possible: The largest one with which a pose is free [m]; NaN if each pose that
-            reaches the points touches something.
+        possible: A clearance that some pose keeps [m], the largest one if there is one
+            point; NaN if each pose that reaches the points touches something.
     """
 
     def __init__(
@@ -306,7 +306,9 @@ class NoPlacementError(Alpha5Error, ValueError):
         else:
             message = f"none of {reaching} poses that reach all points (of {tried}) "
             message += f"keeps a clearance of {needed * 1e3:.4g} mm"
-            message += f": the best keeps {possible * 1e3:.3g} mm"
+            # Rounded down, so that a pose keeps what is printed.
+            kept = math.floor(possible * 1e4) / 10
+            message += f": one keeps {kept:g} mm"
         super().__init__(message)
 
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: Places between throat and ends of the blades that are printed.
 _PLACES = 9
+#: Places between tcp and ends among which the narrowest is looked for.
+_SAMPLES = 200
 #: The last place is so far before the ends, for rounding [m].
 _INSIDE = 1e-9
 
@@ -47,13 +49,13 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--at",
         type=Scalar(LENGTH),
-        default=0.0,
-        help="place of the object, beyond the tcp (m). Default: 0",
+        help="place of the object, beyond the tcp (m). Default: 0, if between the "
+        "blades",
     )
     parser.add_argument(
         "--motor-current",
         type=Scalar(NUMBER),
-        help="current that closes the jaws (A), for the force",
+        help="current that closes the jaws, in A, for the force",
     )
     parser.add_argument(
         "--screw-lead",
@@ -80,7 +82,13 @@ def run(given: Namespace) -> None:
     if given.opening is not None:
         rod = float(tool.rod(given.opening))
 
-    places = np.linspace(tool.throat, tool.end(rod) - _INSIDE, _PLACES)
+    end = tool.end(rod) - _INSIDE
+    tcp = min(max(0.0, tool.throat), end)
+    at = tcp if given.at is None else given.at
+    places = np.linspace(tool.throat, end, _PLACES)
+    to_tips = np.linspace(tcp, end, _SAMPLES)
+    gaps = tool.gap(rod, to_tips)
+    least = int(gaps.argmin())
     record: dict[str, Any] = {
         "rod_m": rod,
         "rod_limits_m": [tool.closed, tool.open],
@@ -88,15 +96,19 @@ def run(given: Namespace) -> None:
         "greatest_opening_m": tool.opening(tool.open),
         "places_m": places,
         "gap_m": tool.gap(rod, places),
-        "at_m": given.at,
-        "widest_m": tool.widest(rod, given.at),
-        "force": _force(tool, given, rod),
+        "narrowest_at_m": to_tips[least],
+        "narrowest_gap_m": gaps[least],
+        "at_m": at,
+        "widest_m": tool.widest(rod, at),
+        "force": _force(tool, given, rod, at),
     }
     printing.show(given.json, record, _text(record))
 
 
-def _force(tool: JawTool, given: Namespace, rod: float) -> dict[str, Any] | None:
-    """The interval of the force; None if no current is given.
+def _force(
+    tool: JawTool, given: Namespace, rod: float, at: float
+) -> dict[str, Any] | None:
+    """The interval of the force at a place; None if no current is given.
 
     Raises:
         MissingParameterError: A current without a lead.
@@ -113,7 +125,7 @@ def _force(tool: JawTool, given: Namespace, rod: float) -> dict[str, Any] | None
     more = {}
     if given.screw_efficiency is not None:
         more["screw_efficiency"] = given.screw_efficiency
-    force = tool.force(given.motor_current, given.screw_lead, given.at, rod=rod, **more)
+    force = tool.force(given.motor_current, given.screw_lead, at, rod=rod, **more)
     return {"current_A": given.motor_current, "lower_N": force[0], "upper_N": force[1]}
 
 
@@ -136,6 +148,10 @@ def _text(record: dict[str, Any]) -> printing.Lines:
     ):
         rows.append([name, f"{1e3 * place:.1f}", f"{1e3 * gap:.1f}"])
     yield from table(rows, "<>>")
+    yield (
+        f"narrowest towards the tips: {1e3 * record['narrowest_gap_m']:.1f} mm, "
+        f"{1e3 * record['narrowest_at_m']:.1f} mm beyond the tcp"
+    )
 
     yield (
         f"\nwidest round object {1e3 * record['at_m']:g} mm beyond the tcp: "

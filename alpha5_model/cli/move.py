@@ -153,6 +153,10 @@ def run(given: Namespace) -> None:
         output=(given.output, _FORMATS),
         bus=(given.bus, _BUS_FORMATS),
     )
+    for name in ("prefix", "map", "degrees"):
+        if getattr(given, name) and given.through is None:
+            expected = "no value without --through, whose file it is about"
+            raise InputError(name, getattr(given, name), expected)
     own = common.record_of(given)
     start, targets = _places(given.places, own, given.through is not None)
 
@@ -163,22 +167,25 @@ def run(given: Namespace) -> None:
     if given.through is not None:
         names = common.names_of(given)
         targets = [*read_waypoints(given.through, arm=own, **names), *targets]
-    motion = plan(
-        start,
-        targets[-1],
-        through=targets[:-1],
-        arm=common.arm_of(given, "locked", own),
-        obstacles=() if given.obstacles is None else read_obstacles(given.obstacles),
-        speed=given.speed,
-        acceleration=given.acceleration,
-        margin=given.margin,
-        self_margin=given.self_margin,
-        wrist=given.wrist,
-        line=given.line,
-        rate=given.rate,
-        supply_voltage=given.supply_voltage,
-        current_limit=given.current_limit,
-    )
+    arm = common.arm_of(given, "locked", own)
+    obstacles = () if given.obstacles is None else read_obstacles(given.obstacles)
+    with printing.spinner("planning"):
+        motion = plan(
+            start,
+            targets[-1],
+            through=targets[:-1],
+            arm=arm,
+            obstacles=obstacles,
+            speed=given.speed,
+            acceleration=given.acceleration,
+            margin=given.margin,
+            self_margin=given.self_margin,
+            wrist=given.wrist,
+            line=given.line,
+            rate=given.rate,
+            supply_voltage=given.supply_voltage,
+            current_limit=given.current_limit,
+        )
     if given.output is not None:
         motion.write(given.output)
     if given.bus is not None:

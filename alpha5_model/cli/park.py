@@ -174,7 +174,7 @@ def run(given: Namespace) -> None:
     if given.plot is not None:
         _draw(found, arm, given.plot)
     if given.html is not None:
-        atomic_write(given.html, _page(found, given))
+        atomic_write(given.html, _page(found, arm))
     written = (given.output, given.plot, given.html)
     printing.show(given.json, _record(found), _text(found), *written)
 
@@ -199,9 +199,17 @@ def _vehicle(file: Path) -> dict[str, Any]:
 
 
 def _mount(given: Namespace) -> FloatArray | None:
-    """Pose of base_link in the vehicle; None if neither --xyz nor --rpy is given."""
+    """Pose of base_link in the vehicle; None if neither --xyz nor --rpy is given.
+
+    Raises:
+        InputError: Given beside --vehicle.
+    """
     if given.xyz is None and given.rpy is None:
         return None
+    if given.vehicle is not None:
+        name = "rpy" if given.xyz is None else "xyz"
+        expected = "no value beside --vehicle, whose file has xyz and rpy"
+        raise InputError(name, getattr(given, name), expected)
     return pose(given.xyz or [0.0] * 3, given.rpy or [0.0] * 3)
 
 
@@ -213,18 +221,15 @@ def _draw(found: Placements, arm: Arm, file: Path) -> None:
         write_figure(placement_figure(found, arm), file)
 
 
-def _page(found: Placements, given: Namespace) -> str:
+def _page(found: Placements, arm: Arm) -> str:
     """The arm at the best pose, with its first point, the hull and the obstacles."""
     from alpha5_model.numbers.fluids import gravity_in_base
     from alpha5_model.viewer.build import build_scene
     from alpha5_model.viewer.page import static_page
 
     base = found.base[0]
-    own = common.record_of(given)
-    arm = common.arm_of(given, "locked", own)
-    arm = arm._in_gravity(gravity_in_base(base[:3, :3]))
     shown = build_scene(
-        arm,
+        arm._in_gravity(gravity_in_base(base[:3, :3])),
         found.q[0, 0],
         target=moved(inverse(base), found.points[0]),
         obstacles=found.obstacles(),

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +31,7 @@ from alpha5_model.dynamics.actuators import (
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.collision_shapes import collision_primitives
 from alpha5_model.kinematics.tolerances import ON_LIMIT
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.pose import tool_of
 
@@ -97,7 +98,7 @@ class JawTool:
         Raises:
             InputError: A position beyond the limits of axis_a.
         """
-        blade = self._finger(float(self._rods(rod)))
+        blade = self._finger(self._rod(rod))
         return max(float(outline[:, 1].max()) for outline in blade) - self._height(0.0)
 
     def gap(self, rod: float, at: ArrayLike) -> FloatArray:
@@ -115,7 +116,7 @@ class JawTool:
             InputError: A position beyond the limits of axis_a.
         """
         places = bounded("at", float_array("at", at, ()))
-        blade = [*self._finger(float(self._rods(rod)))]
+        blade = [*self._finger(self._rod(rod))]
         inner = np.full(places.shape, np.nan)
         for index, place in np.ndenumerate(places):
             ends = [_greatest_x(outline, self._height(place)) for outline in blade]
@@ -129,8 +130,8 @@ class JawTool:
         """Diameter of the widest round object at a place that touches nothing [m].
 
         It is a pipe along the hinges (y of link_4) or a ball, with its centre at the
-        place; fingers and collar bound it. 0 if the place itself is not free. Its way
-        in is the `gap` at the places before it.
+        place; fingers and collar bound it. 0 if the place is not in the gap. Its way in
+        is the `gap` at the places before it.
 
         Args:
             rod: Position of axis_a [m]; None for open jaws.
@@ -141,9 +142,11 @@ class JawTool:
             InputError: A position beyond the limits of axis_a, or a place that is not
                 between the blades.
         """
-        position = self.open if rod is None else float(self._rods(rod))
-        height = self._height(self._between(at, position))
-        place = np.array([real("across", across), height])
+        position = self.open if rod is None else self._rod(rod)
+        along, across = self._between(at, position), real("across", across)
+        if 2.0 * abs(across) >= float(self.gap(position, along)):
+            return 0.0
+        place = np.array([across, self._height(along)])
         mirrored = place * [-1.0, 1.0]
         distances = [_distance(self._wrist(), place)]
         for outline in self._finger(position):
@@ -179,21 +182,33 @@ class JawTool:
                 the rod. It is not published; the default says almost nothing.
 
         Raises:
-            InputError: A place without blades, a lead or share that is none.
+            InputError: A place without blades or not beyond the hinges, a lead or
+                share that is none.
+
+        Warns:
+            ImplausibleWarning: A current or a lead that seems to be in another unit.
         """
         currents = bounded("current", float_array("current", current, ()))
+        lead = real("screw_lead", screw_lead, minimum=0.0, strict=True)
+        plausibility.check("screw_lead", lead, plausibility.SCREW_LEAD)
         shares = array("screw_efficiency", screw_efficiency, 2)
         if not 0.0 < shares[0] <= shares[1] <= 1.0:
             expected = "two shares above 0 and up to 1, the smaller one first"
             raise InputError("screw_efficiency", shares.tolist(), expected)
-        position = self.closed if rod is None else float(self._rods(rod))
+        position = self.closed if rod is None else self._rod(rod)
         place = self._between(at, position)
 
-        closing = -np.abs(currents)
-        rod_forces = np.array(
-            [-motor.torque(closing, -_SLOW) for motor in self._motors(screw_lead)]
-        )
         lever = self._height(place) - self._pivot
+        if lever <= 0.0:
+            nearest = place - lever
+            raise InputError("at", place, f"a place beyond the hinges, {nearest:.4g} m")
+
+        closing = -np.abs(currents)
+        # The lead was looked at above, once for all motors.
+        with plausibility.silenced():
+            motors = [*self._motors(lead)]
+        _check_current(currents, motors[0].parameters.resistance)
+        rod_forces = np.array([-motor.torque(closing, -_SLOW) for motor in motors])
         per_rod = 1.0 / (2.0 * self.arm.jaws.finger_turn * lever)
         return Interval(
             lower=np.maximum(rod_forces.min(axis=0), 0.0) * shares[0] * per_rod,
@@ -239,6 +254,14 @@ class JawTool:
 
     def _turn(self, rods: FloatArray) -> FloatArray:
         return np.asarray(self.arm.jaws.finger_turn * (rods - self.closed))
+
+    def _rod(self, rod: float) -> float:
+        """One position of axis_a within its limits.
+
+        Raises:
+            InputError: Not one number, or beyond the limits.
+        """
+        return float(self._rods(real("rod", rod)))
 
     def _rods(self, rod: ArrayLike) -> FloatArray:
         """Positions of axis_a within its limits.
@@ -313,6 +336,22 @@ def jaws(arm: Alpha5Parameters | None = None) -> JawTool:
         open=joint.upper,
         throat=end + float(tool_of(record).position[2]),
     )
+
+
+def _check_current(currents: FloatArray, resistance: float) -> None:
+    """Warn of a current that no plausible supply drives through the winding.
+
+    Args:
+        currents: (...) [A].
+        resistance: Of the winding [Ohm].
+
+    Warns:
+        ImplausibleWarning: Such a current.
+    """
+    most = plausibility.SUPPLY_VOLTAGE.ranges[0][1] / resistance
+    plausible = replace(plausibility.CURRENT_LIMIT, ranges=((0.0, most),))
+    largest = np.abs(currents).max(initial=0.0)
+    plausibility.check("current", float(largest), plausible)
 
 
 def _turned(angle: float) -> FloatArray:

@@ -205,7 +205,7 @@ def _warn_of_millimetres(name: str, shape: Primitive | Mesh) -> None:
         beside = -rotation_from_rpy(shape.rpy).T @ np.array(shape.xyz)
     away = float(np.linalg.norm(np.maximum(np.abs(beside) - half, 0.0)))
     plausibility.check(f"thickness of {name}", 2 * float(half.min()), thickness)
-    plausibility.check(f"distance of {name} from base_link", away, POSITION)
+    plausibility.check(f"distance of {name} from its frame's origin", away, POSITION)
 
 
 def _half_edges(shape: Primitive) -> tuple[float, ...]:

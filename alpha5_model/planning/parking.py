@@ -232,7 +232,9 @@ def _mount(
         expected = "None beside a vehicle, which has its own (xyz and rpy)"
         raise InputError("mount", given, expected)
     if given is not None:
-        return rigid_transform("mount", given)
+        mount = rigid_transform("mount", given)
+        plausibility.check("mount", mount[:3, 3], plausibility.VEHICLE_POSITION)
+        return mount
     if carrier is not None:
         return carrier.mount
     return np.eye(4) if record.mount is None else record.mount.matrix

@@ -86,8 +86,12 @@ class Placements:
         return short_repr(self)
 
     def branches(self, row: int = 0) -> tuple[str, ...]:
-        """Names of the branches at a pose, one for each point."""
-        return tuple(BRANCHES[branch] for branch in self.branch[row])
+        """Names of the branches at a pose, one for each point.
+
+        Raises:
+            InputError: No such row.
+        """
+        return tuple(BRANCHES[branch] for branch in self.branch[self._row(row)])
 
     def take(self, rows: ArrayLike) -> Placements:
         """Some poses, or all in another order.
@@ -123,10 +127,7 @@ class Placements:
         Raises:
             InputError: No such row.
         """
-        if not isinstance(row, int | np.integer) or not -len(self) <= row < len(self):
-            expected = f"the number of a row, from 0 to {len(self) - 1}"
-            raise InputError("row", row, expected)
-        base = self.base[row]
+        base = self.base[self._row(row)]
         # They gave their warnings when they were made.
         with plausibility.silenced():
             seen = [Obstacle(o.name, seen_from(base, o.shape)) for o in self.world]
@@ -144,11 +145,11 @@ class Placements:
         """
         output_format("table format", path, FORMATS)
         names = [
-            *("placement", "point", "x_m", "y_m", "z_m"),
-            *("roll_rad", "pitch_rad", "yaw_rad"),
-            *("clearance_m", "hull_clearance_m", "reach_margin_m"),
-            *("holding", "tilt_rad", "branch"),
-            *(f"axis_{letter}_rad" for letter in "edcb"),
+            *("placement", "point", "x [m]", "y [m]", "z [m]"),
+            *("roll [rad]", "pitch [rad]", "yaw [rad]"),
+            *("clearance [m]", "hull_clearance [m]", "reach_margin [m]"),
+            *("holding", "tilt [rad]", "branch"),
+            *(f"axis_{letter} [rad]" for letter in "edcb"),
         ]
         lines = [",".join(names)]
         for row in range(len(self)):
@@ -162,6 +163,18 @@ class Placements:
                 cells += map(_digits, self.q[row, point])
                 lines.append(",".join(map(str, cells)))
         return atomic_write(Path(path), "\n".join(lines) + "\n")
+
+    def _row(self, row: int) -> int:
+        """The number of a row.
+
+        Raises:
+            InputError: No such row.
+        """
+        is_number = isinstance(row, int | np.integer) and not isinstance(row, bool)
+        if not is_number or not -len(self) <= row < len(self):
+            expected = f"the number of a row, from 0 to {len(self) - 1}"
+            raise InputError("row", row, expected)
+        return int(row)
 
     def _rows(self, index: np.ndarray) -> Placements:
         shared = ("points", "hull", "world", "tried")

@@ -17,6 +17,7 @@ A JSON or YAML file is a ``trajectory_msgs/JointTrajectory``, or a goal of
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,8 @@ from alpha5_model.trajectory.csv_file import read_csv
 from alpha5_model.trajectory.tables import Problem, Table
 
 _EXPECTED = "a CSV table of waypoints, or a JointTrajectory as .json or .yaml"
+#: Jaws are closed within this travel of the rod, 0.3 degrees of a finger [m].
+_CLOSED = 1e-4
 #: Largest file of a JointTrajectory [bytes].
 _LARGEST = 1 << 24
 #: Keys that may contain a JointTrajectory: of an action's goal, and of MoveIt.
@@ -97,8 +100,8 @@ def read_waypoints(
         InputError: Not a path, or several arms to choose from.
         MissingFileError: No such file.
         FileFormatError: Columns that are missing or not understood, no rows, a value
-            that is no finite number, degrees or mm without their unit, or jaws that
-            move; it names the place.
+            that is no finite number, degrees or mm without their unit, a key twice, or
+            jaws that are not closed; it names the place.
     """
     named = JointMap(joints)
     in_degrees = flag("degrees", degrees)
@@ -106,7 +109,7 @@ def read_waypoints(
     if is_json or Path(str(path)).suffix.lower() in (".yaml", ".yml"):
         table = _trajectory(path, is_json)
     else:
-        table = read_csv(path)
+        table = read_csv(path, expected=_EXPECTED)
     if not len(table.values):
         raise FileFormatError(path, "has no waypoints", table.head)
 
@@ -147,10 +150,14 @@ def _joint_positions(
     scales = [roles.scales.get(column, 1.0) for column in columns]
     signs = arm.signs[: len(columns)] * named.signs(roles.joints)
     positions = values * scales * signs
-    if len(columns) > 4 and np.ptp(positions[:, 4]) > ON_LIMIT:
-        row = int(np.argmax(positions[:, 4] != positions[0, 4]))
-        problem = "the jaws move, and a plan keeps them still: leave axis_a out"
-        raise FileFormatError(path, problem, table.place(row, columns[4]))
+    if len(columns) > 4:
+        closed = arm.joints[4].lower
+        is_open = np.abs(positions[:, 4] - closed) > _CLOSED
+        if is_open.any():
+            problem = f"a plan keeps the jaws closed, axis_a at {closed:g} m: leave "
+            problem += f"axis_a out, got {positions[is_open, 4][0]:g} m"
+            place = table.place(int(is_open.argmax()), columns[4])
+            raise FileFormatError(path, problem, place)
     _check_limits(path, table, roles, positions, arm)
     return tuple(
         Target(kind=JOINTS, value=position, place=_place(path, table, row))
@@ -252,29 +259,27 @@ def _check_poses(
     Raises:
         FileFormatError: Such a row.
     """
-    checks = [(_far(values[:, :3], _FARTHEST), "m, for mm name the columns x [mm]")]
+    far = np.abs(values[:, :3]) > _FARTHEST
+    checks = [(0, far, "m, for mm name the columns x [mm]")]
     if _ANGLES_OF_POSE in orientations:
-        most = plausibility.ANGLE.ranges[0][1]
-        remedy = "rad, for degrees name the columns roll [deg]"
-        checks.append((_far(values[:, 3:], most), remedy))
+        turned = np.abs(values[:, 3:]) > plausibility.ANGLE.ranges[0][1]
+        checks.append((3, turned, "rad, for degrees name the columns roll [deg]"))
     if _QUATERNION in orientations:
-        length = np.linalg.norm(values[:, 3:], axis=1)
-        checks.append((np.abs(length - 1.0) > _UNIT_LENGTH, "a quaternion of length 1"))
-    for wrong, expected in checks:
+        length = np.linalg.norm(values[:, 3:], axis=1, keepdims=True)
+        stretched = np.abs(length - 1.0) > _UNIT_LENGTH
+        checks.append((3, stretched, "a quaternion of length 1"))
+    for first, wrong, expected in checks:
         if wrong.any():
-            row = int(wrong.argmax())
+            row, column = np.argwhere(wrong)[0].tolist()
             got = ", ".join(f"{value:g}" for value in values[row])
             problem = f"expected {expected}, got {got}"
-            raise FileFormatError(path, problem, table.place(row, columns[0]))
+            place = table.place(row, columns[first + column])
+            raise FileFormatError(path, problem, place)
 
 
 def _place(path: PathLike, table: Table, row: int) -> str:
     """Where a row is, for messages about it."""
     return f"{path}, {table.problem(row, ()).place}"
-
-
-def _far(values: FloatArray, most: float) -> Any:
-    return np.abs(values).max(axis=1) > most
 
 
 def _numbers(path: PathLike, table: Table, columns: Sequence[int]) -> FloatArray:
@@ -318,20 +323,34 @@ def _trajectory(path: PathLike, is_json: bool) -> Table:
             raise FileFormatError(path, problem, f"points[{number}]")
         values[number] = [_finite_or_nan(position) for position in positions]
 
+    def place(row: int, column: int) -> str:
+        return f"points[{row}], {names[column]}"
+
+    def problem_of(row: int, columns: Sequence[int]) -> Problem:
+        bad = [k for k in columns if not np.isfinite(values[row, k])]
+        if not bad:
+            return Problem(f"points[{row}]", "numbers that cannot be used")
+        got = repr(points[row]["positions"][bad[0]])[:40]
+        return Problem(place(row, bad[0]), f"expected a finite number, got {got}")
+
     return Table(
-        header=names,
-        values=values,
-        place=lambda row, column: f"points[{row}], {names[column]}",
-        problem=lambda row, columns: Problem(
-            f"points[{row}]", "expected a finite number for each joint"
-        ),
-        head="joint_names",
+        header=names, values=values, place=place, problem=problem_of, head="joint_names"
     )
 
 
 def _json(path: PathLike, content: bytes) -> Any:
+    def distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            keys = Counter(key for key, _ in pairs)
+            twice = keys.most_common(1)[0][0]
+            raise FileFormatError(path, f"the key {twice[:40]!r} stands twice")
+        return found
+
     try:
-        return json.loads(content)
+        return json.loads(content, object_pairs_hook=distinct)
+    except FileFormatError:
+        raise
     except (ValueError, RecursionError) as error:
         raise FileFormatError(path, f"is not JSON: {error}") from None
 

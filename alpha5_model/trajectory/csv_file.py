@@ -28,6 +28,7 @@ from alpha5_model.trajectory.tables import (
     refuse_git_lfs_pointer,
 )
 
+_EXPECTED = "a CSV file of joint motion (or Parquet, or a bag)"
 #: Separators of columns, and their names in messages.
 _SEPARATORS = {",": "','", ";": "';'", "\t": "a tab"}
 #: Separates the columns if none of those stands between the names.
@@ -46,7 +47,9 @@ _NUMBERED = re.compile(r"(?:.*[./])?(name|position|velocity|effort)[\[.]?(\d{1,4
 _BEFORE_NAMES = 3
 
 
-def read_csv(path: PathLike, progress: Progress | None = None) -> Table:
+def read_csv(
+    path: PathLike, progress: Progress | None = None, expected: str = _EXPECTED
+) -> Table:
     """A CSV file as a table; lines and columns count from 1.
 
     The text is UTF-8, UTF-16 with a byte order mark, or Windows-1252. Columns are
@@ -59,13 +62,14 @@ def read_csv(path: PathLike, progress: Progress | None = None) -> Table:
     Args:
         path: The file.
         progress: Called with ``"read"`` and the part done, 0 to 1.
+        expected: What the caller can read, for messages.
 
     Raises:
         InputError: Not a path.
         MissingFileError: No such file.
         FileFormatError: No such text, no names, or a Git LFS pointer.
     """
-    lines = _lines(path)
+    lines = _lines(path, expected)
     first = next((k for k, line in enumerate(lines) if not _is_blank(line)), None)
     if first is None:
         raise FileFormatError(path, "is empty", "line 1")
@@ -325,13 +329,13 @@ def _number(text: str) -> float:
     return value if text.isascii() and "_" not in text else np.nan
 
 
-def _lines(path: PathLike) -> list[str]:
+def _lines(path: PathLike, expected: str) -> list[str]:
     """The lines of a file, without the spaces around them.
 
     Raises:
         FileFormatError: Bytes that no text has.
     """
-    content = read_named(path, "a CSV file of joint motion (or Parquet, or a bag)")
+    content = read_named(path, expected)
     refuse_git_lfs_pointer(path, content)
     start = content[:200].removeprefix(codecs.BOM_UTF8).lstrip().removeprefix(b"---")
     if start.lstrip().startswith(b"header:"):
@@ -355,10 +359,8 @@ def _lines(path: PathLike) -> list[str]:
             if " \n" in text or "\n " in text or text != text.strip(" "):
                 lines = [line.strip(" ") for line in lines]
             return lines
-    problem = (
-        "is no table of text in UTF-8, UTF-16 or Windows-1252: write the recording as "
-        "CSV, as Parquet (.parquet) or as a ROS bag (.bag, .db3, .mcap)"
-    )
+    problem = "is no table of text in UTF-8, UTF-16 or Windows-1252"
+    problem += f": {expected} is expected"
     raise FileFormatError(path, problem)
 
 

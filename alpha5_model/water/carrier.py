@@ -9,6 +9,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, array, named, real
 from alpha5_model._support.spatial import pose
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
 
 #: Keys of a vehicle that must be there, and all of them.
 _REQUIRED = ("mass", "com", "volume", "cob")
@@ -52,6 +53,9 @@ def read_carrier(place: str, given: Any) -> Carrier:
     Raises:
         InputError: A missing key, or an invalid value, with its place.
         UnknownNameError: Another key.
+
+    Warns:
+        ImplausibleWarning: A value that seems to be in another unit.
     """
     if not isinstance(given, dict):
         raise InputError(place, given, f"a table with {', '.join(_REQUIRED)}")
@@ -60,11 +64,23 @@ def read_carrier(place: str, given: Any) -> Carrier:
         if key not in given:
             raise InputError(f"{place}.{key}", None, "a value")
     xyz = array(f"{place}.xyz", given.get("xyz", np.zeros(3)), 3)
-    rpy = array(f"{place}.rpy", given.get("rpy", np.zeros(3)), 3)
-    return Carrier(
+    rpy = plausibility.angles(f"{place}.rpy", given.get("rpy", np.zeros(3)))
+    plausibility.check(f"{place}.xyz", xyz, plausibility.VEHICLE_POSITION)
+    carrier = Carrier(
         mass=real(f"{place}.mass", given["mass"], 0.0),
         com=array(f"{place}.com", given["com"], 3),
         volume=real(f"{place}.volume", given["volume"], 0.0),
         cob=array(f"{place}.cob", given["cob"], 3),
         mount=pose(xyz, rpy),
     )
+    # The trim at rest does not depend on the inertia.
+    plausibility.check_body(
+        carrier.mass,
+        carrier.com,
+        np.zeros((3, 3)),
+        carrier.volume,
+        carrier.cob,
+        prefix=f"{place}.",
+        on_vehicle=True,
+    )
+    return carrier

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from functools import cache
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from scipy.optimize import brentq
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import rotation_from_rpy
-from alpha5_model.errors import InputError
+from alpha5_model.errors import ImplausibleWarning, InputError
 from alpha5_model.geometry.collision_shapes import collision_primitives
 
 JAWS = a5.jaws()
@@ -137,7 +138,9 @@ def test_the_widest_pipe_by_coal() -> None:
         limited += widest < 2 * (at - JAWS.throat) - 1e-6
     assert 0 < limited < 12, "by fingers, and by the collar"
     assert JAWS.widest(CLOSED, 0.04) < 0.005
-    assert JAWS.widest(CLOSED, 0.0, 0.02) == 0.0
+    # Beside or outside the fingers nothing is between them.
+    for rod, across in ((CLOSED, 0.02), (CLOSED, 0.05), (OPEN, 0.06), (OPEN, -10.0)):
+        assert JAWS.widest(rod, 0.0, across) == 0.0
 
 
 def test_the_force_by_virtual_work_and_table_4() -> None:
@@ -170,6 +173,16 @@ def test_the_force_by_virtual_work_and_table_4() -> None:
     assert chosen.force(current, lead).upper < 0.6 * JAWS.force(current, lead).upper
 
 
+def test_other_units_warn_once() -> None:
+    for current, lead, remedy in ((50, 1e-3, "write 0.05"), (0.05, 1, "write 0.001")):
+        with pytest.warns(ImplausibleWarning, match=remedy) as said:
+            JAWS.force(current, lead)
+        assert len(said) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        JAWS.force([0.0, 24.0 / 38.6], 1e-3)
+
+
 def test_a_spacer_moves_jaws_and_tcp(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text(
@@ -190,6 +203,10 @@ def test_mistakes() -> None:
     for call, name in (
         (lambda: JAWS.opening(7.0), "rod"),
         (lambda: JAWS.gap(0.02, 0.0), "rod"),
+        (lambda: JAWS.gap([0.005, 0.006], 0.0), "rod"),
+        (lambda: JAWS.end([0.005, 0.006]), "rod"),
+        (lambda: JAWS.widest([0.005, 0.006]), "rod"),
+        (lambda: JAWS.force(0.1, 1e-3, rod=[0.005, 0.006]), "rod"),
         (lambda: JAWS.gap(0.005, np.nan), "at"),
         (lambda: JAWS.rod(40.0), "opening"),
         (lambda: JAWS.rod(-1e-3), "opening"),

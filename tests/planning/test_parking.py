@@ -25,6 +25,7 @@ from alpha5_model.errors import (
     UnknownNameError,
 )
 from alpha5_model.planning import Obstacle, Placements, placements
+from alpha5_model.water.vehicle import carrier_of
 
 MOUNT = np.eye(4)
 MOUNT[:3, :3] = pin.rpy.rpyToMatrix(0.1, -0.2, 0.4)
@@ -499,6 +500,32 @@ def test_other_units_are_noticed() -> None:
         placements(VALVE, poses=[1.4, 0.0, 0.0, 0.0, 0.0, 90.0])
     with pytest.raises(JointLimitError):
         placements(VALVE, wrist=90.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "remedy"),
+    [
+        ({"volume": 13.4}, "vehicle.volume: .* write 0.0134"),
+        ({"mass": 13500}, "vehicle.*volume: .* write 13.5"),
+        ({"com": [0, 10, 0]}, "vehicle.com: .* if it is in mm"),
+        ({"xyz": [200, 50, 140]}, "vehicle.xyz: .* if it is in mm"),
+        ({"rpy": [0, 0, 90]}, "vehicle.rpy: .* if it is in deg"),
+    ],
+)
+def test_other_units_of_a_vehicles_table_are_noticed(
+    changes: dict[str, object], remedy: str
+) -> None:
+    with pytest.warns(ImplausibleWarning, match=remedy):
+        carrier_of("vehicle", {**VEHICLE, **changes})
+
+
+def test_rows_that_are_not_there() -> None:
+    found = placements(VALVE, spacing=0.2, yaws=1)
+    for wrong in (len(found), 0.0, True, "best", None):
+        for method in (found.branches, found.obstacles):
+            with pytest.raises(InputError) as caught:
+                method(wrong)
+            assert caught.value.name == "row"
 
 
 def test_a_wish_that_no_pose_fulfils_says_how_far_off_it_is() -> None:

@@ -252,7 +252,12 @@ def test_the_bus_in_the_arms_own_units(tmp_path: Path) -> None:
         ("w.csv", "axis_e,axis_d,axis_c,axis_b\n180,90,90,0\n", "[deg]"),
         ("w.csv", "axis_e,axis_d,axis_c\n1,1,1\n", "axis_b"),
         ("w.csv", "a,b\n1,2\n", "or x, y, z"),
-        ("w.csv", "axis_e,axis_d,axis_c,axis_b,axis_a\n" + 2 * "1,1,1,1,{}\n", "jaws"),
+        ("w.csv", "axis_e,axis_d,axis_c,axis_b,axis_a\n1,1,1,1,0.005\n", "jaws"),
+        ("w.csv", "x,y,z,qx,qy,qz,qw\n0.2,0.1,0.1,0,0,0,2\n", "line 2, column 4"),
+        ("w.csv", "x,y,z,roll,pitch,yaw\n0.2,0.1,0.1,0,90,0\n", "line 2, column 5"),
+        ("w.json", json.dumps(message([[1, 2, None, 1]])), "axis_c"),
+        ("w.json", '{"points": [], "points": [], "joint_names": []}', "'points'"),
+        ("w.yaml", "joint_names: []\npoints: []\npoints: []\n", "line 3"),
         ("w.json", json.dumps({"joint_names": [], "points": {}}), "JointTrajectory"),
         ("w.json", json.dumps(message([[1, 2, "x", 1]])), "points[0]"),
         ("w.json", json.dumps(message([[1, 2, 1]])), "points[0]"),
@@ -263,15 +268,26 @@ def test_the_bus_in_the_arms_own_units(tmp_path: Path) -> None:
 )
 def test_mistakes_of_files(name: str, content: str, said: str, tmp_path: Path) -> None:
     path = tmp_path / name
-    path.write_text(content.replace("{}", "0.002", 1).replace("{}", "0.005"), "utf-8")
+    path.write_text(content, "utf-8")
     with pytest.raises(FileFormatError) as caught:
         read_waypoints(path)
     assert said in str(caught.value)
 
 
+def test_closed_jaws_pass(tmp_path: Path) -> None:
+    rows = np.column_stack([POSITIONS, np.full(3, 0.0013)])
+    path = table(tmp_path, ",".join([*JOINTS, "axis_a"]), rows)
+    assert values(path) == pytest.approx(POSITIONS)
+
+
 def test_mistakes_of_arguments(tmp_path: Path) -> None:
+    with pytest.raises(MissingFileError, match="waypoints"):
+        read_waypoints(tmp_path / "none.csv")
     with pytest.raises(MissingFileError):
         read_waypoints(tmp_path / "none.yaml")
+    (tmp_path / "binary.csv").write_bytes(b"\0\xff\1")
+    with pytest.raises(FileFormatError, match="of waypoints"):
+        read_waypoints(tmp_path / "binary.csv")
     with pytest.raises(UnreachableError, match=r"through\[1\]: ") as caught:
         a5.plan(HOME, POINTS[0], through=[POINTS[1], [0.9, 0.0, 0.0]])
     assert caught.value.distance > 0.4
