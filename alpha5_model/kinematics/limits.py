@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import JointLimitError
 from alpha5_model.kinematics.tolerances import ON_LIMIT
 
@@ -26,9 +27,17 @@ class Limits(NamedTuple):
     velocity: FloatArray
     effort: FloatArray
 
-    def beyond(self, q: FloatArray) -> BoolArray:
-        """Whether each joint of q (n,) is beyond its range, by more than 1e-6."""
-        return beyond(q, self.lower, self.upper)
+    def beyond(self, q: ArrayLike) -> BoolArray:
+        """Whether each joint is beyond its range by more than 1e-6.
+
+        Args:
+            q: (..., n) [rad, and m for axis_a].
+
+        Raises:
+            InputError: Not finite numbers of this shape.
+        """
+        position = float_array("q", q, self.lower.shape)
+        return beyond(position, self.lower, self.upper)
 
 
 def beyond(q: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
