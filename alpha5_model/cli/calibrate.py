@@ -247,7 +247,7 @@ def _sensor(given: Namespace) -> Sensor:
     if given.zeroed:
         settings["zeroed"] = True
     if given.vehicle is not None:
-        settings["vehicle"] = _tables(given.vehicle)
+        settings["vehicle"] = common.vehicle_tables(given.vehicle)
     if given.ballast and kind not in ("scales", "weight"):
         raise InputError("ballast", given.ballast, f"nothing: {kind} weighs no ballast")
     for name, value in settings.items():
@@ -256,17 +256,6 @@ def _sensor(given: Namespace) -> Sensor:
     if "vehicle" in arguments and given.vehicle is None:
         raise InputError("vehicle", None, f"--vehicle FILE, which {kind} needs")
     return make(**settings)
-
-
-def _tables(file: Path) -> dict[str, Any]:
-    """The tables of a TOML file."""
-    from alpha5_model._support.files import read_named
-    from alpha5_model._support.toml import toml_tables
-
-    text = read_named(file, "the facts of a vehicle (TOML)").decode(
-        "utf-8-sig", "replace"
-    )
-    return toml_tables(text, str(file))
 
 
 def _plan_text(planned: Session, degrees: Any) -> printing.Lines:

@@ -258,6 +258,15 @@ def record_of(given: Namespace) -> Alpha5Parameters | None:
     return arm_file.arm_file(given.arm)
 
 
+def vehicle_tables(file: Path) -> dict[str, Any]:
+    """The tables of the TOML file of ``--vehicle``."""
+    from alpha5_model._support.files import read_named
+    from alpha5_model._support.toml import toml_tables
+
+    text = read_named(file, "the facts of a vehicle (TOML)")
+    return toml_tables(text.decode("utf-8-sig", "replace"), str(file))
+
+
 def arm_of(
     given: Namespace,
     gripper: Gripper,

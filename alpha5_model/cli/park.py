@@ -18,13 +18,13 @@ from alpha5_model.cli import printing
 from alpha5_model.cli.parsing import Parser
 from alpha5_model.cli.quantities import ANGLE, LENGTH, Scalar, Vector
 from alpha5_model.errors import InputError
+from alpha5_model.viewer import figures
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.planning.placement_table import Placements
 
 _TABLE = (".csv",)
-_PICTURES = (".png", ".pdf", ".svg")
 _PAGES = (".html", ".htm")
 #: Lines of the table that is printed; --output has all of them.
 _PRINTED = 10
@@ -143,7 +143,7 @@ def run(given: Namespace) -> None:
     check_outputs(
         [given.vehicle, given.hull, given.obstacles, given.arm],
         output=(given.output, _TABLE),
-        plot=(given.plot, _PICTURES),
+        plot=(given.plot, figures.FORMATS),
         html=(given.html, _PAGES),
     )
     own = common.record_of(given)
@@ -156,7 +156,7 @@ def run(given: Namespace) -> None:
         found = placements(
             _rows("X Y Z", given.points, 3),
             arm=arm,
-            vehicle=None if given.vehicle is None else _vehicle(given.vehicle),
+            vehicle=given.vehicle and common.vehicle_tables(given.vehicle),
             mount=_mount(given),
             hull=() if given.hull is None else read_obstacles(given.hull),
             obstacles=(
@@ -190,14 +190,6 @@ def _rows(name: str, numbers: list[float], size: int) -> FloatArray:
     return np.reshape(numbers, (-1, size))
 
 
-def _vehicle(file: Path) -> dict[str, Any]:
-    from alpha5_model._support.files import read_named
-    from alpha5_model._support.toml import toml_tables
-
-    text = read_named(file, "the facts of a vehicle (TOML)")
-    return toml_tables(text.decode("utf-8-sig", "replace"), str(file))
-
-
 def _mount(given: Namespace) -> FloatArray | None:
     """Pose of base_link in the vehicle; None if neither --xyz nor --rpy is given.
 
@@ -214,11 +206,10 @@ def _mount(given: Namespace) -> FloatArray | None:
 
 
 def _draw(found: Placements, arm: Arm, file: Path) -> None:
-    from alpha5_model.viewer.figures import write_figure
     from alpha5_model.viewer.placement_plot import placement_figure
 
     with printing.spinner("drawing"):
-        write_figure(placement_figure(found, arm), file)
+        figures.write_figure(placement_figure(found, arm), file)
 
 
 def _page(found: Placements, arm: Arm) -> str:

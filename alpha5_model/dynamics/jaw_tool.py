@@ -30,6 +30,7 @@ from alpha5_model.dynamics.actuators import (
 )
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.collision_shapes import collision_primitives
+from alpha5_model.kinematics.limits import beyond
 from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
@@ -270,11 +271,10 @@ class JawTool:
             InputError: One is beyond them.
         """
         rods = bounded("rod", float_array("rod", rod, ()))
-        inside = np.clip(rods, self.closed, self.open)
-        if (np.abs(rods - inside) > ON_LIMIT).any():
+        if beyond(rods, self.closed, self.open).any():
             expected = f"positions of axis_a, {self.closed:g} to {self.open:g} m"
             raise InputError("rod", rods.tolist(), expected)
-        return inside
+        return np.clip(rods, self.closed, self.open)
 
     def _wrist(self) -> FloatArray:
         """Outline of tube and collar, as `_finger` has that of a finger."""

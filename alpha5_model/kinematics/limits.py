@@ -40,8 +40,10 @@ class Limits(NamedTuple):
         return beyond(position, self.lower, self.upper)
 
 
-def beyond(q: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
-    """Whether each joint of q (n,) is beyond its range, by more than `ON_LIMIT`."""
+def beyond(
+    q: FloatArray, lower: FloatArray | float, upper: FloatArray | float
+) -> BoolArray:
+    """Whether each joint of q is beyond its range, by more than `ON_LIMIT`."""
     return np.asarray((q < lower - ON_LIMIT) | (q > upper + ON_LIMIT))
 
 

@@ -30,16 +30,15 @@ from alpha5_model._support.spatial import inverse, moved, rotation_from_rpy, tra
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import (
     InputError,
-    JointLimitError,
     NoPlacementError,
     ShapeError,
 )
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.half_plane import bounded_geometry
 from alpha5_model.kinematics.ik import BRANCHES
+from alpha5_model.kinematics.limits import within
 from alpha5_model.kinematics.reach import distance_to_reach, reach_margin
 from alpha5_model.kinematics.solver import solve
-from alpha5_model.kinematics.tolerances import ON_LIMIT
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.planning.obstacles import Obstacle, checked_obstacles
@@ -277,12 +276,10 @@ def _wrist(given: float, record: Alpha5Parameters) -> float:
     Raises:
         JointLimitError: It is beyond the limits of axis_b.
     """
-    wrist = real("wrist", given)
+    wrist = np.array([real("wrist", given)])
     joint = record.joints[3]
-    bound = min(max(wrist, joint.lower), joint.upper)
-    if abs(wrist - bound) > ON_LIMIT:
-        raise JointLimitError(joint.name, wrist, bound)
-    return bound
+    lower, upper = np.array([[joint.lower], [joint.upper]])
+    return float(within([joint.name], wrist, lower, upper)[0])
 
 
 def _given(poses: ArrayLike) -> FloatArray:

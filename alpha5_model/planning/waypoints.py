@@ -29,7 +29,7 @@ from alpha5_model._support.files import PathLike, read_named
 from alpha5_model._support.spatial import rotation_from_rpy, transform
 from alpha5_model._support.yaml_reading import yaml_document
 from alpha5_model.errors import FileFormatError, JointLimitError
-from alpha5_model.kinematics.tolerances import ON_LIMIT
+from alpha5_model.kinematics.limits import beyond
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 from alpha5_model.numbers.tables import JOINT_NAMES
@@ -179,10 +179,10 @@ def _check_limits(
     """
     for k, joint in enumerate(arm.joints[:4]):
         angles = positions[:, k]
-        beyond = (angles < joint.lower - ON_LIMIT) | (angles > joint.upper + ON_LIMIT)
-        if not beyond.any():
+        outside = beyond(angles, joint.lower, joint.upper)
+        if not outside.any():
             continue
-        row = int(beyond.argmax())
+        row = int(outside.argmax())
         value = float(angles[row])
         bound = joint.upper if value > joint.upper else joint.lower
         problem = str(JointLimitError(joint.name, value, bound))

@@ -93,7 +93,6 @@ def _phase_crossover(lead: FloatArray, delay: FloatArray) -> FloatArray:
     It is infinite without delay, and 0 if the delay is not below the lead. Bisection:
     in between, the phase falls below -180 deg once, before w delay is 90 deg.
     """
-    lower = np.zeros_like(delay)
     with np.errstate(divide="ignore"):
         upper = np.where(delay > 0, math.pi / 2 / delay, np.inf)
     finite = np.isfinite(upper) & (lead > delay)
