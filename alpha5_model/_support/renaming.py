@@ -35,7 +35,8 @@ def renamed(old: str, new: str) -> Callable[[Named], Named]:
         @functools.wraps(named)
         def call(*args: Any, **keywords: Any) -> Any:
             if old in keywords:
-                if new in keywords:
+                is_positional = _arguments(named).index(new) < len(args)
+                if new in keywords or is_positional:
                     raise InputError(old, keywords[old], f"only {new}, its new name")
                 warn()
                 keywords[new] = keywords.pop(old)

@@ -33,3 +33,5 @@ def test_both_names_at_once_are_refused() -> None:
     wet = a5.load().with_hydrodynamics()
     with pytest.raises(InputError, match="current"):
         wet.dissipated_power(Q, REST, current=FLOW, water_velocity=FLOW)
+    with pytest.raises(InputError, match="current"):
+        wet.dissipated_power(Q, REST, FLOW, current=FLOW)
