@@ -131,7 +131,8 @@ def run(given: Namespace) -> int:
     if given.format == "junit":
         from alpha5_model.proofs.comparison.junit import junit_report
 
-        print(junit_report(comparison, other.stem), end="")
+        with printing.apart_from(picture, write_arm):
+            print(junit_report(comparison, other.stem), end="")
     else:
         written = None if described is None else write_arm
         as_record = given.json or given.format == "json"

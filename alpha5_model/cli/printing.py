@@ -49,9 +49,7 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
         written: Files of this result, each named in a line of its own; None is skipped.
     """
     files = [path for path in written if path is not None]
-    # If a file goes to standard output, messages go to standard error.
-    taken = any(is_stdout(path) for path in files)
-    with redirect_stdout(sys.stderr) if taken else nullcontext():
+    with apart_from(*files):
         if as_json:
             print(json.dumps(plain(record), indent=2))
             return
@@ -59,6 +57,12 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
             say(*text)
         for path in files:
             print(f"wrote {path}")
+
+
+def apart_from(*written: Path | None) -> AbstractContextManager[object]:
+    """If a file goes to standard output, what is printed goes to standard error."""
+    taken = any(path is not None and is_stdout(path) for path in written)
+    return redirect_stdout(sys.stderr) if taken else nullcontext()
 
 
 def say(*lines: str) -> None:

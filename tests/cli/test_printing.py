@@ -6,9 +6,12 @@ import json
 import math
 import re
 import sys
+import tomllib
+import xml.etree.ElementTree as ET
 
 import pytest
 
+from alpha5_model import URDF_PATH
 from alpha5_model.cli import main, program
 from alpha5_model.cli.printing import (
     progress_bars,
@@ -84,3 +87,18 @@ def test_the_program_is_that_of_the_words_on_the_command_line(
         program.run()
     assert ended.value.code == 0
     assert set(json.loads(capsys.readouterr().out)) == {"q", "beyond_limits", "frames"}
+
+
+@pytest.mark.parametrize("form", ["json", "junit"])
+def test_an_output_on_standard_output_has_it_alone(
+    form: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ["compare", URDF_PATH, "--samples", "1", "--format", form]
+    assert main([*words, "--write-arm", "-"]) == 0
+    written = capfd.readouterr()
+    assert "format" in tomllib.loads(written.out)
+    if form == "json":
+        assert json.loads(written.err)["agrees"]
+    else:
+        (suite,) = ET.fromstring(written.err.encode())
+        assert suite.get("failures") == "0"
