@@ -511,6 +511,11 @@ def test_what_cannot_be_used_is_named(found):
         a5.control.step(found, HOME, HOME, current_limit=600, duration=0.01)
     for name in ("stiffness", "damping", "inertia", "delay"):
         loop = {"stiffness": 1.0, "damping": 1.0, "inertia": 1.0, "delay": 0.01}
+        for wrong in (-1.0, 1e200, 1e-200):
+            with pytest.raises(InputError) as error:
+                a5.control.margins(**{**loop, name: wrong})
+            assert error.value.name == name
+    for asked in ({"bandwidth": 1e-200}, {"settling_time": 1e40}):
         with pytest.raises(InputError) as error:
-            a5.control.margins(**{**loop, name: -1.0})
-        assert error.value.name == name
+            a5.control.gains(**asked, **HARDWARE)
+        assert error.value.name == next(iter(asked))

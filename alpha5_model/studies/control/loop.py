@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, together
+from alpha5_model._support.checks import LARGEST, FloatArray, bounded, together
 from alpha5_model.errors import InputError
 
 #: Phase margin that gains keep at least [rad]: 45 deg.
@@ -54,7 +54,8 @@ def margins(
             a sampled controller [s].
 
     Raises:
-        InputError: A stiffness or an inertia not above 0, a damping or delay below 0.
+        InputError: A stiffness or an inertia not above 0, a damping or delay below 0,
+            or a number so large or so small that results overflow.
     """
     K, D, M, T = together(
         stiffness=stiffness, damping=damping, inertia=inertia, delay=delay
@@ -68,6 +69,10 @@ def margins(
         if (value < 0).any() or (strict and (value == 0).any()):
             bound = "above 0" if strict else "of at least 0"
             raise InputError(name, float(value.min()), f"numbers {bound}")
+        tiny = (value > 0) & (bounded(name, value) < 1 / LARGEST)
+        if tiny.any():
+            expected = f"numbers of at least {1 / LARGEST:.1e}, else results overflow"
+            raise InputError(name, float(value[tiny][0]), expected)
 
     # |L|^2 = 1: M^2 w^4 - D^2 w^2 - K^2 = 0
     square = (D**2 + np.sqrt(D**4 + 4 * (M * K) ** 2)) / (2 * M**2)

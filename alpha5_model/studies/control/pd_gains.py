@@ -63,6 +63,8 @@ _JOINTS = 4
 _POSITIONS = (25, 25, 9)
 #: And of axis_e, which changes torques only if the mount is tilted.
 _POSITIONS_ON_TILTED_MOUNT = 9
+#: Least bandwidth [rad/s]: a joint that takes months for a step.
+_SLOWEST = 1e-6
 #: Logarithm of the 50 that is left of a step when it has settled to 2 %.
 _SETTLED = math.log(50.0)
 
@@ -289,7 +291,9 @@ def _asked(bandwidth: Any, settling_time: Any) -> tuple[str, float]:
         given = "both" if bandwidth is not None else None
         raise InputError("bandwidth", given, "a bandwidth or a settling_time")
     if settling_time is None:
-        return "bandwidth", real("bandwidth", bandwidth, 0.0, strict=True)
+        return "bandwidth", real("bandwidth", bandwidth, _SLOWEST)
+    longest = 2 * _SETTLED / _SLOWEST
+    _within("settling_time", settling_time, longest, "s")
     return "settling_time", real("settling_time", settling_time, 0.0, strict=True)
 
 
