@@ -14,6 +14,12 @@ from alpha5_model.errors import FileFormatError
 _LONG_KEY = re.compile(
     r"""(?<![\w.-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){20}"""
 )
+#: A number with a unit behind it, which TOML has not; 0x, 0o and 0b are numbers.
+_NUMBER_AND_UNIT = re.compile(
+    r"^[^=#\n]+=[ \t]*([-+]?[\d.]+(?:e[-+]?\d+)?)[ \t]*"
+    r"((?![xob])[a-z][\w/^*]*(?: [\w/^*]+)*)",
+    re.MULTILINE | re.IGNORECASE,
+)
 
 
 def toml_tables(
@@ -38,7 +44,16 @@ def toml_tables(
         return tomllib.loads(text, parse_float=parse_float)
     except ValueError as error:
         # A TOMLDecodeError, or an integer of more than 4300 digits.
-        raise FileFormatError(source, str(error)) from None
+        written = _NUMBER_AND_UNIT.search(text)
+        if written is None:
+            raise FileFormatError(source, str(error)) from None
+        number, unit = written.groups()
+        problem = (
+            f"expected {number} without its unit; an arm file also takes "
+            f'{{value = {number}, unit = "{unit}"}}'
+        )
+        line = text.count("\n", 0, written.start(1)) + 1
+        raise FileFormatError(source, problem, f"line {line}") from None
     except RecursionError:
         problem = "expected fewer brackets inside one another"
         raise FileFormatError(source, problem) from None
