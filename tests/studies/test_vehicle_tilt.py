@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import reference
-from recordings import validate_recordings as recordings
-from recordings import vehicle_tilt
+from identification import validate_recordings as recordings
+from identification import vehicle_tilt
 from shared_recordings import POOL, RECORDINGS, needs_recordings
 
 import alpha5_model as a5

@@ -20,7 +20,7 @@ from alpha5_model.water.carrier import read_carrier
 SCRIPT = (
     Path(__file__).resolve().parents[2]
     / "scripts"
-    / "recordings"
+    / "identification"
     / "validate_recordings.py"
 )
 CURRENT = (0.3, -0.2, 0.1)

@@ -1,6 +1,6 @@
 """Stiffness, delay and turn of a floating vehicle that tilts by the moment of its arm.
 
-    python scripts/recordings/vehicle_tilt.py FOLDER [--predict FOLDER]
+    python scripts/identification/vehicle_tilt.py FOLDER [--predict FOLDER]
 
 FOLDERs hold recordings as of `validate_recordings.py`, which are read, left out and
 averaged by its rules. The arm's axes, or those of the motion capture, may be turned by
@@ -25,7 +25,7 @@ from alpha5_model.errors import Alpha5Error, FileFormatError
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from recordings import validate_recordings as recordings
+from identification import validate_recordings as recordings
 
 #: The yaw also turns gravity as the arm sees it: passes that settle both.
 PASSES = 3

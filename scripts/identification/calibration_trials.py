@@ -1,9 +1,9 @@
 """Trials of calibrations on simulated arms: coverage, false alarms, named faults.
 
-    python scripts/studies/calibration_trials.py coverage         # 200 trials of each
-    python scripts/studies/calibration_trials.py coverage scales --noise ar
-    python scripts/studies/calibration_trials.py coverage sensor --moving
-    python scripts/studies/calibration_trials.py faults --trials 40
+    python scripts/identification/calibration_trials.py coverage   # 200 trials of each
+    python scripts/identification/calibration_trials.py coverage scales --noise ar
+    python scripts/identification/calibration_trials.py coverage sensor --moving
+    python scripts/identification/calibration_trials.py faults --trials 40
 
 Each trial draws an arm from the prior, weighs it by Pinocchio on a tilted mount with a
 sensor of wrong gains and offsets, and fits. Coverage is the share of 95 % intervals

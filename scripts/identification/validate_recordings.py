@@ -1,6 +1,6 @@
 """Compare where the model has the arm's weight with recordings of a real arm.
 
-    python scripts/recordings/validate_recordings.py FOLDER
+    python scripts/identification/validate_recordings.py FOLDER
         [--fit FOLDER] [--plot PAGE.png] [--json]
 
 FOLDER holds pairs ``NAME_joint_states.csv`` (joint positions) and ``NAME_mocap.csv``

@@ -1,6 +1,6 @@
 """Estimate the weight of an arm from the tilt of the floating vehicle that carries it.
 
-    python scripts/recordings/identify_recordings.py FOLDER... [--json]
+    python scripts/identification/identify_recordings.py FOLDER... [--json]
 
 FOLDERs hold recordings as of `validate_recordings.py`, which are read, left out,
 averaged and fitted by its rules: tilt = compliance times static moment, one compliance
@@ -43,10 +43,10 @@ from alpha5_model.studies.arm_numbers import arm_numbers, base_slopes
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from recordings import validate_recordings as recordings
-from recordings import vehicle_tilt
-from recordings.validate_recordings import interpolated
-from recordings.vehicle_tilt import plane_rotation
+from identification import validate_recordings as recordings
+from identification import vehicle_tilt
+from identification.validate_recordings import interpolated
+from identification.vehicle_tilt import plane_rotation
 
 #: What a static moment of the moving links depends on.
 MOMENTS = [f"link_{i}.n{axis}" for i in (1, 2, 3, 4) for axis in "xy"]

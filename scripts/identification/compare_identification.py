@@ -1,8 +1,8 @@
 """Identify the same simulated arms with this package, figaroh and mujoco.sysid.
 
-    python scripts/recordings/compare_identification.py write FOLDER
+    python scripts/identification/compare_identification.py write FOLDER
     # In an environment with figaroh and mujoco[sysid]:
-    python scripts/recordings/compare_identification.py fit FOLDER
+    python scripts/identification/compare_identification.py fit FOLDER
 
 ``write`` simulates arms in air whose numbers round to the printed ones: a sway of 12 s
 within the rated speeds, with 3 mN m of white noise in the efforts. It also fits them
