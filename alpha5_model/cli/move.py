@@ -26,6 +26,7 @@ from alpha5_model.cli.quantities import (
 )
 from alpha5_model.description.srdf import named_pose
 from alpha5_model.errors import InputError
+from alpha5_model.numbers.parameters import DEFAULT_ACCELERATION
 from alpha5_model.numbers.printed import published
 
 if TYPE_CHECKING:
@@ -108,8 +109,8 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--acceleration",
         type=Scalar(ANGULAR_ACCELERATION),
-        default=1.0,
-        help="highest acceleration of a joint (rad/s^2). Default: 1",
+        default=DEFAULT_ACCELERATION,
+        help="highest acceleration of a joint (rad/s^2). Default: %(default)g",
     )
     parser.add_argument(
         "--margin",

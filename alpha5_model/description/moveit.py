@@ -8,18 +8,16 @@ from typing import Any
 from alpha5_model.description.srdf import srdf
 from alpha5_model.numbers.jaws import Gripper
 from alpha5_model.numbers.parameters import (
+    DEFAULT_ACCELERATION,
     Alpha5Parameters,
     JointParameters,
     chosen_arm,
 )
 
-#: Largest acceleration of a joint whose arm file has none [rad/s^2, m/s^2]: a choice,
-#: the one of `alpha5_model.plan`. MoveIt cannot time a motion without one.
-ACCELERATION = 1.0
 #: First line of a file.
 _COMMENTS = {
     "joint_limits.yaml": "Speeds, accelerations and jerks are the arm's. No "
-    f"acceleration is published: {ACCELERATION} is a choice.",
+    f"acceleration is published: {DEFAULT_ACCELERATION} is a choice.",
     "kinematics.yaml": "Four joints cannot reach most orientations: the solver must "
     "leave orientation alone (moveit#3695).",
 }
@@ -75,7 +73,7 @@ def _joint_limits(
                 "has_velocity_limits": True,
                 "max_velocity": float(joint.velocity),
                 "has_acceleration_limits": True,
-                "max_acceleration": float(joint.acceleration or ACCELERATION),
+                "max_acceleration": float(joint.acceleration or DEFAULT_ACCELERATION),
             }
             if joint.jerk is not None:
                 limit |= {"has_jerk_limits": True, "max_jerk": float(joint.jerk)}

@@ -125,6 +125,11 @@ class LinkParameters(RigidBody):
         fill(self, bounds=bounds)
 
 
+#: Largest acceleration of a joint for which nobody names one [rad/s^2], of the jaw rod
+#: [m/s^2]. It is a choice; none is published.
+DEFAULT_ACCELERATION = 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class JointRange:
     """Limits of a joint [rad, rad/s, N m], of the jaw rod [m, m/s, N].

@@ -29,7 +29,11 @@ from alpha5_model.errors import (
     MotionLimitError,
     UnreachableError,
 )
-from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
+from alpha5_model.numbers.parameters import (
+    DEFAULT_ACCELERATION,
+    Alpha5Parameters,
+    chosen_arm,
+)
 from alpha5_model.planning.goals import (
     POINT,
     POSE,
@@ -49,8 +53,6 @@ from alpha5_model.planning.s_curve import JointLimits, Samples, sampled, travel_
 from alpha5_model.planning.surroundings import Obstruction, Surroundings
 from alpha5_model.planning.tcp_line import check_free, tcp_line
 
-#: Acceleration of the joints [rad/s^2]. None is published.
-ACCELERATION = 1.0
 #: Kept to obstacles [m].
 MARGIN = 0.005
 #: A motion beyond a limit is tried again in so many times its time: up to tenfold.
@@ -84,7 +86,7 @@ def plan(
     arm: Alpha5Parameters | Arm | None = None,
     obstacles: Iterable[Obstacle] = (),
     speed: ArrayLike | None = None,
-    acceleration: ArrayLike = ACCELERATION,
+    acceleration: ArrayLike = DEFAULT_ACCELERATION,
     margin: float = MARGIN,
     self_margin: float = 0.0,
     wrist: float | None = None,
