@@ -152,16 +152,17 @@ def run(given: Namespace) -> None:
     from alpha5_model.planning.obstacle_file import read_obstacles
     from alpha5_model.planning.parking import placements
 
+    vehicle = None if given.vehicle is None else common.vehicle_tables(given.vehicle)
+    hull = () if given.hull is None else read_obstacles(given.hull)
+    obstacles = () if given.obstacles is None else read_obstacles(given.obstacles)
     with printing.spinner("trying poses"):
         found = placements(
             _rows("X Y Z", given.points, 3),
             arm=arm,
-            vehicle=given.vehicle and common.vehicle_tables(given.vehicle),
+            vehicle=vehicle,
             mount=_mount(given),
-            hull=() if given.hull is None else read_obstacles(given.hull),
-            obstacles=(
-                () if given.obstacles is None else read_obstacles(given.obstacles)
-            ),
+            hull=hull,
+            obstacles=obstacles,
             clearance=given.clearance,
             box=given.box,
             wrist=given.wrist,
@@ -260,18 +261,15 @@ def _text(found: Placements) -> printing.Lines:
     for row in range(shown):
         place = [f"{x:z.3f}" for x in found.pose[row, :3]]
         angles = [f"{x:z.1f}" for x in np.degrees(found.pose[row, 3:])]
-        distances = (
-            found.clearance[row],
-            found.hull_clearance[row],
-            found.reach_margin[row],
-        )
         rows.append(
             [
                 *place,
                 *angles,
-                *(_finite(f"{1e3 * x:.0f}") for x in distances),
-                f"{100 * found.holding[row]:.1f}",
-                _finite(f"{np.degrees(found.tilt[row]):.1f}"),
+                _fixed(1e3 * found.clearance[row], 0),
+                _fixed(1e3 * found.hull_clearance[row], 0),
+                _fixed(1e3 * found.reach_margin[row], 0),
+                _fixed(100 * found.holding[row], 1),
+                _fixed(np.degrees(found.tilt[row]), 1),
             ]
         )
     yield from table(rows, ">")
@@ -286,5 +284,6 @@ def _text(found: Placements) -> printing.Lines:
         yield f"and {len(branches) - count} more points"
 
 
-def _finite(text: str) -> str:
-    return "-" if text in ("inf", "nan") else text
+def _fixed(value: float, decimals: int) -> str:
+    """A number for the table; ``-`` for one that is not finite."""
+    return f"{value:.{decimals}f}" if np.isfinite(value) else "-"

@@ -21,8 +21,8 @@ from alpha5_model.numbers.parameters import (
 #: Joint positions axis_e, axis_d, axis_c, axis_b [rad].
 #:
 #: - ``stow``: folded in front of the base, the pose in which the arm rests in pool
-#:   recordings of 2023
-#:   (hkolano/UVMS-SysID-with-EAs: 3.10, 0.078, 0.027, 1.61), a little rounded.
+#:   recordings of 2023 (hkolano/UVMS-SysID-with-EAs: 3.10, 0.078, 0.027, 1.61), a
+#:   little rounded.
 #: - ``home``: ready to work, upper arm 45 deg down, forearm level (the underarm pose of
 #:   Figure 4).
 #: - ``reach``: stretched out level.
@@ -112,7 +112,8 @@ def srdf(
 
 
 def _add_gripper_group(root: ET.Element, rod: JointParameters, prefix: str) -> None:
-    add(add(root, "group", name=f"{prefix}gripper"), "joint", name=prefix + rod.name)
+    group = add(root, "group", name=f"{prefix}gripper")
+    add(group, "joint", name=prefix + rod.name)
     add(
         root,
         "end_effector",

@@ -180,9 +180,9 @@ def _parameter_argument(parameters: Any) -> str:
         raise InputError("ros2_control_parameters", parameters, expected)
     pairs = []
     for name, value in parameters.items():
-        texts = isinstance(name, str) and isinstance(value, str)
+        are_texts = isinstance(name, str) and isinstance(value, str)
         pair = f"{name}={value}"
-        if not texts or not name or "=" in name or " " in pair:
+        if not are_texts or not name or "=" in name or " " in pair:
             raise InputError("ros2_control_parameters", pair, expected)
         pairs.append(pair)
     return " ".join(pairs)

@@ -1,1 +1,1 @@
-"""The drawn bodies."""
+"""The shapes for collision, and how the bodies look."""

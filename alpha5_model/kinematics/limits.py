@@ -56,7 +56,10 @@ def within(
         JointLimitError: A joint is farther beyond its limit.
     """
     inside = np.clip(q, lower, upper)
-    for k in np.flatnonzero(beyond(q, lower, upper)).tolist():
-        unit = "m" if joints[k] == "axis_a" else "rad"
-        raise JointLimitError(joints[k], float(q[k]), float(inside[k]), unit)
+    is_beyond = beyond(q, lower, upper)
+    if is_beyond.any():
+        first = int(is_beyond.argmax())
+        unit = "m" if joints[first] == "axis_a" else "rad"
+        value, bound = float(q[first]), float(inside[first])
+        raise JointLimitError(joints[first], value, bound, unit)
     return inside

@@ -56,16 +56,19 @@ def self_collision_figure(cell: float = CELL, *, samples: int) -> Any:
         cell: Edge of the cells whose centres are tried [m].
         samples: Points behind the share in the title.
     """
-    cells = _tried(cell)
+    cells = _cells(cell)
     base = _base()
     page = new_figure(9.6, 4.7)
     above, side = page.subplots(1, 2)
+
     _draw_view(above, cells, "y")
-    image = _draw_view(side, cells, "z")
-    for axes, up in ((above, 1), (side, 2)):
-        _draw_base(axes, base, up)
+    _draw_base(above, base, "y")
     above.set_title("from above: share of the reached heights")
+
+    image = _draw_view(side, cells, "z")
+    _draw_base(side, base, "z")
     side.set_title("from the side: share of the reached widths")
+
     above.annotate(
         "theta_0 stops",
         (-300, 20),
@@ -83,8 +86,8 @@ def self_collision_figure(cell: float = CELL, *, samples: int) -> Any:
     return page
 
 
-def _tried(cell: float) -> _Cells:
-    """Try a grid of points that holds all that the arm can reach."""
+def _cells(cell: float) -> _Cells:
+    """What the arm reaches of a grid that covers its whole workspace."""
     geometry = Geometry.of(parameters())
     x = _centered(geometry.a_0 + geometry.longest, cell)
     y = x
@@ -122,30 +125,37 @@ def _draw_view(axes: Axes, cells: _Cells, up: str) -> Any:
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
-    rows, away = (cells.y, 2) if up == "y" else (cells.z, 1)
-    reached = cells.reached.sum(axis=away)
-    free = cells.free.sum(axis=away)
+    from_above = up == "y"
+    rows = cells.y if from_above else cells.z
+    line_of_sight = 2 if from_above else 1
+    reached = cells.reached.sum(axis=line_of_sight)
+    free = cells.free.sum(axis=line_of_sight)
     share = 100 * (reached - free) / np.maximum(reached, 1)
     steps = BoundaryNorm(_STEPS, ncolors=256)
-    image = None
-    for values, colors in ((reached, ListedColormap([FILL])), (share, "viridis_r")):
-        image = axes.pcolormesh(
+
+    def draw(values: FloatArray, colors: Any) -> Any:
+        """Colour the cells whose value is not 0."""
+        return axes.pcolormesh(
             cells.x * 1e3,
             rows * 1e3,
-            np.ma.masked_equal(values, 0).T,  # Nothing is drawn where it is zero.
+            np.ma.masked_equal(values, 0).T,
             cmap=colors,
             norm=steps,
             shading="nearest",
         )
+
+    draw(reached, ListedColormap([FILL]))
+    image = draw(share, "viridis_r")
     axes.set(aspect="equal", xlim=_RANGE, ylim=_RANGE)
     axes.set(xlabel="x [mm]", ylabel=f"{up} [mm]")
     return image
 
 
-def _draw_base(axes: Axes, base: Mesh, up: int) -> None:
-    """The body of link_0, with x to the right and another axis upwards."""
+def _draw_base(axes: Axes, base: Mesh, up: str) -> None:
+    """The body of link_0, with x to the right and ``up``, y or z, upwards."""
     from matplotlib.collections import PolyCollection
 
-    triangles: Any = base.vertices[base.faces][:, :, [0, up]] * 1e3
+    columns = [0, "xyz".index(up)]
+    triangles: Any = base.vertices[base.faces][:, :, columns] * 1e3
     axes.add_collection(PolyCollection(triangles, color=Color.BLACK, linewidth=0.3))
     axes.annotate("link_0", (0, 0), (0, -14), textcoords="offset points", fontsize=8)
