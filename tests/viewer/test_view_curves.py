@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import Tab, needs_browser, new_tab
+from browser import Tab, needs_browser, new_tab, open_scene
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, ShapeError
@@ -47,10 +47,8 @@ def tab(
 ) -> Iterator[Tab]:
     curves = {"battery (V)": 24 - 0.1 * TIME, "<b>depth</b>": np.cos(TIME)}
     scene = build_scene(arm, motion=recording, curves=curves)
-    path = tmp_path_factory.mktemp("curves") / "page.html"
-    path.write_text(static_page(scene), "utf-8")
-    tab = new_tab(chromium, (1200, 800))
-    tab.open(path.as_uri())
+    folder = tmp_path_factory.mktemp("curves")
+    tab = open_scene(chromium, scene, folder, (1200, 800))
     tab.run("(time) => alpha5.seek(time)", TIME[AT])
     yield tab
     assert tab.complaints == []

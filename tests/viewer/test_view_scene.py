@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,9 +14,7 @@ import alpha5_model as a5
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.errors import (
     Alpha5Error,
-    FileFormatError,
     InputError,
-    MissingFileError,
     NonFiniteError,
     ShapeError,
     UnknownNameError,
@@ -30,7 +27,6 @@ from alpha5_model.viewer.scene import (
     Rigid,
     Scene,
 )
-from alpha5_model.viewer.shapes import read_obj
 
 
 @pytest.fixture(scope="module")
@@ -243,32 +239,6 @@ def test_the_section_is_what_the_arm_reaches() -> None:
         point = tcp[[0, 2]]
         inside += bool(((low <= point) & (point <= high)).all(axis=1).any())
     assert inside == 200
-
-
-@pytest.mark.parametrize("name", ["link_0", "finger_1"])
-def test_meshes_are_those_of_their_files(name: str) -> None:
-    """Their corners and normals, read line by line."""
-    path = Path(REPOSITORY_PATH) / "meshes" / f"{name}.obj"
-    lines = [line.split() for line in path.read_text("utf-8").splitlines()]
-    corners = np.array([line[1:4] for line in lines if line[:1] == ["v"]], float)
-    normals = np.array([line[1:4] for line in lines if line[:1] == ["vn"]], float)
-    faces = [line[1:] for line in lines if line[:1] == ["f"]]
-    pairs = np.array([[c.split("//") for c in face] for face in faces], int) - 1
-    mesh = read_obj(str(path))
-    np.testing.assert_array_equal(mesh.vertices[mesh.faces], corners[pairs[..., 0]])
-    found = mesh.normals[mesh.faces]
-    np.testing.assert_allclose(found, normals[pairs[..., 1]], atol=1e-4)
-
-
-def test_meshes_that_cannot_be_drawn(tmp_path: Path) -> None:
-    with pytest.raises(MissingFileError):
-        read_obj(str(tmp_path / "none.obj"))
-    corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\n"
-    for number, text in enumerate((corners + "f 1 2 9\n", "f x\n", "")):
-        path = tmp_path / f"{number}.obj"
-        path.write_text(text)
-        with pytest.raises(FileFormatError, match=r"as a mesh|no triangles"):
-            read_obj(str(path))
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import Tab, needs_browser, new_tab
+from browser import Tab, needs_browser, new_tab, open_scene
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.page import static_page
 from alpha5_model.viewer.scene import Payload
 
 pytestmark = needs_browser
@@ -23,10 +22,8 @@ POSE = np.array([3.0, 1.1, 1.9, 0.4])
 
 @pytest.fixture(scope="module")
 def opened(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    path = tmp_path_factory.mktemp("water") / "page.html"
-    path.write_text(static_page(build_scene(a5.load(), POSE)), "utf-8")
-    tab = new_tab(chromium)
-    tab.open(path.as_uri())
+    folder = tmp_path_factory.mktemp("water")
+    tab = open_scene(chromium, build_scene(a5.load(), POSE), folder)
     tab.run("() => document.querySelectorAll('details').forEach((d) => d.open = true)")
     yield tab
     assert tab.complaints == []
