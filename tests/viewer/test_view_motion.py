@@ -1,4 +1,4 @@
-"""Motions to play: their tracks, tours, steady rates, and how the viewer plays them."""
+"""A motion without the jaws, and how the viewer plays when it is late."""
 
 from __future__ import annotations
 
@@ -26,9 +26,6 @@ def moved(step: float, count: int = 9) -> a5.trajectory.Motion:
     return a5.trajectory.motion(time, HOME + 0.2 * np.sin(time)[:, None])
 
 
-# ---- tracks
-
-
 def test_a_motion_without_the_jaws_leaves_them_at_rest(jaws: a5.Arm) -> None:
     """Their velocity is zero, and what was recorded of them is not known."""
     four = moved(0.5)
@@ -49,12 +46,6 @@ def test_a_motion_without_the_jaws_leaves_them_at_rest(jaws: a5.Arm) -> None:
     for name, rows in (("effort", effort), ("current", effort / 10)):
         recorded = track.compared[name].recorded
         np.testing.assert_array_equal(recorded, beside(rows, np.nan))
-
-
-# ---- tours
-
-
-# ---- playing
 
 
 class FakeClock:
@@ -102,9 +93,3 @@ def test_rows_are_shown_when_they_are_due_or_dropped(
     assert [row for _, row in shown] == rows
     assert all(at >= 8.0 + 0.25 * row for at, row in shown)
     assert took == shown[-1][0] + takes - 8.0
-
-
-# ---- video files
-
-
-# ---- what a scene does with a motion

@@ -23,8 +23,7 @@ def tab(chromium: Any, tmp_path: Path) -> Tab:
     time = np.linspace(0.0, 2.0, 21)
     turned = HOME + np.array([0.3, 0.2, -0.2, 0.1])
     motion = a5.trajectory.motion(time, turned + 0.1 * np.sin(time)[:, None])
-    tab = open_scene(chromium, build_scene(a5.load(), HOME, motion=motion), tmp_path)
-    return tab
+    return open_scene(chromium, build_scene(a5.load(), HOME, motion=motion), tmp_path)
 
 
 def numbers_are_seen(tab: Tab) -> bool:

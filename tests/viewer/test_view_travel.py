@@ -118,7 +118,7 @@ def test_buttons_and_typed_targets_travel(tab: Tab, arm: a5.Arm) -> None:
     assert told(tab).startswith("Target: ")
     halfway = frames(tab, 20)[-1]
     assert np.linalg.norm(arm.forward_kinematics(halfway).translation - target) > 0.01
-    assert tab.page.locator("#message").inner_text() == ""
+    assert tab.message() == ""
     there = frames(tab, 600)[-1]
     away = arm.forward_kinematics(there).translation - target
     assert np.linalg.norm(away) < 1e-9
@@ -173,7 +173,7 @@ def test_a_slider_leaves_the_target(tab: Tab) -> None:
     assert tab.run("() => alpha5.state.aim") is None
     fields = tab.page.locator("#target input")
     assert [fields.nth(k).input_value() for k in range(3)] == [""] * 3
-    assert tab.page.locator("#message").inner_text() == ""
+    assert tab.message() == ""
 
 
 def test_keys_move_sliders_and_the_tip_by_small_steps(tab: Tab, arm: a5.Arm) -> None:
