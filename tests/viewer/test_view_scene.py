@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 from reference import COB, COM, LOWER, MASS, UPPER, VOLUME, inertial_frames
 
 import alpha5_model as a5
-from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.errors import (
     Alpha5Error,
     InputError,
@@ -22,7 +19,6 @@ from alpha5_model.errors import (
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.drawing import ARROW_SCALE
 from alpha5_model.viewer.scene import (
-    GROUPS,
     Payload,
     Rigid,
     Scene,
@@ -170,18 +166,6 @@ def test_a_current_that_is_given_is_shown_to_scale() -> None:
     assert [s.name for s in still.shapes if s.group == "current"] == ["arrow"]
 
 
-def test_every_group_has_something_and_names_are_unique() -> None:
-    arm = a5.load(gripper="jaws")
-    post = a5.Obstacle.sphere("post", 0.1, [0.3, 0.3, 0.0])
-    scene = build_scene(
-        arm, target=[0.06, 0.05, 0.36], payload=Payload(mass=0.1), obstacles=[post]
-    )
-    filled = {s.group for s in scene.shapes}
-    assert filled == set(GROUPS) - {"labels", "see-through"}
-    names = [(s.group, s.name) for s in scene.shapes]
-    assert len(names) == len(set(names))
-
-
 def test_ghosts_put_the_tcp_on_the_target() -> None:
     target = np.array([0.06, 0.05, 0.36])
     arm = a5.load()
@@ -258,19 +242,3 @@ def test_bad_arguments_end_in_the_error_tree(
         build_scene(a5.load(), **arguments)
     assert isinstance(caught.value, Alpha5Error)
     assert "\n" not in str(caught.value)
-
-
-def test_view_is_there_and_loads_nothing_until_called() -> None:
-    script = (
-        "import sys, alpha5_model as a5, alpha5_model.viewer; assert callable(a5.view);"
-        "bad = {'meshcat', 'pinocchio', 'PIL', 'tornado', 'scipy'} & set(sys.modules);"
-        "sys.exit(str(bad) if bad else 0)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        check=False,
-        cwd=REPOSITORY_PATH,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
