@@ -26,7 +26,7 @@ from alpha5_model._support.writing import atomic_write
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import static_page
 
-SIZE = (1280, 760)
+SIZE = (1280, 776)
 #: The window that the GIF shows, and its size; colours, frames, milliseconds of each.
 GIF_WINDOW = (960, 560)
 GIF_SIZE = (720, 420)

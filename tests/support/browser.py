@@ -10,11 +10,15 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
+
+from alpha5_model.viewer.page import static_page
+from alpha5_model.viewer.scene import Scene
 
 
 def chromium_program() -> str | None:
@@ -99,6 +103,36 @@ class Tab:
 
         data = base64.b64decode(shot.split(",", 1)[1])
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
+
+    def message(self) -> str:
+        """The messages of the page, one a line."""
+        paragraphs = self.page.locator("#message p").all_text_contents()
+        return "\n".join(paragraphs)
+
+    def joints(self) -> np.ndarray:
+        """Where the arm is, (n,)."""
+        return np.array(self.run("() => alpha5.state.q"))
+
+    def type_into(self, label: str, text: str) -> str:
+        """Type into a field that has an accessible name; what it shows afterwards."""
+        field = self.page.get_by_label(label, exact=True).last
+        field.click(click_count=3)
+        field.press("Delete")
+        self.page.keyboard.type(text)
+        field.press("Enter")
+        field.blur()
+        self.settle()
+        return str(field.input_value())
+
+    def slide(self, joint: str, value: float) -> None:
+        """Move the slider that stands beside the name of a joint."""
+        row = self.page.locator("#joints > div").filter(has_text=joint)
+        script = """(slider, value) => {
+          slider.value = value;
+          slider.dispatchEvent(new Event('input'));
+        }"""
+        row.locator("input[type=range]").evaluate(script, value)
+        self.settle()
 
     def change(self, by: str = "hand", **part: Any) -> None:
         """Change entries of the page's state."""
@@ -192,4 +226,19 @@ def new_tab(running: Any, size: tuple[int, int] = SIZE, **options: Any) -> Tab:
     )
     page.on("pageerror", lambda error: tab.complaints.append(str(error)))
     page.on("request", lambda request: tab.requests.append(request.url))
+    return tab
+
+
+def open_scene(
+    running: Any,
+    scene: Scene,
+    folder: Path,
+    size: tuple[int, int] = SIZE,
+    **options: Any,
+) -> Tab:
+    """The page of a scene, opened from a file of a folder."""
+    path = folder / "page.html"
+    path.write_text(static_page(scene), "utf-8")
+    tab = new_tab(running, size, **options)
+    tab.open(path.as_uri())
     return tab

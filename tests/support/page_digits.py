@@ -1,4 +1,4 @@
-"""Eight pages of the arm, and what each prints at a pose, beside Python's numbers."""
+"""Pages of the arm, and what each prints at a pose, beside Python's numbers."""
 
 from __future__ import annotations
 
@@ -9,21 +9,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from browser import Tab, new_tab
-from own_arm import random_arm
+import own_arm_dynamics
+from browser import Tab, open_scene
 
 import alpha5_model as a5
-from alpha5_model.numbers.fluids import AIR, FRESH_WATER
+from alpha5_model.numbers.fluids import AIR
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.page import static_page
 from alpha5_model.viewer.scene import Payload
 
 CURRENT = (0.3, -0.4, 0.2)
 PAYLOAD = Payload(mass=0.3, com=(0.01, 0.0, 0.02), volume=5e-5)
 #: Roll and pitch of the mount.
 ATTITUDE = (2.5, -0.6)
-PAGES = ("locked", "jaws", "air", "mount", "payload", "current", "recording", "own")
+PAGES = ("air", "mount", "current", "recording", "spacer", "own mount")
 
 
 @dataclass
@@ -51,17 +50,11 @@ def case(name: str) -> Case:
     jaws = a5.load(gripper="jaws")
     if name == "locked":
         return Case(arm=locked, bare=locked)
-    if name == "jaws":
-        fresh = a5.load(FRESH_WATER, gripper="jaws")
-        return Case(arm=fresh, bare=jaws, changed={"density": FRESH_WATER})
     if name == "air":
-        return Case(arm=a5.load(AIR), bare=a5.load(AIR))
+        return Case(arm=a5.load(AIR), bare=locked, changed={"density": AIR})
     if name == "mount":
         tilted = a5.load(gravity=_gravity(*ATTITUDE), gripper="jaws")
         return Case(arm=tilted, bare=jaws, changed={"attitude": ATTITUDE})
-    if name == "payload":
-        loaded = _loaded(jaws)
-        return Case(arm=loaded, bare=jaws, changed={"payload": PAYLOAD._asdict()})
     if name == "current":
         return Case(
             arm=_loaded(a5.load(gravity=_gravity(*ATTITUDE))),
@@ -77,7 +70,8 @@ def case(name: str) -> Case:
             changed={"current": CURRENT},
             current=CURRENT,
         )
-    own = a5.load(arm=random_arm(np.random.default_rng(5), off_axis=True))
+    record = own_arm_dynamics.RECORDS[{"spacer": 1, "own mount": 9}[name]]
+    own = a5.load(gripper="jaws", arm=record)
     return Case(arm=_loaded(own), bare=own, opened={"payload": PAYLOAD})
 
 
@@ -112,10 +106,7 @@ def _motion() -> Any:
 
 def opened(chromium: Any, one: Case, folder: Path) -> Tab:
     """The page of a case, with what a hand changes on it."""
-    path = Path(folder, "page.html")
-    path.write_text(static_page(build_scene(one.bare, **one.opened)), "utf-8")
-    tab = new_tab(chromium)
-    tab.open(path.as_uri())
+    tab = open_scene(chromium, build_scene(one.bare, **one.opened), folder)
     script = """([part, flows]) => {
       alpha5.change(part);
       alpha5.change({ shown: { current: flows } });

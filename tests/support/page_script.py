@@ -16,23 +16,18 @@ from alpha5_model.viewer.page import static_page
 from alpha5_model.viewer.scene import Scene
 
 WEB = Path(alpha5_model.__file__).parent / "viewer/web"
-MODULES = ("vectors", "inverse_kinematics", "kinematics", "statics", "collision")
+MODULES = ("vectors", "inverse_kinematics", "kinematics", "collision")
 #: For each row: the arm is moved to q, and everything about that pose is computed.
 _PROGRAM = """
 import { readFileSync } from "node:fs";
 import { change, state } from "./state.js";
 import { reach, solutions, weakest } from "./kinematics.js";
-import { restLoad, torques } from "./statics.js";
 import { touching } from "./collision.js";
 
-const { part, rows } = JSON.parse(readFileSync("rows.json"));
-change(part, "page");
+const rows = JSON.parse(readFileSync("rows.json"));
 const answers = rows.map(({ q, point, wrist }) => {
   change({ q }, "page");
   return {
-    poses: state.poses,
-    torques: torques(state, state.shown.current).map((t) => [t.low, t.value, t.high]),
-    rest: restLoad(state),
     touching: touching(state.poses),
     weakest: weakest(state.poses),
     reach: [0, 1, 2, 3].map((branch) => reach(point, branch, q)),
@@ -55,7 +50,6 @@ def computed(
     folder: Path,
     q: np.ndarray,
     points: np.ndarray,
-    part: dict[str, Any] | None = None,
 ) -> list[dict[str, Any]]:
     """What the page of a scene computes at some poses.
 
@@ -65,7 +59,6 @@ def computed(
         q: Positions of the sliders, (N, n).
         points: Targets in base_link, (N, 3); each is also solved for with the wrist
             angle of its pose.
-        part: Entries of the page's state that are changed first.
     """
     (folder / "package.json").write_text('{"type": "module"}')
     for name in (*MODULES, "state"):
@@ -77,7 +70,7 @@ def computed(
         {"q": row.tolist(), "point": point.tolist(), "wrist": row[3]}
         for row, point in zip(q, points, strict=True)
     ]
-    (folder / "rows.json").write_text(json.dumps({"part": part or {}, "rows": rows}))
+    (folder / "rows.json").write_text(json.dumps(rows))
     done = subprocess.run(
         ["node", "main.js"], cwd=folder, check=True, capture_output=True, text=True
     )

@@ -1,9 +1,8 @@
-"""What the page computes, against Pinocchio, coal and Newton-Euler of the record."""
+"""Solutions, nearest points and contacts of the page, against Python and coal."""
 
 from __future__ import annotations
 
 import shutil
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,84 +14,22 @@ from pinocchio_collision import CollisionModel
 from scipy.optimize import minimize
 
 import alpha5_model as a5
-from alpha5_model.numbers.fluids import FRESH_WATER, GRAVITY, SEA_WATER
-from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.viewer.build import build_scene
 
 pytestmark = [
     pytest.mark.tools,
     pytest.mark.skipif(shutil.which("node") is None, reason="there is no node"),
 ]
-MASS, COM, VOLUME = 0.3, (0.01, 0.0, 0.02), 5e-5
-CURRENT = (0.3, -0.4, 0.2)
 COUNT = 40
 
 
-@dataclass
-class Case:
-    """A page, and the arm whose numbers it must have.
-
-    Attributes:
-        arm: With everything that the page has.
-        shown: That the page is made of.
-        options: Of `build_scene`.
-        part: Entries of the page's state that are changed after it has opened.
-        flows: Whether the current is counted.
-    """
-
-    arm: a5.Arm
-    shown: a5.Arm
-    options: dict[str, Any] = field(default_factory=dict)
-    part: dict[str, Any] = field(default_factory=dict)
-    flows: bool = False
-
-
-def held(arm: a5.Arm) -> a5.Arm:
-    return arm.with_payload(MASS, COM, volume=VOLUME)
-
-
-def tilted(roll: float, pitch: float) -> np.ndarray:
-    """Gravity in a base with this attitude."""
-    x = np.array([1.0, 0.0, 0.0]), np.array([0.0, np.cos(roll), -np.sin(roll)])
-    about_x = np.array([*x, [0.0, np.sin(roll), np.cos(roll)]])
-    y = [np.cos(pitch), 0.0, np.sin(pitch)], [0.0, 1.0, 0.0]
-    about_y = np.array([*y, [-np.sin(pitch), 0.0, np.cos(pitch)]])
-    return (about_y @ about_x).T @ GRAVITY
-
-
-def case(name: str) -> Case:
-    payload = (MASS, COM, VOLUME)
-    jaws = a5.load(gripper="jaws")
+def arm_of(name: str) -> a5.Arm:
     if name == "locked":
-        return Case(arm=a5.load(), shown=a5.load())
-    if name == "fluid changed":
-        fresh = a5.load(FRESH_WATER, gripper="jaws")
-        return Case(arm=fresh, shown=jaws, part={"density": FRESH_WATER})
-    if name == "mount changed":
-        arm = a5.load(gravity=tilted(2.5, -0.6), gripper="jaws")
-        return Case(arm=arm, shown=jaws, part={"attitude": [2.5, -0.6]})
-    if name == "payload changed":
-        part = {"payload": {"mass": MASS, "com": COM, "volume": VOLUME}}
-        return Case(arm=held(jaws), shown=jaws, part=part)
-    if name == "current on a mount":
-        arm = a5.load(gravity=(3.0, -5.0, -7.0))
-        options = {"payload": payload, "water_velocity": CURRENT}
-        return Case(arm=held(arm), shown=arm, options=options, flows=True)
-    seed = {"tool beside": 0, "spacer": 1, "own mount": 9}[name]
-    arm = a5.load(gripper="jaws", arm=own.RECORDS[seed])
-    return Case(arm=held(arm), shown=arm, options={"payload": payload})
-
-
-NAMES = (
-    "locked",
-    "fluid changed",
-    "mount changed",
-    "payload changed",
-    "current on a mount",
-    "tool beside",
-    "spacer",
-    "own mount",
-)
+        return a5.load()
+    if name == "jaws":
+        return a5.load(gripper="jaws")
+    seed = {"tool beside": 0, "spacer": 1}[name]
+    return a5.load(gripper="jaws", arm=own.RECORDS[seed])
 
 
 def states(arm: a5.Arm, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -108,77 +45,9 @@ def close(found: Any, wanted: Any, tolerance: float = 1e-12) -> None:
     np.testing.assert_allclose(np.array(found, float), wanted, rtol=0.0, atol=tolerance)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_poses_torques_and_loads_are_pinocchios(name: str, tmp_path: Path) -> None:
-    one = case(name)
-    q, points = states(one.shown, NAMES.index(name))
-    scene = build_scene(one.shown, **one.options)
-    still = np.zeros(q.shape[1])
-    for row, found in zip(
-        q, page_script.computed(scene, tmp_path, q, points, one.part), strict=True
-    ):
-        base = np.array(found["poses"]["base_link"])
-        # Gravity points down in the picture.
-        gravity = np.array(one.arm.model.gravity.linear)
-        close(base[:, :3] @ gravity, [0.0, 0.0, -np.linalg.norm(gravity)])
-        for link, pose in found["poses"].items():
-            if link == "world":
-                continue
-            wanted = one.arm.forward_kinematics(row, frame=link).homogeneous
-            close(pose, base @ wanted)
-        if one.flows:
-            levels = [one.arm.with_hydrodynamics(CURRENT, level) for level in LEVELS]
-            each = [arm.inverse_dynamics(row, still, still)[:4] for arm in levels]
-            wanted = np.stack([np.min(each, axis=0), each[1], np.max(each, axis=0)])
-        else:
-            wanted = np.tile(one.arm.hydrostatic_torque(row)[:4], (3, 1))
-        close(found["torques"], wanted.T)
-        load = one.arm.base_wrench(row, still, still)
-        close(found["rest"], [load.linear, load.angular])
-        least = np.linalg.svd(one.arm.jacobian(row)[:3, :4], compute_uv=False)[-1]
-        close(found["weakest"], least, 1e-9)
-
-
-def test_another_density_is_seen(tmp_path: Path) -> None:
-    """Negative control: 1 kg/m^3 more is another torque."""
-    arm = a5.load()
-    q, points = states(arm, 1)
-    found = page_script.computed(
-        build_scene(arm), tmp_path, q, points, {"density": SEA_WATER + 1}
-    )
-    values = np.array([[t[1] for t in one["torques"]] for one in found])
-    wanted = np.array([arm.hydrostatic_torque(row) for row in q])
-    assert np.abs(values - wanted).max() > 1e-4
-
-
-@pytest.mark.parametrize("seed", [0, 1, 9])
-def test_an_own_arm_is_that_of_its_record(seed: int, tmp_path: Path) -> None:
-    """Frames, tool and torques by Newton-Euler of the record alone."""
-    record = own.RECORDS[seed]
-    arm = a5.load(arm=record)
-    q, _, _ = own.states(record, 10)
-    still = np.zeros_like(q)
-    mounted = np.eye(3) if record.mount is None else record.mount.rotation
-    wanted, _ = own.inverse_dynamics(
-        record, q, still, still, SEA_WATER, mounted.T @ GRAVITY
-    )
-    rotations, origins = own.link_frames(record, q)
-    answers = page_script.computed(
-        build_scene(arm), tmp_path, q, np.zeros((10, 3)), None
-    )
-    for i, found in enumerate(answers):
-        base = np.array(found["poses"]["base_link"])
-        for link in range(5):
-            pose = np.array(found["poses"][f"link_{link}"])
-            close(pose[:, :3], base[:, :3] @ rotations[link, i])
-            close(pose[:, 3], base[:, :3] @ origins[link, i])
-        close(found["poses"]["tcp"], base @ own.tcp(record, q[i]))
-        close([t[1] for t in found["torques"]], wanted[i])
-
-
 @pytest.mark.parametrize("name", ["locked", "tool beside", "spacer"])
 def test_solutions_and_nearest_points(name: str, tmp_path: Path) -> None:
-    arm = case(name).shown
+    arm = arm_of(name)
     record = arm.parameters
     rng = np.random.default_rng(3)
     anywhere = rng.normal((0.0, 0.0, 0.1), 0.35, (40, 3))
@@ -193,6 +62,8 @@ def test_solutions_and_nearest_points(name: str, tmp_path: Path) -> None:
     for row, point, found in zip(q, points, answers, strict=True):
         solved = a5.inverse_kinematics(point, row[3], arm=record)
         close(found["solutions"]["q"], solved.q, 1e-9)
+        least = np.linalg.svd(arm.jacobian(row)[:3, :4], compute_uv=False)[-1]
+        close(found["weakest"], least, 1e-9)
         assert found["solutions"]["exists"] == solved.exists.tolist()
         assert found["solutions"]["within_limits"] == solved.within_limits.tolist()
         for branch, way in enumerate(found["reach"]):
@@ -244,9 +115,9 @@ def searched(record: Any, point: np.ndarray, wrist: float) -> float:
     return float(np.sqrt(min(ends)))
 
 
-@pytest.mark.parametrize("name", ["fluid changed", "spacer"])
+@pytest.mark.parametrize("name", ["jaws", "spacer"])
 def test_links_that_touch_are_those_of_coal(name: str, tmp_path: Path) -> None:
-    arm = case(name).shown
+    arm = arm_of(name)
     rng = np.random.default_rng(6)
     q = rng.uniform(arm.limits.lower, arm.limits.upper, (250, len(arm.joint_names)))
     answers = page_script.computed(build_scene(arm), tmp_path, q, np.zeros((250, 3)))

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from browser import needs_browser, new_tab
+from browser import needs_browser, open_scene
 
 import alpha5_model as a5
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.page import static_page
 
 pytestmark = needs_browser
 
@@ -25,10 +24,7 @@ def test_each_control_chart_and_picture_has_a_name_of_its_own(
     turned = a5.named_pose("home") + 0.1 * np.sin(time)[:, None]
     motion = a5.trajectory.motion(time, turned)
     scene = build_scene(a5.load(), motion=motion)
-    path = tmp_path / "page.html"
-    path.write_text(static_page(scene), "utf-8")
-    tab = new_tab(chromium, (1280, 900))
-    tab.open(path.as_uri())
+    tab = open_scene(chromium, scene, tmp_path, (1280, 900))
     tab.run("""() => {
       for (const each of document.querySelectorAll('details')) each.open = true;
       alpha5.change({ shown: { ghosts: true } });

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import Tab, needs_browser, new_tab
+from browser import Tab, needs_browser, new_tab, open_scene
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, ShapeError
@@ -47,10 +48,8 @@ def tab(
 ) -> Iterator[Tab]:
     curves = {"battery (V)": 24 - 0.1 * TIME, "<b>depth</b>": np.cos(TIME)}
     scene = build_scene(arm, motion=recording, curves=curves)
-    path = tmp_path_factory.mktemp("curves") / "page.html"
-    path.write_text(static_page(scene), "utf-8")
-    tab = new_tab(chromium, (1200, 800))
-    tab.open(path.as_uri())
+    folder = tmp_path_factory.mktemp("curves")
+    tab = open_scene(chromium, scene, folder, (1200, 800))
     tab.run("(time) => alpha5.seek(time)", TIME[AT])
     yield tab
     assert tab.complaints == []
@@ -88,11 +87,12 @@ def test_a_recording_stands_beside_the_model(
     assert titles == ["Effort", "Effort, residual", "battery (V)"]
     for k, joint in enumerate(arm.joint_names):
         tab.page.select_option("#torque-of", joint)
-        for title, recorded, computed, name in (
-            ("Effort", model.effort, model.torque, "model"),
-            ("Motor current", model.recorded_current, model.current, "model"),
+        for title, unit, recorded, computed, name in (
+            ("Effort", "N\u00b7m", model.effort, model.torque, "model"),
+            ("Motor current", "A", model.recorded_current, model.current, "model"),
             (
                 "Position",
+                "\u00b0",
                 np.degrees(recording.position),
                 np.degrees(model.smooth.position),
                 "smoothed",
@@ -101,6 +101,9 @@ def test_a_recording_stands_beside_the_model(
             assert recorded is not None
             draw(tab, 0, title)
             draw(tab, 1, f"{title}, residual")
+            for what in (title, f"{title}, residual"):
+                whole = re.compile(f"^{what} of {joint} over time, .* to .* {unit}$")
+                assert tab.page.get_by_role("img", name=whole).count() == 1
             both = shown(tab, 0)
             assert both["recorded"] == pytest.approx(recorded[AT, k], abs=6e-5)
             assert both[name] == pytest.approx(computed[AT, k], abs=6e-5)

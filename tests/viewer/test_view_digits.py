@@ -12,7 +12,7 @@ from browser import needs_browser
 pytestmark = needs_browser
 
 
-@pytest.mark.parametrize("name", ["mount", "current", "recording", "own"])
+@pytest.mark.parametrize("name", page_digits.PAGES)
 def test_printed_digits_are_pythons(chromium: Any, name: str, tmp_path: Path) -> None:
     one = page_digits.case(name)
     tab = page_digits.opened(chromium, one, tmp_path)

@@ -92,22 +92,3 @@ def test_a_picture_has_the_ghosts_of_the_page(
         tab.page.close()
     assert "beyond the limits" in texts
     assert kind == "own" or "collides" in texts
-
-
-def test_the_wrist_of_a_ghost_is_the_arms() -> None:
-    arm = a5.load()
-    target = arm.forward_kinematics([2.0, 1.2, 1.4, 1.0]).translation
-    scene = build_scene(arm, [2.0, 1.2, 1.4, 1.0], target=target)
-    wrists = {
-        shape.name: shape.anchor.placement
-        for shape in scene.shapes
-        if shape.group == "ghosts" and "/link_4/" in shape.name
-        if isinstance(shape.anchor, Rigid)
-    }
-    ways = a5.inverse_kinematics(target, 1.0).q
-    for i, branch in enumerate(a5.BRANCHES):
-        poses = [wrists[name] for name in wrists if name.startswith(f"{branch}/")]
-        expected = arm.forward_kinematics(ways[i], frame="link_4").homogeneous
-        assert len(poses) == 0 or np.abs(poses[0] - expected).max() < 1e-9
-    # The branch that the arm itself takes has no ghost.
-    assert {name.split("/")[0] for name in wrists} < set(a5.BRANCHES)

@@ -34,7 +34,6 @@ WINDOWS = {
     "wide light": ((1400, 900), "light"),
     "wide dark": ((1400, 900), "dark"),
     "phone light": ((400, 800), "light"),
-    "phone dark": ((400, 800), "dark"),
 }
 #: Where all four branches reach.
 OPEN = np.array([0.06, 0.05, 0.36])
@@ -111,10 +110,6 @@ def opened(chromium: Any) -> Iterator[Tab]:
     one.page.close()
 
 
-def joints(tab: Tab) -> np.ndarray:
-    return np.array(tab.run("() => alpha5.state.q"))
-
-
 def drag(tab: Tab, pixels: tuple[float, float], release: bool = True) -> np.ndarray:
     """Drag the tip by its handle; the point that the camera's matrices put there."""
     start = np.array(tab.run("() => alpha5.state.poses.tcp"))[:, 3]
@@ -132,32 +127,32 @@ def drag(tab: Tab, pixels: tuple[float, float], release: bool = True) -> np.ndar
 
 @every_window
 def test_the_tip_follows_the_pointer_on_its_branch(tab: Tab, arm: a5.Arm) -> None:
-    before = joints(tab)
+    before = tab.joints()
     branch = a5.inverse_kinematics(
         arm.forward_kinematics(before).translation, before[3]
     )
     kept = int(np.nanargmin(np.abs(branch.q - before[:4]).max(axis=1)))
     wide = tab.size()[0] > 1000
     goal = drag(tab, (-60, -70) if wide else (-20, -25))
-    q = joints(tab)
+    q = tab.joints()
     assert np.linalg.norm(arm.forward_kinematics(q).translation - goal) < 1e-4
     assert np.linalg.norm(goal - arm.forward_kinematics(before).translation) > 0.03
     np.testing.assert_allclose(
         q[:4], a5.inverse_kinematics(goal, q[3]).q[kept], atol=1e-3
     )
     assert q[4] == before[4], "the jaws stay as they are"
-    assert tab.run("() => document.querySelector('#message').textContent") == ""
+    assert tab.message() == ""
 
 
 def test_outside_the_reach_the_tip_stops_at_the_nearest_point(
     tab: Tab, arm: a5.Arm
 ) -> None:
     goal = drag(tab, (420, -60))
-    place = arm.forward_kinematics(joints(tab)).translation
+    place = arm.forward_kinematics(tab.joints()).translation
     away = float(a5.distance_to_reach(goal))
     assert away > 0.02
     assert np.linalg.norm(place - goal) == pytest.approx(away, abs=1e-4)
-    said = tab.run("() => document.querySelector('#message').textContent")
+    said = tab.message()
     assert "out of reach" in said
     assert float(re.findall(r"[\d.]+(?= mm)", said)[0]) == pytest.approx(
         1e3 * away, abs=0.11
@@ -185,14 +180,13 @@ def centres(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
     )
 
 
-@pytest.mark.parametrize("tab", ["wide light", "wide dark"], indirect=True)
 def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
     tab.change(shown={"ghosts": True})
     tab.run("(p) => alpha5.follow(p, 0)", OPEN.tolist())
     tab.change(shown={"labels": False})
     tab.run("() => alpha5.look('side', false)")
     tab.settle()
-    q = joints(tab)
+    q = tab.joints()
     ways = a5.inverse_kinematics(OPEN, q[3])
     assert ways.within_limits.all()
     pixels = [tab.project(outline(arm, np.append(way, q[4]))) for way in ways.q]
@@ -208,7 +202,7 @@ def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
     chosen = 1 + int(np.argmax([c.max() for c in clear[1:]]))
     x, y = aims[chosen][clear[chosen].argmax()]
     tab.page.mouse.click(x, y)
-    after = joints(tab)
+    after = tab.joints()
     np.testing.assert_allclose(after[:4], ways.q[chosen], atol=1e-9)
     # A ghost that equals the arm is hidden; the pose that the arm left is a ghost now.
     seen = tab.run("""() => alpha5.ghosts.map(
@@ -216,7 +210,7 @@ def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
     )""")
     assert seen == [i != chosen for i in range(4)]
     tab.page.mouse.click(float(tab.size()[0]) - 5, 450)  # where there is no ghost
-    np.testing.assert_array_equal(joints(tab), after)
+    np.testing.assert_array_equal(tab.joints(), after)
 
 
 def body_points(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
@@ -329,7 +323,7 @@ def test_a_given_target_is_reached_or_said_to_be_out_of_reach(
     tab = opened
     tab.open(files[name].as_uri())
     target = np.array(tab.run("() => alpha5.data.target"))
-    place = arm.forward_kinematics(joints(tab)).translation
+    place = arm.forward_kinematics(tab.joints()).translation
     away = float(a5.distance_to_reach(target))
     assert np.linalg.norm(place - target) == pytest.approx(away, abs=1e-9)
     said = beyond(tab)[0]
@@ -349,12 +343,11 @@ def test_a_given_target_is_reached_or_said_to_be_out_of_reach(
     for axis, value in zip("xyz", (-180, 60, 160), strict=True):
         tab.page.fill(f"#target input[name={axis}]", str(value))
     tab.page.press("#target input[name=z]", "Enter")
-    place = arm.forward_kinematics(joints(tab)).translation
+    place = arm.forward_kinematics(tab.joints()).translation
     np.testing.assert_allclose(place, [-0.18, 0.06, 0.16], atol=1e-9)
     assert beyond(tab)[0] == ""
 
 
-@pytest.mark.parametrize("tab", ["wide dark", "phone light"], indirect=True)
 def test_the_strip_shows_what_python_computes_there(
     tab: Tab, arm: a5.Arm, moved: Motion
 ) -> None:
@@ -397,7 +390,7 @@ def test_the_strip_shows_what_python_computes_there(
     now = tab.run("() => Number(document.getElementById('time').value)")
     assert now == pytest.approx(0.4 * time[-1], rel=0.02)
     expected = [np.interp(now, moved.time, column) for column in moved.position.T]
-    np.testing.assert_allclose(joints(tab), expected, atol=2e-5)
+    np.testing.assert_allclose(tab.joints(), expected, atol=2e-5)
     cursor = tab.page.locator("#charts .plot i").first.bounding_box()
     assert cursor["x"] + 1 == pytest.approx(box["x"] + 0.4 * box["width"], abs=1.5)
 

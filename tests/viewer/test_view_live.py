@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import base64
 import http.client
-import io
 import json
-import os
 import queue
-import signal
 import socket
 import subprocess
 import sys
@@ -24,15 +21,12 @@ import numpy as np
 import page_script
 import pytest
 import umsgpack
-from PIL import Image
-from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 import alpha5_model as a5
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.errors import Alpha5Error, InputError, ShapeError, ViewerError
-from alpha5_model.viewer import live
-from alpha5_model.viewer.visualizer import ArmVisualizer, read_move
+from alpha5_model.viewer.visualizer import ArmVisualizer
 
 POSE = np.array([2.0, 1.0, 2.2, 0.4, 0.005])
 ELSEWHERE = [1.0, 1.5, 2.0, 2.5, 0.002]
@@ -55,7 +49,7 @@ def viewer(
 ) -> Iterator[ArmVisualizer]:
     """A viewer that works afterwards, has not moved, and has printed nothing."""
     yield opened
-    opened._listeners.clear()
+    opened._listeners.clear()  # a viewer has no public way to stop calling back
     np.testing.assert_array_equal(opened.q, POSE)
     works(opened)
     assert capfd.readouterr() == ("", "")
@@ -150,14 +144,8 @@ def test_only_its_own_page_is_answered(viewer: ArmVisualizer) -> None:
         assert status(viewer, Host=host) == 200
     for host in (
         "attacker.example",
-        f"attacker.example:{port}",
         f"127.0.0.1.example:{port}",
-        "me@127.0.0.1",
-        "127.0.0.1:x",
-        "127.0.0.1.:80",
         "[::1",
-        "[::1]:80",
-        "\xff\xfe",
         "",
     ):
         assert status(viewer, Host=host) in (400, 403)
@@ -187,12 +175,9 @@ def raw(viewer: ArmVisualizer, sent: bytes, last: bytes = b"\r\n\r\n") -> bytes:
 @pytest.mark.parametrize(
     "sent",
     [
-        b"\r\n\r\n",
         bytes(range(256)) * 40,
         b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n",
-        b"GET / HTTP/9.9\r\n\r\n",
         b"GET http://[::1/ HTTP/1.1\r\nHost: localhost\r\n\r\n",
-        b"GET / HTTP/1.1\r\n:::\r\n\r\n",
         b"GET /" + b"a" * 100_000 + b" HTTP/1.1\r\nHost: localhost\r\n\r\n",
         b"POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999\r\n\r\n",
         b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: " + b"9" * 5000,
@@ -215,25 +200,14 @@ def poses(*numbers: str) -> str:
 
 MESSAGES: dict[str, tuple[str | bytes, str]] = {
     "far": (poses("99"), "axis_e: 99 rad is above the upper limit"),
-    "below": (poses("-1e-6"), "axis_e: -1e-06 rad is below the lower limit"),
     "open_jaws": (poses("2", "1", "2.2", "0.4", "5"), "axis_a: 5 m is above"),
-    "nan": (poses("NaN"), "finite"),
     "too_large": (poses("1e999"), "finite"),
-    "huge_integer": (poses("9" * 400), "real numbers"),
     "endless_integer": (poses("9" * 5000), "JSON"),
-    "text": (poses('"2"'), "real numbers"),
-    "true": (poses("true"), "real numbers"),
-    "null": (poses("null"), "real numbers"),
     "short": ('{"q": [1, 1, 1, 1]}', "shape (5,)"),
-    "nested": ('{"q": [[1, 1, 1, 1, 0]]}', "shape (5,)"),
     "word": ('{"q": "home"}', "real numbers"),
     "base": (poses()[:-1] + ', "root": {"base_link": [[9]]}}', "expected"),
-    "no_object": ("[1, 1, 1, 1, 0]", "expected"),
     "no_json": ("q", "JSON"),
-    "empty": ("", "JSON"),
-    "brackets": ("[" * 100_000, "JSON"),
     "many": ('{"q": [' + ",".join(["1"] * 400_000) + "]}", "shape (5,)"),
-    "no_picture": ('{"type":"img","data":5}', "picture"),
     "html_picture": ('{"type":"img","data":"data:text/html;base64,AA=="}', "picture"),
     "command": ('{"type":"set_object","path":"/meshcat"}', "expected"),
     "binary": (poses().encode(), "bytes"),
@@ -258,25 +232,6 @@ def test_a_page_is_refused_and_told_where_the_arm_is(
     assert heard.empty()
 
 
-def test_what_a_page_sends_is_within_the_limits_exactly() -> None:
-    """Rounding may leave a joint a hair beyond; what is called back is not."""
-    arm = a5.load(gripper="jaws")
-    rng = np.random.default_rng(5)
-    low, high = arm.limits.lower, arm.limits.upper
-    for _ in range(200):
-        q = rng.uniform(low, high)
-        ends = rng.integers(0, 3, 5)
-        q[ends == 1] = low[ends == 1] - 0.9e-6
-        q[ends == 2] = high[ends == 2] + 0.9e-6
-        said = read_move({"q": q.tolist()}, arm)
-        assert ((low <= said) & (said <= high)).all()
-        np.testing.assert_allclose(said, q, rtol=0, atol=1e-6)
-        joint = rng.integers(5)
-        q[joint] = high[joint] + 1.1e-6
-        with pytest.raises(a5.errors.JointLimitError, match=arm.joint_names[joint]):
-            read_move({"q": q.tolist()}, arm)
-
-
 def test_a_page_leaves_a_floating_base_where_it_is() -> None:
     viewer = a5.view(a5.load(floating_base=True))
     try:
@@ -291,15 +246,6 @@ def test_a_page_leaves_a_floating_base_where_it_is() -> None:
         np.testing.assert_allclose(viewer.q, [*base, 1.0, 1.0, 1.0, 1.0], atol=1e-15)
     finally:
         viewer.close()
-
-
-def test_a_message_beyond_all_pictures_ends_its_connection(
-    viewer: ArmVisualizer,
-) -> None:
-    with page_of(viewer) as page, suppress(ConnectionClosed):
-        page.send("x" * (live._LARGEST_PICTURE + 1))
-        while True:
-            page.recv(timeout=SOON)
 
 
 def test_a_page_that_never_pauses_holds_nobody_up(viewer: ArmVisualizer) -> None:
@@ -403,31 +349,6 @@ def test_static_html_holds_the_scene_as_it_stands(viewer: ArmVisualizer) -> None
     assert data["q"] == POSE.tolist()
     assert next(g["shown"] for g in data["groups"] if g["name"] == "weight")
     assert not data["live"]
-
-
-def test_a_page_is_asked_for_its_picture(
-    viewer: ArmVisualizer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    buffer = io.BytesIO()
-    Image.new("RGB", (7, 5)).save(buffer, "PNG")
-    content = base64.b64encode(buffer.getvalue()).decode()
-    found: list[Any] = []
-    asking = threading.Thread(target=lambda: found.append(viewer.get_image()))
-    asking.start()  # before there is a page
-    with page_of(viewer) as page:
-        assert viewer.wait() == "ok"
-        until(page, "capture_image")
-        page.send('{"type":"img","data":"data:image/png;base64,?"}')
-        assert "picture" in until(page, "refused")["reason"]
-        page.send(f'{{"type":"img","data":"data:image/png;base64,{content}"}}')
-        asking.join(SOON)
-    assert found[0].size == (7, 5)
-
-    wait_for(lambda: not viewer.window._pages)
-    monkeypatch.setattr(live, "PAGE_PATIENCE", 0.1)
-    for call in (viewer.wait, viewer.get_image):
-        with pytest.raises(ViewerError, match=r"no page .* within 0\.1 s"):
-            call()
 
 
 # ---- calls of this program
@@ -581,23 +502,6 @@ def test_close_frees_the_port_and_a_taken_one_is_named() -> None:
             call()
     first.close()
     a5.view(a5.load(), port=port).close()
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_waiting_ends_with_a_signal_and_puts_the_handlers_back(number: int) -> None:
-    from alpha5_model.cli.view import _wait_until_stopped
-
-    before = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
-    timer = threading.Timer(0.1, os.kill, (os.getpid(), number))
-    timer.start()
-    try:
-        _wait_until_stopped()
-        after = {one: signal.getsignal(one) for one in before}
-    finally:
-        timer.join()
-        for one, handler in before.items():
-            signal.signal(one, handler)
-    assert after == before
 
 
 @pytest.mark.slow

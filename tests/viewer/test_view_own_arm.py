@@ -20,11 +20,8 @@ from alpha5_model.numbers.fluids import SEA_WATER
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import static_page
-from alpha5_model.viewer.picture import picture
 from alpha5_model.viewer.scene import Scene
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
 #: Tool on the wrist axis: moved by a spacer; beside it: of its own; with a mount.
 SEEN = {0: "beside", 1: "spacer", 9: "mount"}
 
@@ -111,24 +108,6 @@ def test_a_spacer_moves_the_jaws() -> None:
         still = scene_of(printed, gripper)
         ends = [far_end(scene, link) for scene in (moved, still)]
         assert ends[0] - ends[1] == pytest.approx(record.spacer, abs=1e-9)
-        # The hand has no gap, neither in the page nor in the picture.
-        assert gap_of_hand(moved) <= gap_of_hand(still) == 0.0
-        bare = [shape for shape in moved.shapes if shape.name != "link_4/spacer"]
-        assert gap_of_hand(dataclasses.replace(moved, shapes=tuple(bare))) > 0.005
-
-
-def gap_of_hand(scene: Scene) -> float:
-    """Longest stretch along the wrist axis without a body of wrist or jaws [m]."""
-    to_link_4 = np.linalg.inv(scene.poses["link_4"])
-    hand = [
-        shape.placed(scene.poses).moved(to_link_4).vertices[:, 2]
-        for shape in scene.shapes
-        if shape.group == "bodies" and shape.name.startswith(("link_4/", "finger_"))
-    ]
-    ends = sorted((z.min(), z.max()) for z in hand)
-    highest = np.maximum.accumulate([high for _, high in ends])
-    gaps = [low - top for (low, _), top in zip(ends[1:], highest, strict=False)]
-    return max(0.0, *gaps)
 
 
 def far_end(scene: Scene, link: str) -> float:
@@ -164,20 +143,6 @@ def test_the_arm_starts_at_a_target(seed: int) -> None:
     assert any(shape.group == "ghosts" for shape in scene.shapes)
 
 
-def test_a_side_without_reach_is_left_out() -> None:
-    """Limits that keep the tip in front of the yaw axis."""
-    printed = a5.parameters()
-    narrow = [(2.0, 4.0), (1.2, 1.5), (2.6, 2.9), (1.0, 2.0)]
-    joints = [
-        dataclasses.replace(joint, lower=low, upper=high)
-        for joint, (low, high) in zip(printed.joints, narrow, strict=False)
-    ]
-    record = dataclasses.replace(printed, joints=(*joints, printed.joints[4]))
-    scene = scene_of(record)
-    assert any(shape.group == "workspace" for shape in scene.shapes)
-    assert picture(scene, (160, 100)).shape == (100, 160, 3)
-
-
 def test_another_model_than_the_record_is_refused() -> None:
     arm = a5.load(arm=own.RECORDS[0])
     model = arm.model
@@ -199,18 +164,6 @@ def test_attached_bodies_are_named_where_they_are() -> None:
         np.testing.assert_allclose(place[:3, 3], wanted, atol=1e-12)
 
 
-def test_the_collision_bodies_are_drawn_in_the_links_frames() -> None:
-    record = own.RECORDS[2]
-    scene = scene_of(record, "locked", show=["collision"])
-    published = build_scene(a5.load(), show=["collision"])
-    drawn = [shape for shape in scene.shapes if shape.group == "collision"]
-    printed = [shape for shape in published.shapes if shape.group == "collision"]
-    assert [shape.name for shape in drawn] == [shape.name for shape in printed]
-    for shape, other in zip(drawn, printed, strict=True):
-        assert shape.anchor.link == other.anchor.link
-        np.testing.assert_allclose(shape.mesh.vertices, other.mesh.vertices, atol=1e-9)
-
-
 def test_the_mount_turns_the_arrows() -> None:
     record = own.RECORDS[9]
     assert record.mount is not None
@@ -229,29 +182,6 @@ def test_the_mount_turns_the_arrows() -> None:
 
     afloat = build_scene(a5.load(arm=record, floating_base=True))
     assert not [line for line in afloat.notes if line.startswith("Mounted")]
-
-
-@pytest.mark.slow
-def test_the_command_takes_the_file_of_an_arm(tmp_path: Path) -> None:
-    """The page is that of Python; the picture shows longer jaws."""
-    file = EXAMPLES / "my_arm.toml"
-    page = tmp_path / "own.html"
-    image = tmp_path / "own.png"
-    command = ["view", "--arm", str(file), "--pose", "reach"]
-    assert main([*command, "--html", str(page), "--image", str(image)]) == 0
-    record = a5.arm_file(file)
-    scene = scene_of(record, q=[*a5.named_pose("reach", record), 0.0013])
-    assert page.read_text("utf-8") == static_page(scene)
-
-    image.rename(tmp_path / "before.png")
-    spacer = 'spacer = {value = 22, unit = "mm"}'
-    text = file.read_text("utf-8")
-    assert spacer in text
-    without = tmp_path / "without.toml"
-    without.write_text(text.replace(spacer, ""), encoding="utf-8")
-    command[2] = str(without)
-    assert main([*command, "--image", str(image)]) == 0
-    assert image.read_bytes() != (tmp_path / "before.png").read_bytes()
 
 
 def test_a_file_that_is_refused_writes_nothing(

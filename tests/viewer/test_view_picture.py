@@ -1,15 +1,16 @@
-"""The software renderer against geometry worked out by hand, and its pictures."""
+"""What page and picture draw, against projections worked out by hand."""
 
 from __future__ import annotations
 
 import io
 import math
-import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from browser import open_scene
 from PIL import Image
 
 import alpha5_model as a5
@@ -19,118 +20,7 @@ from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.canvas import Canvas
 from alpha5_model.viewer.framing import check_size
 from alpha5_model.viewer.picture import picture, picture_png
-from alpha5_model.viewer.scene import Camera
-from alpha5_model.viewer.shapes import ball
-
-FIELD = 40.0
-HOME = a5.named_pose("home")
-#: Looks along +y from 2 m away: x to the right, z up.
-FRONT = Camera(np.array([0.0, -2.0, 0.0]), np.zeros(3), FIELD)
-FOCAL = 100 / math.tan(math.radians(FIELD / 2))
-TRIANGLE = np.array([[0, 1, 2]], dtype=np.uint32)
-RED, BLUE = np.tile([1.0, 0.0, 0.0], (3, 1)), np.tile([0.0, 0.0, 1.0], (3, 1))
-
-
-def drawn(canvas: Canvas, color: tuple[float, float, float]) -> np.ndarray:
-    return (np.abs(canvas.color - color).max(axis=1) < 1e-6).reshape(
-        canvas.height, canvas.width
-    )
-
-
-def right_angle(y: float, size: float = 0.4) -> np.ndarray:
-    """A triangle that faces the viewer, at depth y."""
-    return np.array([[0, y, 0], [size, y, 0], [0, y, size]], dtype=float)
-
-
-def test_points_project_by_similar_triangles() -> None:
-    canvas = Canvas(FRONT, 300, 200)
-    found = canvas.project(
-        np.array([[0, 0, 0], [0.3, 0, 0.1], [0.3, 1.0, 0.1]], dtype=float)
-    )
-    expected = [
-        [150, 100, 2],
-        [150 + FOCAL * 0.3 / 2, 100 - FOCAL * 0.1 / 2, 2],
-        [150 + FOCAL * 0.3 / 3, 100 - FOCAL * 0.1 / 3, 3],
-    ]
-    np.testing.assert_allclose(found, expected, atol=1e-9)
-
-
-def test_a_triangle_covers_its_area_on_its_side() -> None:
-    canvas = Canvas(FRONT, 300, 200)
-    canvas.draw(right_angle(0.0), RED, TRIANGLE)
-    seen = drawn(canvas, (1, 0, 0))
-    assert seen.sum() == pytest.approx(0.5 * (FOCAL * 0.4 / 2) ** 2, rel=0.02)
-    rows, columns = np.nonzero(seen)
-    assert columns.min() >= 150
-    assert rows.max() < 100
-
-
-def test_triangles_that_turn_their_back_are_not_drawn_unless_two_sided() -> None:
-    away = TRIANGLE[:, ::-1]
-    canvas = Canvas(FRONT, 300, 200)
-    canvas.draw(right_angle(0.0), RED, away)
-    assert not drawn(canvas, (1, 0, 0)).any()
-    canvas.draw(right_angle(0.0), RED, away, two_sided=True)
-    assert drawn(canvas, (1, 0, 0)).any()
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux can fork safely")
-@pytest.mark.parametrize("near_first", [True, False])
-def test_the_nearer_triangle_hides_the_farther(near_first: bool) -> None:
-    canvas = Canvas(FRONT, 300, 200)
-    jobs = [(right_angle(-0.5), RED), (right_angle(0.5), BLUE)]
-    for points, color in jobs if near_first else jobs[::-1]:
-        canvas.draw(points, color, TRIANGLE)
-    near = 0.5 * (FOCAL * 0.4 / 1.5) ** 2
-    assert drawn(canvas, (1, 0, 0)).sum() == pytest.approx(near, rel=0.02)
-    assert not drawn(canvas, (0, 0, 1)).any(), (
-        "the farther one is smaller and wholly hidden"
-    )
-
-
-def test_crossing_triangles_cut_each_other() -> None:
-    """Two planes cross in a line; each pixel shows the plane nearer along its ray."""
-    canvas = Canvas(FRONT, 300, 200)
-    for tilt, color in ((0.5, RED), (-0.5, BLUE)):
-        square = np.array(
-            [[-0.3, 0, -0.3], [0.3, 0, -0.3], [0.3, 0, 0.3], [-0.3, 0, 0.3]]
-        )
-        square[:, 1] = tilt * square[:, 0]
-        faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
-        canvas.draw(square, np.tile(color[0], (4, 1)), faces)
-    red, blue = drawn(canvas, (1, 0, 0)), drawn(canvas, (0, 0, 1))
-    assert np.nonzero(red)[1].max() <= 150, "red comes forward on the left"
-    assert np.nonzero(blue)[1].min() >= 150
-    assert red.sum() == pytest.approx(blue.sum(), rel=0.02)
-
-
-def test_a_layer_on_top_is_seen_through_a_body_and_a_veil_mixes() -> None:
-    canvas = Canvas(FRONT, 300, 200)
-    canvas.draw(right_angle(-0.5), RED, TRIANGLE)
-    before = canvas.color.copy()
-    canvas.draw(right_angle(-0.6), BLUE, TRIANGLE, opacity=0.25)
-    inside = drawn(canvas, (0.75, 0, 0.25))
-    assert inside.any()
-    np.testing.assert_allclose(
-        canvas.color[inside.ravel()],
-        0.75 * before[inside.ravel()] + [0, 0, 0.25],
-        atol=1e-6,
-    )
-    canvas.clear_depth()
-    canvas.draw(right_angle(0.5), BLUE, TRIANGLE)
-    assert drawn(canvas, (0, 0, 1)).any()
-
-
-def test_a_ball_is_a_disc_of_its_size() -> None:
-    mesh = ball(0.2, (1, 0, 0), (1, 0, 0), sides=96)
-    canvas = Canvas(FRONT, 300, 200)
-    canvas.draw(mesh.vertices, mesh.colors, mesh.faces)
-    # the outline is the cone that touches the ball: tan = r / sqrt(d^2 - r^2)
-    radius = FOCAL * 0.2 / math.sqrt(4 - 0.04)
-    assert drawn(canvas, (1, 0, 0)).sum() == pytest.approx(
-        math.pi * radius**2, rel=0.02
-    )
-
+from alpha5_model.viewer.scene import Camera, Payload, Scene
 
 SIZE = (480, 300)
 
@@ -143,8 +33,6 @@ def arm() -> a5.Arm:
 def pixels_of(
     arm: a5.Arm, q: list[float], show: tuple[str, ...], camera: Camera
 ) -> np.ndarray:
-    from dataclasses import replace
-
     return picture(replace(build_scene(arm, q, show=show), camera=camera), SIZE).astype(
         int
     )
@@ -159,33 +47,99 @@ def dark(pixels: np.ndarray) -> np.ndarray:
     return pixels.max(axis=2) < 110
 
 
-def test_the_base_is_on_the_left_and_the_arm_on_the_right(arm: a5.Arm) -> None:
-    scene_x = 0.1
-    scale = SIZE[1] / 2 / math.tan(math.radians(15)) / 1.6
-    columns = np.nonzero(dark(pixels_of(arm, POSE, ("bodies",), SIDE)))[1]
-    left = (columns.min() - SIZE[0] / 2) / scale + scene_x
-    assert left == pytest.approx(-0.12665, abs=0.008), "far end of the base tube"
-    assert (columns > SIZE[0] / 2).sum() > 500
+#: What is drawn, without labels and ghosts.
+DRAWN = (
+    "bodies",
+    "frames",
+    "com",
+    "cob",
+    "weight",
+    "buoyancy",
+    "current",
+    "payload",
+    "obstacles",
+    "collision",
+    "workspace",
+    "surface",
+)
 
 
-def test_every_group_changes_the_picture(arm: a5.Arm) -> None:
-    from dataclasses import replace
+@pytest.fixture(scope="module")
+def full(arm: a5.Arm) -> Scene:
+    """A scene in which each of these groups has something."""
+    post = a5.Obstacle.box("post", edges=[0.05, 0.1, 0.2], xyz=[0.2, 0.2, 0.1])
+    return build_scene(
+        arm,
+        POSE,
+        water_velocity=(0.4, -0.3, 0.2),
+        payload=Payload(mass=0.3, com=(0.0, 0.01, 0.02), volume=4e-5),
+        obstacles=[post],
+        show=("bodies",),
+    )
 
-    scene = build_scene(arm, POSE, target=[0.06, 0.05, 0.36], show=["bodies"])
-    plain = picture(replace(scene, show=("bodies",)), SIZE).astype(int)
-    for group in (
-        "see-through",
-        "frames",
-        "com",
-        "cob",
-        "workspace",
-        "surface",
-        "ghosts",
-        "collision",
-        "labels",
-    ):
-        shown = picture(replace(scene, show=("bodies", group)), SIZE).astype(int)
-        assert (np.abs(shown - plain).max(axis=2) > 8).sum() > 60, group
+
+def vertices_of(scene: Scene, group: str) -> np.ndarray:
+    """All vertices of a group in the world, (N, 3)."""
+    shapes = [shape for shape in scene.shapes if shape.group == group]
+    return np.concatenate([each.placed(scene.poses).vertices for each in shapes])
+
+
+def assert_seen_at(pixels: np.ndarray, plain: np.ndarray, points: np.ndarray) -> None:
+    """What is new in a picture has the outermost of some points (N, 2) at its edges."""
+    rows, columns = np.nonzero(np.abs(pixels - plain).max(axis=2) > 6)
+    height, width = plain.shape[:2]
+    found = [columns.min(), rows.min(), columns.max() + 1, rows.max() + 1]
+    low = np.maximum(points.min(axis=0), 0.0)
+    high = np.minimum(points.max(axis=0), [width, height])
+    np.testing.assert_allclose(found, [*low, *high], atol=5.0)
+
+
+def test_a_picture_draws_all_where_it_is(full: Scene) -> None:
+    camera = full.camera
+    back = (camera.eye - camera.target) / np.linalg.norm(camera.eye - camera.target)
+    right = np.cross([0.0, 0.0, 1.0], back)
+    right /= np.linalg.norm(right)
+    axes = np.stack([right, np.cross(back, right), back])
+    focal = SIZE[1] / 2 / math.tan(math.radians(camera.field_of_view / 2))
+
+    plain = picture(replace(full, show=()), SIZE).astype(int)
+    for group in DRAWN:
+        shown = picture(replace(full, show=(group,)), SIZE).astype(int)
+        x, y, z = axes @ (vertices_of(full, group) - camera.eye).T
+        points = np.column_stack([focal * x / -z, -focal * y / -z]) + np.divide(SIZE, 2)
+        assert_seen_at(shown, plain, points)
+
+
+def test_a_page_draws_all_where_it_is(
+    chromium: Any, full: Scene, tmp_path: Path
+) -> None:
+    tab = open_scene(chromium, full, tmp_path)
+    tab.show_only()
+    plain = tab.pixels()
+    corner, _ = tab.stage()
+    for group in DRAWN:
+        tab.page.locator(f"#groups input[name='{group}']").check()
+        points = tab.project(vertices_of(full, group)) - corner
+        assert_seen_at(tab.pixels(), plain, points)
+        tab.page.locator(f"#groups input[name='{group}']").uncheck()
+        np.testing.assert_array_equal(tab.pixels(), plain)
+    assert tab.complaints == []
+    tab.page.close()
+
+
+def test_the_nearer_body_hides_the_farther() -> None:
+    """Two planes cross in a line; each pixel shows the plane nearer along its ray."""
+    canvas = Canvas(Camera(np.array([0.0, -2.0, 0.0]), np.zeros(3), 40.0), 300, 200)
+    square = np.array([[-0.3, 0, -0.3], [0.3, 0, -0.3], [0.3, 0, 0.3], [-0.3, 0, 0.3]])
+    faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
+    for tilt, color in ((0.5, [1.0, 0.0, 0.0]), (-0.5, [0.0, 0.0, 1.0])):
+        square[:, 1] = tilt * square[:, 0]
+        canvas.draw(square, np.tile(color, (4, 1)), faces)
+    red, _, blue = np.moveaxis(canvas.color.reshape(200, 300, 3), 2, 0) > 0.99
+    red, blue = red & ~blue, blue & ~red
+    assert np.nonzero(red)[1].max() <= 150, "red comes forward on the left"
+    assert np.nonzero(blue)[1].min() >= 150
+    assert red.sum() == pytest.approx(blue.sum(), rel=0.02)
 
 
 def test_a_label_has_its_colour(arm: a5.Arm) -> None:

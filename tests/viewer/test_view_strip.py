@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import Tab, needs_browser, new_tab
+from browser import Tab, needs_browser, open_scene
 
 import alpha5_model as a5
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.page import static_page
 
 pytestmark = needs_browser
 
@@ -24,11 +23,7 @@ def tab(chromium: Any, tmp_path: Path) -> Tab:
     time = np.linspace(0.0, 2.0, 21)
     turned = HOME + np.array([0.3, 0.2, -0.2, 0.1])
     motion = a5.trajectory.motion(time, turned + 0.1 * np.sin(time)[:, None])
-    path = tmp_path / "page.html"
-    path.write_text(static_page(build_scene(a5.load(), HOME, motion=motion)), "utf-8")
-    tab = new_tab(chromium)
-    tab.open(path.as_uri())
-    return tab
+    return open_scene(chromium, build_scene(a5.load(), HOME, motion=motion), tmp_path)
 
 
 def numbers_are_seen(tab: Tab) -> bool:
@@ -100,23 +95,6 @@ def test_the_strip_leaves_room_for_the_arm(tab: Tab, width: int, height: int) ->
         if tab.run(unfolded):
             break
         tab.page.locator("#curves").click()
-
-
-def test_the_time_axis_has_ticks_where_the_cursor_is(tab: Tab) -> None:
-    """Ticks of each chart, in seconds; the cursor at that time is under each."""
-    read = """() => [...document.querySelectorAll('.axis')].map((axis) =>
-      [...axis.children].map((tick) => [parseFloat(tick.textContent),
-        tick.getBoundingClientRect().left + (parseFloat(tick.textContent)
-          ? tick.getBoundingClientRect().width / 2 : 0)]))"""
-    tab.page.click("#curves")
-    axes = tab.run(read)
-    assert len(axes) == 3
-    for i, ticks in enumerate(axes):
-        assert [time for time, _ in ticks] == [0.0, 0.5, 1.0, 1.5]
-        for time, x in ticks:
-            tab.run("(time) => alpha5.seek(time)", time)
-            cursor = tab.page.locator(".plot i").nth(i).bounding_box()
-            assert cursor["x"] == pytest.approx(x, abs=2.5)
 
 
 def axis_of(tab: Tab) -> list[list[float]]:
@@ -222,23 +200,3 @@ def test_a_motion_plays_at_a_chosen_speed_once_or_in_a_loop(tab: Tab) -> None:
     tab.run("() => turn(3)")
     assert tab.run(shown) == pytest.approx(2.0)
     assert tab.run(name) == "Play"
-
-
-def test_a_distance_that_is_printed_as_zero_is_none(tab: Tab) -> None:
-    """Targets that axis_d reaches 0.02 mm beyond its lower limit."""
-    arm = a5.load()
-    for azimuth in (1.0, 2.0, 4.0):
-        q = np.array([azimuth, arm.limits.lower[1] - 1e-4, 1.5, 0.0])
-        target = arm.forward_kinematics(q).translation
-        ways = a5.inverse_kinematics(target, 0.0)
-        branch = int(np.abs(ways.q - q).max(axis=1).argmin())
-        assert ways.exists[branch]
-        assert not ways.within_limits[branch]
-        tab.run("([p, b]) => alpha5.follow(p, b)", [target.tolist(), branch])
-        assert "0.0 mm" not in said(tab)
-    tab.run("() => alpha5.follow([2.0, 0.0, 0.1], 0)")
-    assert "Target out of reach: the tip stops" in said(tab)
-
-
-def said(tab: Tab) -> str:
-    return str(tab.run("() => document.getElementById('message').innerText"))

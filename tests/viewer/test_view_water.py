@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import Tab, needs_browser, new_tab
+from browser import Tab, needs_browser, new_tab, open_scene
 
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.page import static_page
 from alpha5_model.viewer.scene import Payload
 
 pytestmark = needs_browser
@@ -23,10 +22,8 @@ POSE = np.array([3.0, 1.1, 1.9, 0.4])
 
 @pytest.fixture(scope="module")
 def opened(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    path = tmp_path_factory.mktemp("water") / "page.html"
-    path.write_text(static_page(build_scene(a5.load(), POSE)), "utf-8")
-    tab = new_tab(chromium)
-    tab.open(path.as_uri())
+    folder = tmp_path_factory.mktemp("water")
+    tab = open_scene(chromium, build_scene(a5.load(), POSE), folder)
     tab.run("() => document.querySelectorAll('details').forEach((d) => d.open = true)")
     yield tab
     assert tab.complaints == []
@@ -51,19 +48,6 @@ def page(opened: Tab) -> Tab:
     return opened
 
 
-def type_into(page: Tab, label: str, text: str) -> str:
-    """Type into a field; what it shows afterwards."""
-    field = page.page.get_by_label(label, exact=True).last
-    field.fill(text)
-    field.press("Enter")
-    field.blur()
-    return str(field.input_value())
-
-
-def messages(page: Tab) -> str:
-    return str(page.run("() => document.getElementById('message').innerText"))
-
-
 def state(page: Tab, entry: str) -> Any:
     return page.run("(entry) => alpha5.state[entry]", entry)
 
@@ -77,42 +61,42 @@ def test_fluids_are_buttons_and_any_density_can_be_typed(page: Tab) -> None:
     for name, density in (("air", 0), ("fresh", 1000), ("sea", 1025)):
         page.page.get_by_role("button", name=name, exact=True).click()
         assert state(page, "density") == density
-    assert type_into(page, "Density in kg/m³", "1012.5") == "1012.5"
+    assert page.type_into("Density in kg/m³", "1012.5") == "1012.5"
     assert heading(page, "water") == "1012.5 kg/m³"
     pressed = page.run("document.querySelectorAll('#water [aria-pressed=true]').length")
     assert pressed == 0
 
 
 def test_a_field_refuses_what_cannot_be_and_is_filled_again(page: Tab) -> None:
-    assert type_into(page, "Density in kg/m³", "99999999") == "1025"
+    assert page.type_into("Density in kg/m³", "99999999") == "1025"
     assert "Density cannot be 99999999 kg/m³: it must lie between 0 and 2000" in (
-        messages(page)
+        page.message()
     )
-    assert type_into(page, "Density in kg/m³", "") == "1025"
-    assert messages(page) == "Density needs a number."
-    assert type_into(page, "Current along x in m/s", "-7") == "0"
-    assert "between \u22125 and 5 m/s" in messages(page)
-    assert type_into(page, "Density in kg/m³", "1000") == "1000"
-    assert messages(page) == ""
+    assert page.type_into("Density in kg/m³", "") == "1025"
+    assert page.message() == "Density needs a number."
+    assert page.type_into("Current along x in m/s", "-7") == "0"
+    assert "between \u22125 and 5 m/s" in page.message()
+    assert page.type_into("Density in kg/m³", "1000") == "1000"
+    assert page.message() == ""
 
 
 def test_a_current_that_is_typed_is_shown(page: Tab) -> None:
-    type_into(page, "Current along y in m/s", "0.5")
+    page.type_into("Current along y in m/s", "0.5")
     assert page.run("() => alpha5.state.shown.current")
     assert heading(page, "water") == "sea, 1025 kg/m³, current 0.50 m/s"
     assert state(page, "current") == [0, 0.5, 0], "what is not shown does not flow"
-    type_into(page, "Current along x in m/s", "1")
-    type_into(page, "Current along y in m/s", "0")
+    page.type_into("Current along x in m/s", "1")
+    page.type_into("Current along y in m/s", "0")
 
 
 def test_what_it_can_hold_is_the_edge_of_pythons_torques(page: Tab) -> None:
     """The mass that is named is allowed, one gram more is not."""
     current = np.array([0.3, 0.4, 0.0])
     limits = np.array([0.9, 2.0, 0.7, 0.1])
-    type_into(page, "Current along x in m/s", "0.3")
-    type_into(page, "Current along y in m/s", "0.4")
+    page.type_into("Current along x in m/s", "0.3")
+    page.type_into("Current along y in m/s", "0.4")
     for joint, limit in zip(("e", "d", "c", "b"), limits, strict=True):
-        type_into(page, f"Limit of axis_{joint} in N·m", f"{limit}")
+        page.type_into(f"Limit of axis_{joint} in N·m", f"{limit}")
     said = page.page.locator("#verdict").text_content()
     assert said.startswith("Holds up to ")
     grams = int(said.split()[3])
@@ -133,11 +117,11 @@ def test_what_it_can_hold_is_the_edge_of_pythons_torques(page: Tab) -> None:
     assert heading(page, "capacity") == f"up to {grams} g"
 
     for mass, answer in ((grams, "Yes"), (grams + 1, "No")):
-        type_into(page, "Payload in g", f"{mass}")
+        page.type_into("Payload in g", f"{mass}")
         asked = page.page.locator("#verdict").text_content()
         assert asked == f"{answer} for {mass} g. {said}"
-    type_into(page, "Payload in g", "0")
-    type_into(page, "Limit of axis_d in N·m", "0.01")
+    page.type_into("Payload in g", "0")
+    page.type_into("Limit of axis_d in N·m", "0.01")
     assert "Nothing here: " in page.page.locator("#verdict").text_content()
     assert page.run("() => document.querySelectorAll('.bar.over').length") == 1
 
@@ -156,7 +140,7 @@ def test_the_payload_slider_shows_a_body_and_its_force(page: Tab) -> None:
     )
     assert "payload 250 g, 2.45 N" in labels
     assert heading(page, "payload") == "250 g, 2.45 N"
-    type_into(page, "Volume of the payload in cm³", "100")
+    page.type_into("Volume of the payload in cm³", "100")
     force = (0.25 - 1025 * 1e-4) * 9.81
     assert heading(page, "payload") == f"250 g, {force:.2f} N"
 

@@ -83,12 +83,3 @@ def test_controls_of_the_picture_go(
     for alive in ("#message p", "#joints", "[name=current]", "#link"):
         assert tab.page.locator(alive).first.is_visible(), alive
     assert tab.page.locator("#message p").count() == 1
-
-
-def test_a_browser_with_webgl_keeps_them(chromium: Any, page: Path) -> None:
-    """Negative control."""
-    tab = opened(chromium, page)
-    for alive in ("#pane", "#tip", "#scale", "#png", "[name=weight]"):
-        assert tab.page.locator(alive).is_visible(), alive
-    assert tab.page.locator("#message p").count() == 0
-    tab.page.close()
