@@ -11,7 +11,7 @@ from typing import Any
 
 from alpha5_model.errors import MissingDependencyError
 
-__version__ = "1.0.0"
+__version__ = "2.0.0"
 
 
 def _public_names() -> dict[str, tuple[str, str]]:
