@@ -1,4 +1,4 @@
-"""The arm in the viewers of Pinocchio, as docs/guides/other-viewers.md shows it."""
+"""The arm in the viewers of Pinocchio, as docs/guides/viewers.md shows it."""
 
 from __future__ import annotations
 
