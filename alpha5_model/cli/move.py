@@ -57,10 +57,9 @@ tcp (m, or x [mm]), perhaps with roll, pitch, yaw or qx, qy, qz, qw; or a
 JointTrajectory, whose times are not used. Its last one is TO, if no other is
 given.
 
---obstacles names a TOML file
-with a table for each obstacle: its name, then box = edges, cylinder =
-radius and length, sphere = radius, or mesh = an STL, OBJ or PLY file, and
-xyz and rpy in base_link (m, rad).
+--obstacles names a TOML file with a table for each obstacle: its name, then
+box = edges, cylinder = radius and length, sphere = radius, or mesh = an STL,
+OBJ or PLY file, and xyz and rpy in base_link (m, rad).
 
 Exit status: 0 found; 2 no path found, or beyond a limit at any speed.
 
