@@ -14,14 +14,16 @@ _MOST_LEVELS = 8
 def yaml_document(content: bytes, path: PathLike) -> Any:
     """What a YAML file holds.
 
-    A few aliases of aliases stand for more text than a machine can hold.
+    A few aliases of aliases stand for more text than a machine can hold. A ``---`` may
+    follow the document, as ``ros2 topic echo`` writes it.
 
     Args:
         content: Of the file.
         path: Its name, for messages.
 
     Raises:
-        FileFormatError: Not YAML, nested too deep, with an alias, or with a key twice.
+        FileFormatError: Not YAML, nested too deep, with an alias, with a key twice, or
+            several documents.
     """
     import yaml
 
@@ -52,10 +54,17 @@ def yaml_document(content: bytes, path: PathLike) -> Any:
             level -= isinstance(event, yaml.CollectionEndEvent)
             if level > _MOST_LEVELS:
                 raise FileFormatError(path, f"more than {_MOST_LEVELS} levels")
-        return yaml.load(content, Loader)
+        documents = [*yaml.load_all(content, Loader)]
     except FileFormatError:
         raise
     except (yaml.YAMLError, ValueError) as error:
         # A ValueError is a date that does not exist, or a very long integer.
         problem = " ".join(str(error).split())
         raise FileFormatError(path, f"not YAML: {problem}") from None
+
+    if len(documents) == 2 and documents[1] is None:
+        documents.pop()
+    if len(documents) > 1:
+        problem = f"holds {len(documents)} documents, expected one: keep what is "
+        raise FileFormatError(path, problem + "before the first ---")
+    return documents[0] if documents else None

@@ -403,7 +403,13 @@ def _hand_out(
         # A stream gets the description alone, without other files beside it.
         atomic_write_all({output: main_file})
     elif form.suffixes:
-        beside = {name: data for name, data in files.items() if name != form.main_file}
+        # What lies beside has the name of the file: two variants fit into one folder.
+        stem = Path(form.main_file).stem
+        beside = {
+            name.replace(stem, output.stem, 1): data
+            for name, data in files.items()
+            if name != form.main_file
+        }
         if meshes:
             for name, mesh in mesh_assets(".obj", ".mtl").items():
                 beside[f"meshes/{name}"] = mesh

@@ -79,7 +79,7 @@ class UsdOptions(MountedOptions):
 
 
 def usd_files(options: UsdOptions | None = None) -> dict[str, bytes]:
-    """``alpha5.usda``, the arm with its meshes in it, and ``water.json``.
+    """``alpha5.usda``, the arm with its meshes in it, and ``alpha5_water.json``.
 
     Raises:
         Alpha5Error: See `UsdOptions`.
@@ -96,7 +96,7 @@ def usd_files(options: UsdOptions | None = None) -> dict[str, bytes]:
     _complete(layer, arm, chosen.gripper)
     return {
         "alpha5.usda": layer.ExportToString().encode(),
-        **water_files(chosen.water()),
+        "alpha5_water.json": water_files(chosen.water())["water.json"],
     }
 
 

@@ -540,6 +540,10 @@ class Arm(ArmModel):
 
         Raises:
             InputError: Also a step that is not above 0, or so long that A overflows.
+
+        Warns:
+            ImplausibleWarning: A step above 1 s, or ``motors`` of a record without
+                rotor inertia and viscous friction.
         """
         q, v, tau = self._clean_qvtau(q, v, tau)
         return linear_model(self, q, v, tau, dt, flag("motors", motors))
@@ -701,8 +705,8 @@ class Arm(ArmModel):
         your own, they are in the frames of its links; what is attached adds none.
 
         Args:
-            water_velocity: Velocity of the water, uniform, in the world, (3,) [m/s].
-                The world is base_link if the base is fixed, also with a mount.
+            water_velocity: Velocity of the water, uniform, in base_link, also if the
+                arm has a mount, (3,) [m/s]; in the world if the base floats.
             level: ``low``, ``nominal`` or ``high`` end of the numbers' interval.
             numbers: ``estimated`` (our own), or ``supplementary`` (strip theory of
                 public repositories; worse).

@@ -115,8 +115,13 @@ class JawTool:
 
         Raises:
             InputError: A position beyond the limits of axis_a.
+
+        Warns:
+            ImplausibleWarning: A distance that seems to be in mm.
         """
         places = bounded("at", float_array("at", at, ()))
+        farthest = np.abs(places).max(initial=0.0)
+        plausibility.check("at", farthest, plausibility.JAW_LENGTH)
         blade = [*self._finger(self._rod(rod))]
         inner = np.full(places.shape, np.nan)
         for index, place in np.ndenumerate(places):

@@ -22,6 +22,7 @@ import pinocchio as pin
 from alpha5_model._support.checks import FloatArray, real
 from alpha5_model.dynamics.batch import solved
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.motors import joint_losses
 
 
@@ -54,6 +55,11 @@ def linear_model(
     """
     size = len(v)
     armature, damping = motor_terms(arm) if motors else np.zeros((2, size))
+    if motors and not (armature.any() or damping.any()):
+        plausibility.warn(
+            "motors: the arm's record has no rotor inertia and no viscous friction; "
+            "nothing was added"
+        )
     inertia = arm.mass_matrix(q) + np.diag(armature)
     bias = arm.inverse_dynamics(q, v, np.zeros(size), **water)
     a = solved(inertia, tau - damping * v - bias)
@@ -99,6 +105,9 @@ def sampled(A: FloatArray, B: FloatArray, dt: float) -> LinearModel:
 
     Raises:
         InputError: A step that is not above 0, or so long that the model overflows.
+
+    Warns:
+        ImplausibleWarning: A step above 1 s.
     """
     from scipy.linalg import expm
 
@@ -113,4 +122,5 @@ def sampled(A: FloatArray, B: FloatArray, dt: float) -> LinearModel:
         fastest = float(np.abs(np.linalg.eigvals(A)).max())
         expected = f"a time step [s] of the order of {1 / fastest:.1g} or less"
         raise InputError("dt", dt, expected)
+    plausibility.check("dt", step, plausibility.TIME_STEP)
     return LinearModel(power[:n, :n], power[:n, n:])

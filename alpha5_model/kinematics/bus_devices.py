@@ -55,9 +55,9 @@ def q_from_devices(
     for joint in joints:
         name = f"devices[{joint.device_id}]"
         reported = float_array(name, devices[joint.device_id], ())
-        position = reported / _devices_unit(joint)
-        _check_range(name, reported, position, joint)
-        positions.append(position)
+        unit = "mm" if joint.name == _ROD else "rad"
+        _check_range(name, reported, joint, _devices_unit(joint), unit)
+        positions.append(reported / _devices_unit(joint))
 
     shapes = {position.shape for position in positions}
     if len(shapes) > 1:
@@ -83,12 +83,17 @@ def devices_from_q(
 
     Raises:
         ShapeError: Another shape.
+        InputError: A position that is out of its joint's range by more than a tenth of
+            it: degrees, perhaps, or mm.
     """
     positions = float_array("q", q, ())
     if positions.ndim == 0 or positions.shape[-1] not in (4, 5):
         expected = "shape (..., 4), or (..., 5) with the jaw rod"
         raise ShapeError("q", positions.shape, expected)
     joints = chosen_arm(arm).joints[: positions.shape[-1]]
+    for k, joint in enumerate(joints):
+        unit = "m" if joint.name == _ROD else "rad"
+        _check_range(f"q[..., {k}]", positions[..., k], joint, 1.0, unit)
     return {
         joint.device_id: positions[..., k] * _devices_unit(joint)
         for k, joint in enumerate(joints)
@@ -123,20 +128,26 @@ def _devices_unit(joint: JointParameters) -> float:
 
 
 def _check_range(
-    name: str, reported: FloatArray, position: FloatArray, joint: JointParameters
+    name: str, given: FloatArray, joint: JointParameters, factor: float, unit: str
 ) -> None:
     """Refuse positions that are far out of a joint's range.
+
+    Args:
+        name: Of the argument.
+        given: Positions (...) in a unit and direction of their own.
+        joint: Whose range it is.
+        factor: What is given for a rad, or for a m of the jaw rod.
+        unit: Its name.
 
     Raises:
         InputError: Such a position.
     """
     slack = _SLACK * (joint.upper - joint.lower)
+    position = given / factor
     below = position < joint.lower - slack
     above = position > joint.upper + slack
     if (below | above).any():
-        value = float(reported[below | above].flat[0])
-        unit = "mm" if joint.name == _ROD else "rad"
-        factor = _devices_unit(joint)
+        value = float(given[below | above].flat[0])
         low, high = sorted((factor * joint.lower, factor * joint.upper))
         # Adding zero turns a negative zero into zero.
         ends = f"{low + 0.0:.4g} to {high + 0.0:.4g} {unit}"

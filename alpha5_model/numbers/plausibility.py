@@ -137,6 +137,8 @@ ROTOR_INERTIA = Plausible(
 SUPPLY_VOLTAGE = Plausible("V", ((0.0, 240.0),), {"mV": 1e-3})
 #: The arm's largest motor stalls with 7.5 A at 24 V; ten times as much.
 CURRENT_LIMIT = Plausible("A", ((0.0, 75.0),), {"mA": 1e-3})
+#: The slowest controllers of an arm run at a few hertz.
+TIME_STEP = Plausible("s", ((0.0, 1.0),), {"ms": 1e-3, "us": 1e-6})
 #: The jaw rod travels 12 mm.
 SCREW_LEAD = Plausible("m", ((0.0, 0.1),), {"mm": 1e-3})
 

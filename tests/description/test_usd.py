@@ -275,8 +275,9 @@ def test_the_command_writes_the_table_of_the_water_beside(tmp_path, path, capsys
     arguments = ["generate", "usd", "--fluid", "fresh"]
     assert main([*arguments, "--output", str(file)]) == 0
     assert capsys.readouterr().err == ""
-    assert {each.name for each in tmp_path.iterdir()} == {"arm.usda", "water.json"}
-    table = json.loads((tmp_path / "water.json").read_text("utf-8"))
+    written = {each.name for each in tmp_path.iterdir()}
+    assert written == {"arm.usda", "arm_water.json"}
+    table = json.loads((tmp_path / "arm_water.json").read_text("utf-8"))
     expected = water_files(WaterOptions(fluid_density=1000.0))["water.json"]
     assert table == json.loads(expected)
     stage = Usd.Stage.Open(str(file))

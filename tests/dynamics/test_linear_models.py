@@ -14,7 +14,12 @@ from loops import each
 
 import alpha5_model as a5
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
-from alpha5_model.errors import InputError, NonFiniteError, ShapeError
+from alpha5_model.errors import (
+    ImplausibleWarning,
+    InputError,
+    NonFiniteError,
+    ShapeError,
+)
 
 mujoco = Lazy("mujoco")
 
@@ -191,3 +196,12 @@ def test_what_cannot_be_used_is_named():
         with pytest.raises(InputError) as error:
             arm.linearized(POSE, rest, rest, dt=dt)
         assert error.value.name == "dt"
+
+
+def test_motors_that_were_not_measured_and_milliseconds_are_named() -> None:
+    arm = a5.load()
+    rest = np.zeros(4)
+    with pytest.warns(ImplausibleWarning, match="motors"):
+        arm.linearized(POSE, rest, rest, motors=True)
+    with pytest.warns(ImplausibleWarning, match="dt"):
+        arm.linearized(POSE, rest, rest, dt=10.0)

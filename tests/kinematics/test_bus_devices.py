@@ -92,6 +92,14 @@ def test_other_wrong_inputs() -> None:
             a5.devices_from_q(q)
 
 
+@each("q", [[180.0, 90, 90, 0], [3.1, 1.6, 1.6, 0, 5.86], [3.1, -0.6, 1.6, 0]])
+def test_positions_that_the_arm_cannot_take_are_not_sent(q: list[float]) -> None:
+    with pytest.raises(
+        InputError, match=r"q\[\.\.\., \d\]: expected axis_. in its range"
+    ):
+        a5.devices_from_q(q)
+
+
 def test_what_the_poses_show() -> None:
     """Directions of upper arm and forearm, left and right."""
     turn = math.pi / 2

@@ -195,7 +195,9 @@ def test_messages_of_joint_trajectories(tmp_path: Path) -> None:
     for around in (said, {"trajectory": said}, {"goal": {"trajectory": said}}):
         (tmp_path / "goal.json").write_text(json.dumps(around), "utf-8")
         (tmp_path / "goal.yaml").write_text(yaml.safe_dump(around), "utf-8")
-        for name in ("goal.json", "goal.yaml"):
+        echoed = f"{yaml.safe_dump(around)}---\n"  # as ros2 topic echo prints it
+        (tmp_path / "echoed.yaml").write_text(echoed, "utf-8")
+        for name in ("goal.json", "goal.yaml", "echoed.yaml"):
             assert values(tmp_path / name) == pytest.approx(POSITIONS)
 
 
@@ -263,6 +265,7 @@ def test_the_bus_in_the_arms_own_units(tmp_path: Path) -> None:
         ("w.json", json.dumps(message([[1, 2, 1]])), "points[0]"),
         ("w.json", "[" * 100_000, "not JSON"),
         ("w.yaml", "a: [1, 2", "not YAML"),
+        ("w.yaml", "joint_names: []\n---\njoint_names: []\n", "holds 2 documents"),
         ("w.yaml", "a: &a [1]\nb: *a\n", "alias"),
     ],
 )
