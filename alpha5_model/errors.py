@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import pickle
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -286,23 +286,33 @@ class NoPlacementError(Alpha5Error, ValueError):
         needed: The clearance that was asked for [m].
         possible: A clearance that some pose keeps [m], the largest one if there is one
             point; NaN if each pose that reaches the points touches something.
+        touching: If each touches something, at how many poses what does -> their
+            number; a pose counts once, for the first that was found.
     """
 
     def __init__(
-        self, tried: int, reaching: int, beyond: float, needed: float, possible: float
+        self,
+        tried: int,
+        reaching: int,
+        beyond: float,
+        needed: float,
+        possible: float,
+        touching: Mapping[str, int],
     ) -> None:
         self.tried = tried
         self.reaching = reaching
         self.beyond = beyond
         self.needed = needed
         self.possible = possible
+        self.touching = touching
         if not reaching:
             message = f"none of {tried} poses reaches all points"
             message += f": the best is {beyond * 1e3:.3g} mm short of one"
         elif math.isnan(possible):
             message = f"at each of {reaching} poses that reach all points (of {tried}) "
-            message += "the arm touches itself, or arm or hull touch something: "
-            message += "try more poses, or points farther from the obstacles"
+            message += "something touches: "
+            counts = [f"{what} at {n}" for what, n in touching.items() if n]
+            message += f"{', '.join(counts)}. Try more poses, or move these apart"
         else:
             message = f"none of {reaching} poses that reach all points (of {tried}) "
             message += f"keeps a clearance of {needed * 1e3:.4g} mm"

@@ -7,6 +7,8 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model._support.writing import atomic_write, atomic_write_all
@@ -18,6 +20,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import GRAVITY
 
 if TYPE_CHECKING:
+    from alpha5_model._support.checks import BoolArray
     from alpha5_model.numbers.parameters import Alpha5Parameters
     from alpha5_model.studies.control import Gains, Step
 
@@ -143,6 +146,7 @@ def run(given: Namespace) -> int:
     limit = _one_or_four(given.current_limit)
     if limit is None:
         limit = _limits_of(own)
+    home, reach = named_pose("home", own), named_pose("reach", own)
     steps = {}
     skipped = []
     if limit is None:
@@ -158,8 +162,8 @@ def run(given: Namespace) -> int:
             try:
                 steps[words] = control.step(
                     found,
-                    named_pose("home", own),
-                    named_pose("reach", own),
+                    home,
+                    reach,
                     current_limit=limit,
                     friction=_one_or_four(given.friction),
                     arm=true_arm,
@@ -181,7 +185,7 @@ def run(given: Namespace) -> int:
     printing.show(
         given.json,
         _record(found, steps),
-        _text(found, steps) + skipped,
+        _text(found, steps, reach != home) + skipped,
         given.ros2_control,
         given.mjcf,
     )
@@ -236,8 +240,8 @@ def _record(found: Gains, steps: dict[str, Step]) -> dict[str, Any]:
     }
 
 
-def _text(found: Gains, steps: dict[str, Step]) -> list[str]:
-    """The result for people."""
+def _text(found: Gains, steps: dict[str, Step], moves: BoolArray) -> list[str]:
+    """The result for people; ``moves`` says which joints the steps move."""
     from alpha5_model.studies.control.pd_gains import three_digits
 
     m = found.margins
@@ -286,6 +290,7 @@ def _text(found: Gains, steps: dict[str, Step]) -> list[str]:
             *_by_joint(
                 found,
                 {
+                    "moves": moves,
                     "settled [s]": step.settled,
                     "error [rad]": step.error,
                     "overshoot [rad]": step.overshoot,
@@ -305,6 +310,8 @@ def _by_joint(found: Gains, columns: dict[str, Any]) -> list[str]:
 
 
 def _number(value: float) -> str:
+    if isinstance(value, np.bool_):
+        return "yes" if value else "no"
     if math.isnan(value):
         return "never"
     return f"{value:.3g}" if abs(value) > _ROUNDING else "0"

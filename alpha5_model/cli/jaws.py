@@ -149,7 +149,7 @@ def _text(record: dict[str, Any]) -> printing.Lines:
         rows.append([name, f"{1e3 * place:.1f}", f"{1e3 * gap:.1f}"])
     yield from table(rows, "<>>")
     yield (
-        f"narrowest towards the tips: {1e3 * record['narrowest_gap_m']:.1f} mm, "
+        f"narrowest from the tcp on: {1e3 * record['narrowest_gap_m']:.1f} mm, "
         f"{1e3 * record['narrowest_at_m']:.1f} mm beyond the tcp"
     )
 

@@ -177,7 +177,11 @@ def run(given: Namespace) -> None:
     if given.html is not None:
         atomic_write(given.html, _page(found, arm))
     written = (given.output, given.plot, given.html)
-    printing.show(given.json, _record(found), _text(found), *written)
+    frame = "the vehicle's frame"
+    if vehicle is None and given.xyz is None and given.rpy is None:
+        has_mount = arm.parameters.mount is not None
+        frame = "the mount's frame" if has_mount else "base_link"
+    printing.show(given.json, _record(found), _text(found, frame), *written)
 
 
 def _rows(name: str, numbers: list[float], size: int) -> FloatArray:
@@ -251,9 +255,9 @@ def _record(found: Placements) -> dict[str, Any]:
     }
 
 
-def _text(found: Placements) -> printing.Lines:
+def _text(found: Placements, frame: str) -> printing.Lines:
     shown = min(len(found), _PRINTED)
-    yield f"{len(found)} of {found.tried} poses; the best {shown}"
+    yield f"{len(found)} of {found.tried} poses of {frame}; the best {shown}"
     rows = [
         ["x", "y", "z", "roll", "pitch", "yaw", "arm", "hull", "reach", "hold", "tilt"],
         [*["m"] * 3, *["deg"] * 3, *["mm"] * 3, "%", "deg"],

@@ -129,9 +129,10 @@ MOTOR_FRICTION = Plausible("N m", ((0.0, 0.4),), {"mN m": 1e-3})
 MOTOR_CONSTANT = Plausible("N m/A", ((0.0, 2.7),), {"mN m/A": 1e-3})
 #: At 100 rad/s of the motor, the largest plausible friction.
 VISCOUS_FRICTION = Plausible("N m s/rad", ((0.0, 0.01),), {"mN m s/rad": 1e-3})
-#: A rotor of 1 kg and a radius of 5 cm.
+#: A rotor of 0.2 kg, more than one of the arm's motors, and a radius of 1 cm. Makers
+#: print g cm^2.
 ROTOR_INERTIA = Plausible(
-    "kg m^2", ((0.0, 1.3e-3),), {"kg mm^2": 1e-6, "g cm^2": 1e-7, "g mm^2": 1e-9}
+    "kg m^2", ((0.0, 1e-5),), {"g cm^2": 1e-7, "kg mm^2": 1e-6, "g mm^2": 1e-9}
 )
 #: Ten times the 24 V of the arm's supply.
 SUPPLY_VOLTAGE = Plausible("V", ((0.0, 240.0),), {"mV": 1e-3})
@@ -139,6 +140,10 @@ SUPPLY_VOLTAGE = Plausible("V", ((0.0, 240.0),), {"mV": 1e-3})
 CURRENT_LIMIT = Plausible("A", ((0.0, 75.0),), {"mA": 1e-3})
 #: The slowest controllers of an arm run at a few hertz.
 TIME_STEP = Plausible("s", ((0.0, 1.0),), {"ms": 1e-3, "us": 1e-6})
+#: At rated speed, a joint needs 12 s for a full turn; fifty times as long.
+SETTLING_TIME = Plausible("s", ((0.0, 600.0),), {"ms": 1e-3})
+#: Of a control loop; the longest link through satellites is shorter.
+LOOP_DELAY = Plausible("s", ((0.0, 10.0),), {"ms": 1e-3})
 #: The jaw rod travels 12 mm.
 SCREW_LEAD = Plausible("m", ((0.0, 0.1),), {"mm": 1e-3})
 

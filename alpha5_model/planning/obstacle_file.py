@@ -65,10 +65,10 @@ def read_obstacles(path: PathLike) -> tuple[Obstacle, ...]:
         raise FileFormatError(path, "is not UTF-8 text, TOML is expected") from None
     tables = toml_tables(text, str(path))
     folder = Path(path).parent
-    return tuple(_obstacle(name, table, folder) for name, table in tables.items())
+    return tuple(_obstacle(path, name, table, folder) for name, table in tables.items())
 
 
-def _obstacle(name: str, table: Any, folder: Path) -> Obstacle:
+def _obstacle(path: PathLike, name: str, table: Any, folder: Path) -> Obstacle:
     if not isinstance(table, Mapping):
         raise InputError(name, table, f"a table such as [{name}]")
     kinds = [kind for kind in KINDS if kind in table]
@@ -77,7 +77,9 @@ def _obstacle(name: str, table: Any, folder: Path) -> Obstacle:
     (kind,) = kinds
     for key in table:
         if key != kind and key not in KINDS[kind]:
-            raise UnknownNameError(f"key of {name}", key, (kind, *KINDS[kind]))
+            raise UnknownNameError(
+                f"key of {name} in {path}", key, (kind, *KINDS[kind])
+            )
 
     try:
         return _made(kind, name, table, folder)

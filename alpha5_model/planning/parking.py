@@ -85,11 +85,21 @@ class _Task(NamedTuple):
     clearance: float
 
 
+#: For what poses are left out, in this order.
+_TOUCHING = (
+    "hull or link_0 and an obstacle",
+    "arm and itself or hull",
+    "arm and an obstacle",
+)
+
+
 class _Found(NamedTuple):
     """Poses at which nothing touches; attributes as those of `Placements`.
 
     Attributes:
         row: Number of each pose, (N,).
+        touching: How many other poses were left out for each of `_TOUCHING`, one row
+            for each block.
     """
 
     row: np.ndarray
@@ -98,6 +108,7 @@ class _Found(NamedTuple):
     clearance: FloatArray
     hull_clearance: FloatArray
     reach_margin: FloatArray
+    touching: np.ndarray
 
 
 def placements(
@@ -376,7 +387,9 @@ def _free(task: _Task, bases: FloatArray, rows: np.ndarray) -> _Found:
 def _free_of_block(task: _Task, bases: FloatArray, rows: np.ndarray) -> _Found:
     """`_free` for so many bases that fit into memory."""
     world = task.world
+    counts = [len(rows)]
     rows = rows[~world.blocks_vehicle(bases[rows], task.clearance)]
+    counts.append(len(rows))
     local = moved(inverse(bases[rows])[:, None], task.points)
     solved = solve(task.geometry, local, task.wrist)
 
@@ -385,6 +398,7 @@ def _free_of_block(task: _Task, bases: FloatArray, rows: np.ndarray) -> _Found:
     free[free] = ~task.carried.touches(solved.q[free])
     kept = _at_all_points(free)
     rows, local, q, free = rows[kept], local[kept], solved.q[kept], free[kept]
+    counts.append(len(rows))
 
     states = (len(rows), free.shape[1] * len(BRANCHES))
     blocked = world.blocks_arm(
@@ -393,6 +407,7 @@ def _free_of_block(task: _Task, bases: FloatArray, rows: np.ndarray) -> _Found:
     free &= ~blocked.reshape(free.shape)
     kept = _at_all_points(free)
     rows, local, q, free = rows[kept], local[kept], q[kept], free[kept]
+    counts.append(len(rows))
 
     branch, clearance = _chosen(world, bases[rows], q, free)
     return _Found(
@@ -402,6 +417,7 @@ def _free_of_block(task: _Task, bases: FloatArray, rows: np.ndarray) -> _Found:
         clearance=clearance,
         hull_clearance=world.vehicle_clearance(bases[rows]),
         reach_margin=reach_margin(task.geometry, local).min(axis=1),
+        touching=-np.diff([counts]),
     )
 
 
@@ -445,23 +461,27 @@ def _no_placement(
     """Why there is none, and what is possible."""
     beyond = 0.0
     possible = math.nan
+    touching = {}
     if not len(reaching):
         short = np.zeros(len(bases))
         for point in task.points:
             local = moved(inverse(bases), point)
             short = np.maximum(short, distance_to_reach(local, arm=task.record))
         beyond = float(short.min())
-    elif task.clearance > 0.0:
+    else:
         found = _free(task._replace(clearance=0.0), bases, reaching)
         if len(found.row):
             kept = np.minimum(found.clearance, found.hull_clearance)
             possible = float(kept.max())
+        sums = found.touching.sum(axis=0).tolist()
+        touching = dict(zip(_TOUCHING, sums, strict=True))
     return NoPlacementError(
         tried=len(bases),
         reaching=len(reaching),
         beyond=beyond,
         needed=task.clearance,
         possible=possible,
+        touching=touching,
     )
 
 

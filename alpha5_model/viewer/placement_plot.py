@@ -55,7 +55,7 @@ def placement_figure(found: Placements, arm: Arm) -> Any:
         ylabel="z [m]",
     )
     legend_below(above, 0.12, in_row=True)
-    label = "least of clearance, hull_clearance, reach_margin [mm]"
+    label = "least of the clearances of arm and hull and the reach margin [mm]"
     page.colorbar(dots, ax=[above, side], shrink=0.8, pad=0.02, label=label)
     page.suptitle(f"{len(found)} of {found.tried} poses", fontsize=11)
     return page

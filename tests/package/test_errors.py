@@ -43,7 +43,12 @@ def instances() -> list[errors.Alpha5Error]:
         ),
         errors.MotionLimitError("axis_d", "current", 0.4, 0.3, "A"),
         errors.NoPlacementError(
-            tried=100, reaching=7, beyond=0.0, needed=0.1, possible=0.04
+            tried=100,
+            reaching=7,
+            beyond=0.0,
+            needed=0.1,
+            possible=0.04,
+            touching={"arm and an obstacle": 0},
         ),
         errors.MissingParameterError("rotor_inertia", "reflected inertia"),
         errors.MissingFileError("arm.urdf", "a URDF"),

@@ -78,7 +78,11 @@ BAD = [
     ("[a]\nbox = [1, 1, -1]", InputError, "a.edges"),
     ("[a]\ncylinder = [1]", InputError, "a.cylinder"),
     ("[a]\nsphere = '1'", InputError, "a.sphere"),
-    ("[a]\nsphere = 1\nrpy = [0, 0, 0]", UnknownNameError, "key of a 'rpy'"),
+    (
+        "[a]\nsphere = 1\nrpy = [0, 0, 0]",
+        UnknownNameError,
+        r"key of a in .*scene.toml 'rpy'",
+    ),
     ("[a]\nmesh = 3", InputError, "a.mesh"),
     ("[a]\nmesh = 'frame.stl'\nscale = 0", InputError, "a.scale"),
     ("[a]\nmesh = 'missing.stl'", MissingFileError, "file of triangles"),

@@ -547,6 +547,9 @@ def test_a_valve_inside_the_wall_is_never_free() -> None:
     with pytest.raises(NoPlacementError) as caught:
         placements(VALVE, obstacles=[inside], spacing=0.2, yaws=2)
     assert math.isnan(caught.value.possible)
+    # Each pose is counted once, with what touches there.
+    counts = caught.value.touching
+    assert sum(counts.values()) == caught.value.reaching > 0
     assert caught.value.reaching
 
 

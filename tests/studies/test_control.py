@@ -478,6 +478,9 @@ def test_what_cannot_be_used_is_named(found):
         a5.control.gains(**{**good, "q": np.zeros((0, 4))})
     assert error.value.name == "q"
     with pytest.raises(InputError) as error:
+        a5.control.gains(**{**good, "q": [[180.0, 45.0, 135.0, 90.0]]})  # degrees
+    assert error.value.name == "q"
+    with pytest.raises(InputError) as error:
         found.torque(HOME, HOME, HOME, [0.1, 0.1])
     assert error.value.name == "v_goal"
     with pytest.raises(InputError) as error:
@@ -519,3 +522,19 @@ def test_what_cannot_be_used_is_named(found):
         with pytest.raises(InputError) as error:
             a5.control.gains(**asked, **HARDWARE)
         assert error.value.name == next(iter(asked))
+
+
+@pytest.mark.parametrize(
+    ("name", "ask"),
+    [
+        ("delay", lambda: a5.control.margins(10, 1, 0.3, 40)),  # ms
+        ("settling_time", lambda: a5.control.gains(settling_time=1600, **HARDWARE)),
+        (
+            "rotor_inertias",  # a maker's 0.5 g cm^2
+            lambda: a5.control.gains(0.1, **{**HARDWARE, "rotor_inertias": 0.5}),
+        ),
+    ],
+)
+def test_other_units_are_named(name, ask):
+    with pytest.warns(ImplausibleWarning, match=name):
+        ask()

@@ -48,9 +48,11 @@ def ros2_control(found: Gains) -> str:
         },
         "arm_controller": {"ros__parameters": controller},
     }
+    rotors = ", ".join(f"{inertia:.3g}" for inertia in found.armature)
     comment = (
         f"# Bandwidth {found.bandwidth:.4g} rad/s, delay {1e3 * found.delay:.4g} ms, "
-        f"payload up to {found.payload:g} kg.\n"
+        f"payload up to {found.payload:g} kg,\n"
+        f"# inertia of the rotors at the joints {rotors} kg m^2.\n"
         "# p [N m/rad] and d [N m s/rad] are torques at the joints, not motor "
         "currents.\n"
         "# The hardware, or a node of yours, must add the torque that holds weight "

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import LARGEST, FloatArray, bounded, together
 from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
 
 #: Phase margin that gains keep at least [rad]: 45 deg.
 LEAST_PHASE = math.pi / 4
@@ -56,6 +57,9 @@ def margins(
     Raises:
         InputError: A stiffness or an inertia not above 0, a damping or delay below 0,
             or a number so large or so small that results overflow.
+
+    Warns:
+        ImplausibleWarning: A delay above 10 s.
     """
     K, D, M, T = together(
         stiffness=stiffness, damping=damping, inertia=inertia, delay=delay
@@ -73,6 +77,8 @@ def margins(
         if tiny.any():
             expected = f"numbers of at least {1 / LARGEST:.1e}, else results overflow"
             raise InputError(name, float(value[tiny][0]), expected)
+
+    plausibility.check("delay", T.max(initial=0.0), plausibility.LOOP_DELAY)
 
     # |L|^2 = 1: M^2 w^4 - D^2 w^2 - K^2 = 0
     square = (D**2 + np.sqrt(D**4 + 4 * (M * K) ** 2)) / (2 * M**2)

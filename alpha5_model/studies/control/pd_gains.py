@@ -189,6 +189,9 @@ def gains(
         MissingParameterError: No rotor inertia.
         InputError: Also another arm, or a bandwidth that the delay does not permit; the
             message has the largest possible one.
+
+    Warns:
+        ImplausibleWarning: A time in ms, or a rotor inertia in another unit.
     """
     arm = load() if arm is None else four_joints(arm)
     asked, wanted = _asked(bandwidth, settling_time)
@@ -202,6 +205,7 @@ def gains(
     poses = _poses(arm) if q is None else np.atleast_2d(float_array("q", q, (_JOINTS,)))
     if poses.ndim != 2 or not len(poses):
         raise ShapeError("q", poses.shape, "at least one pose, (N, 4)")
+    check_limits("q", poses, arm)
 
     motors = [actuator(name, arm=arm.parameters) for name in arm.joint_names]
     gears = np.array([motor.ratio for motor in motors])
@@ -272,6 +276,21 @@ def four_joints(arm: Any) -> Arm:
     return checked
 
 
+def check_limits(name: str, q: FloatArray, arm: Arm) -> None:
+    """Refuse positions (..., 4) of which one is beyond the limits of an arm.
+
+    Raises:
+        InputError: Such a position.
+    """
+    limits = arm.limits
+    if limits.beyond(q).any():
+        ends = ", ".join(
+            f"{low:.4g} to {high:.4g}"
+            for low, high in zip(limits.lower, limits.upper, strict=True)
+        )
+        raise InputError(name, q.tolist(), f"positions within {ends} rad")
+
+
 def per_joint(name: str, given: ArrayLike, least: float = -math.inf) -> FloatArray:
     """Four numbers, or one for all; (4,).
 
@@ -294,7 +313,9 @@ def _asked(bandwidth: Any, settling_time: Any) -> tuple[str, float]:
         return "bandwidth", real("bandwidth", bandwidth, _SLOWEST)
     longest = 2 * _SETTLED / _SLOWEST
     _within("settling_time", settling_time, longest, "s")
-    return "settling_time", real("settling_time", settling_time, 0.0, strict=True)
+    time = real("settling_time", settling_time, 0.0, strict=True)
+    plausibility.check("settling_time", time, plausibility.SETTLING_TIME)
+    return "settling_time", time
 
 
 def _settling(least_ratio: float) -> float:
@@ -313,9 +334,9 @@ def _refuse(
     """Say what the delay permits."""
     least, most = 1 / ratios.max(), 1 / ratios.min()
     reason = (
-        f"{1e3 * delay:.3g} ms from a position to the torque that answers it, and "
-        f"{least:.3g} to {most:.3g} times the inertia of the gains, leave "
-        f"{math.degrees(LEAST_PHASE):g} deg of phase up to there"
+        f"delay and one sample are {1e3 * delay:.3g} ms; by pose, payload and digits "
+        f"the inertia is {least:.3g} to {most:.3g} times that of the gains; "
+        f"{math.degrees(LEAST_PHASE):g} deg of phase are left"
     )
     if asked == "bandwidth":
         possible = f"at most {three_digits(fastest)} rad/s"
@@ -343,8 +364,7 @@ def _rotor_inertias(given: ArrayLike | None, motors: list[Any]) -> FloatArray:
     """Of the motors, (4,) [kg m^2]: those given, or those of the record."""
     if given is not None:
         values = per_joint("rotor_inertias", given, least=0.0)
-        for value in values.tolist():
-            plausibility.check("rotor_inertias", value, plausibility.ROTOR_INERTIA)
+        plausibility.check("rotor_inertias", values.max(), plausibility.ROTOR_INERTIA)
         return values
     unknown = [motor.joint for motor in motors if motor.rotor_inertia is None]
     if unknown:

@@ -26,7 +26,12 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.linear_model import motor_terms
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.studies.control.pd_gains import Gains, four_joints, per_joint
+from alpha5_model.studies.control.pd_gains import (
+    Gains,
+    check_limits,
+    four_joints,
+    per_joint,
+)
 
 _JOINTS = 4
 #: Longest step of the integrator [s].
@@ -107,13 +112,8 @@ def step(
     plant = found.arm if arm is None else four_joints(arm)
     first, last = array("start", start, _JOINTS), array("goal", goal, _JOINTS)
     limits = found.arm.limits
-    for name, q in (("start", first), ("goal", last)):
-        if limits.beyond(q).any():
-            ends = ", ".join(
-                f"{low:.4g} to {high:.4g}"
-                for low, high in zip(limits.lower, limits.upper, strict=True)
-            )
-            raise InputError(name, q.tolist(), f"positions within {ends} rad")
+    check_limits("start", first, found.arm)
+    check_limits("goal", last, found.arm)
     amperes = per_joint("current_limit", current_limit, least=0.0)
     if not amperes.all():
         raise InputError("current_limit", current_limit, "currents above 0 A")
