@@ -294,7 +294,7 @@ def _text(found: Gains, steps: dict[str, Step], moves: BoolArray) -> list[str]:
                     "settled [s]": step.settled,
                     "error [rad]": step.error,
                     "overshoot [rad]": step.overshoot,
-                    "at the current limit [%]": 100 * step.limited,
+                    "at limit [%]": 100 * step.limited,
                 },
             ),
         ]

@@ -51,11 +51,11 @@ def placement_figure(found: Placements, arm: Arm) -> Any:
     heading = np.degrees(np.arctan2(ahead[1], ahead[0]))
     side.set(
         title="from the side",
-        xlabel=f"ahead of the arm, {heading:z.0f}° from x [m]",
+        xlabel=f"along the heading of the best pose, {heading:z.0f}° from x [m]",
         ylabel="z [m]",
     )
     legend_below(above, 0.12, in_row=True)
-    label = "least of the clearances of arm and hull and the reach margin [mm]"
+    label = "least clearance or reach margin [mm]"
     page.colorbar(dots, ax=[above, side], shrink=0.8, pad=0.02, label=label)
     page.suptitle(f"{len(found)} of {found.tried} poses", fontsize=11)
     return page
