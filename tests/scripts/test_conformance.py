@@ -101,8 +101,8 @@ def lose_the_force(text: str) -> str:
 
 
 def zero_moments(text: str) -> str:
-    """The buoyancy bodies as they were: Newton raises zeros to 1e-6 kg m^2."""
-    return text.replace('diaginertia="2e-10 2e-10 2e-10"', 'diaginertia="0 0 0"')
+    """Buoyancy bodies without inertia: Newton raises zeros to 1e-6 kg m^2."""
+    return re.sub(r'diaginertia="(\S+) \1 \1"', 'diaginertia="0 0 0"', text)
 
 
 def lose_the_axes(text: str) -> str:
@@ -144,7 +144,7 @@ DAMAGES = [
     ("mink", "MJCF", "mjcf/alpha5.xml", six_digits, {"fk"}),
     ("UsdPhysics", "USD", "alpha5.usda", lose_the_axes, {"mass"}),
     ("UsdPhysics", "USD", "alpha5.usda", turn_a_joint, {"fk", "mass", "bias"}),
-    ("Newton", "USD", "alpha5.usda", lose_the_axes, {"mass"}),
+    ("Newton", "USD", "alpha5.usda", turn_a_joint, {"fk", "mass", "bias"}),
 ]
 
 
