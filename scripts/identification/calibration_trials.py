@@ -131,12 +131,17 @@ def shown(sensor: Any, load: np.ndarray, v: np.ndarray) -> np.ndarray:
         return load[:, 4:]
     if sensor.kind == "efforts":
         return load[:, :4] + 0.05 * np.sign(v) + 0.02 * v
+    return on_scales(load)
+
+
+def on_scales(load: np.ndarray, corners: Any = CORNERS) -> np.ndarray:
+    """Masses on three scales at corners (3, 2), of loads (N, 10), (N, 3)."""
     force, moment = load[:, 4:7], load[:, 7:]
     down = -force[:, 2]
     # The moment about the point (x, y) on the table has no part along x and y.
     x = (moment[:, 1] - HEIGHT * force[:, 0]) / down
     y = (-moment[:, 0] - HEIGHT * force[:, 1]) / down
-    sides = np.vstack([CORNERS.T, np.ones(3)])
+    sides = np.vstack([np.transpose(corners), np.ones(3)])
     shares = np.linalg.solve(sides, np.array([x, y, np.ones_like(x)]))
     return np.asarray(down[:, None] / 9.81 * shares.T)
 

@@ -178,6 +178,8 @@ def test_other_units_warn_once() -> None:
         with pytest.warns(ImplausibleWarning, match=remedy) as said:
             JAWS.force(current, lead)
         assert len(said) == 1
+    with pytest.warns(ImplausibleWarning, match="at: .*write 0.02"):
+        JAWS.gap(0.006, [10.0, 20.0])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         JAWS.force([0.0, 24.0 / 38.6], 1e-3)

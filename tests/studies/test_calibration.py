@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from identification.calibration_trials import on_scales
 from support.weighing import (
     DOWN,
     VEHICLE,
     loads,
-    on_scales,
     other_arm,
     random_q,
     trim,

@@ -6,13 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from identification.calibration_trials import CORNERS, HEIGHT, on_scales
 from support.weighing import (
-    CORNERS,
     DOWN,
-    HEIGHT,
     VEHICLE,
     loads,
-    on_scales,
     random_q,
     rotation,
     trim,

@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from identification.calibration_trials import loads as loads_of_arm
+from identification.calibration_trials import on_scales
 from scipy.optimize import root
 
 import alpha5_model as a5
 
 DOWN = np.array([0.0, 0.0, -9.81])
-#: Three scales, and their height.
-CORNERS = np.array([(0.18, 0.0), (-0.09, 0.156), (-0.09, -0.156)])
-HEIGHT = -0.03
 #: A small vehicle; the arm hangs below it, turned.
 VEHICLE: dict[str, Any] = {
     "mass": 11.5,
@@ -35,34 +34,10 @@ def loads(
 ) -> np.ndarray:
     """Joint torques, force and moment on the mount by Pinocchio, (N, 10)."""
     arm = a5.uncertainty.arm(record, density)
-    rest = np.zeros_like(q)
-    # Displaced water weighs against the bodies, and is not accelerated.
-    parts = [(1.0, arm.model, rest if v is None else v, rest if a is None else a)]
-    parts.append((-1.0, arm.fluid_model, rest, rest))
-    found = np.zeros((len(q), 10))
-    for sign, model, rates, accelerations in parts:
+    for model in (arm.model, arm.fluid_model):
         model.gravity.linear = np.asarray(gravity, float)
-        data = model.createData()
-        base = model.inertias[0]
-        of_base = np.append(gravity, np.cross(base.lever, gravity)) * base.mass
-        for row, state in enumerate(zip(q, rates, accelerations, strict=True)):
-            found[row, :4] += sign * pin.rnea(model, data, *state)
-            pin.forwardKinematics(model, data, state[0])
-            held = data.oMi[1].act(data.f[1]).vector
-            found[row, 4:] += sign * (of_base - held)
-    return found
-
-
-def on_scales(load: np.ndarray, corners: Any = CORNERS) -> np.ndarray:
-    """Masses on three scales: shares of a force are barycentric coordinates, (N, 3)."""
-    force, moment = load[:, 4:7], load[:, 7:]
-    down = -force[:, 2]
-    # The moment about the point (x, y) on the table has no part along x and y.
-    x = (moment[:, 1] - HEIGHT * force[:, 0]) / down
-    y = (-moment[:, 0] - HEIGHT * force[:, 1]) / down
-    sides = np.vstack([np.transpose(corners), np.ones(3)])
-    shares = np.linalg.solve(sides, np.array([x, y, np.ones_like(x)]))
-    return np.asarray(down[:, None] / 9.81 * shares.T)
+    rest = np.zeros_like(q)
+    return loads_of_arm(arm, q, rest if v is None else v, rest if a is None else a)
 
 
 def rotation(rpy: Any) -> np.ndarray:
