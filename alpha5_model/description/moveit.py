@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from alpha5_model._support.checks import plain_name
 from alpha5_model.description.srdf import srdf
 from alpha5_model.numbers.jaws import Gripper
 from alpha5_model.numbers.parameters import (
@@ -35,10 +36,13 @@ def moveit_files(
             catalogue's.
 
     Raises:
+        InputError: A prefix with which no ROS node can be named: controllers are nodes.
         Alpha5Error: See `alpha5_model.description.srdf.srdf`.
     """
     import yaml
 
+    if prefix:
+        plain_name("prefix", prefix)
     text = srdf(gripper, arm, prefix)
     *turning, rod = chosen_arm(arm).joints
     groups = {f"{prefix}arm": turning}

@@ -188,8 +188,9 @@ def every_pair(geometry: pin.GeometryModel) -> list[pin.CollisionPair]:
     return list(whole.collisionPairs)
 
 
-@pytest.mark.parametrize("prefix", ["a b", "<", "\n"])
-def test_a_prefix_that_no_name_has_is_refused(prefix):
+@pytest.mark.parametrize("prefix", ["a b", "<", "\n", "1left_", "left/", "left-"])
+def test_a_prefix_that_no_controller_can_have_is_refused(prefix):
+    """Controllers are ROS nodes: letters, digits and underscores, no digit first."""
     with pytest.raises(InputError, match="prefix"):
         moveit_files(prefix=prefix)
 
