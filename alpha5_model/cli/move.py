@@ -51,11 +51,11 @@ a point x y z of the tcp in base_link (m). The motion (--output) is a .csv
 file for alpha5 trajectory and alpha5 view --motion, or a JointTrajectory of
 ROS as .json or .yaml.
 
---through names a file of waypoints, at each of which the arm rests: a table
-with the columns axis_e to axis_b (rad, or axis_e [deg]), or x, y, z of the
-tcp (m, or x [mm]), perhaps with roll, pitch, yaw or qx, qy, qz, qw; or a
-JointTrajectory, whose times are not used. Its last one is TO, if no other is
-given.
+--through names a file of waypoints, at each of which the arm rests, or which
+it passes within --blend without a stop: a table with the columns axis_e to
+axis_b (rad, or axis_e [deg]), or x, y, z of the tcp (m, or x [mm]), perhaps
+with roll, pitch, yaw or qx, qy, qz, qw; or a JointTrajectory, whose times are
+not used. Its last one is TO, if no other is given.
 
 --obstacles names a TOML file with a table for each obstacle: its name, then
 box = edges, cylinder = radius and length, sphere = radius, or mesh = an STL,
@@ -79,6 +79,12 @@ def options(parser: Parser) -> None:
         type=Path,
         metavar="FILE",
         help="waypoints: a table, or a JointTrajectory as .json or .yaml",
+    )
+    parser.add_argument(
+        "--blend",
+        type=Scalar(LENGTH),
+        default=0.0,
+        help="pass waypoints and corners within this distance (m). Default: 0, a stop",
     )
     common.names_in_file(parser)
     parser.add_argument(
@@ -180,6 +186,7 @@ def run(given: Namespace) -> None:
             acceleration=given.acceleration,
             margin=given.margin,
             self_margin=given.self_margin,
+            blend=given.blend,
             wrist=given.wrist,
             line=given.line,
             rate=given.rate,
@@ -304,14 +311,15 @@ def _text(motion: PlannedMotion) -> printing.Lines:
 
 
 def _stops(motion: PlannedMotion) -> printing.Lines:
-    """Where and when the arm rests, and by how much it misses an orientation."""
+    """When the arm is at each target, and by how much it misses an orientation."""
     if len(motion.stops) > 1:
-        yield "\nstops (s, rad)"
-        rows = [["", "at", *motion.motion.joints]]
+        yield "\ntargets (s, rad, mm)"
+        rows = [["", "at", *motion.motion.joints, "passed by"]]
         for stop in motion.stops:
             angles = (f"{angle:.4f}" for angle in stop.q)
-            rows.append([stop.place, f"{stop.time:.2f}", *angles])
-        yield from table(rows, "<>>>>>")
+            away = f"{stop.away * 1e3:.1f}" if stop.away else "-"
+            rows.append([stop.place, f"{stop.time:.2f}", *angles, away])
+        yield from table(rows, "<>>>>>>")
     for stop in motion.stops:
         if stop.rotation_error > _TURNED:
             yield (

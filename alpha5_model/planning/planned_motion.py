@@ -19,12 +19,14 @@ from alpha5_model.trajectory.motions import Motion
 
 
 class Stop(NamedTuple):
-    """Where a motion rests at a target.
+    """Where a motion rests at a target, or passes it.
 
     Attributes:
         place: Of the target: ``through[0]``, ``target``, or a line of a file.
-        time: When it comes to rest there [s].
-        q: (4,) [rad].
+        time: When it comes to rest there, or is nearest to it [s].
+        q: Of the arm at the target, (4,) [rad].
+        away: How far the tcp, or any point of a link, is then from its place at q at
+            most [m]; 0 where it rests.
         rotation_error: Angle between a pose that was asked for and the orientation that
             four joints attain at its point; 0 for other targets [rad].
     """
@@ -32,6 +34,7 @@ class Stop(NamedTuple):
     place: str
     time: float
     q: FloatArray
+    away: float
     rotation_error: float
 
 
@@ -53,7 +56,8 @@ class PlannedMotion:
             ``tcp line``; through several targets, those of its parts.
         branch: Of the inverse kinematics that it ends in; None if joint positions were
             asked for.
-        stops: Where and when it rests at each target, the last one included.
+        stops: Where and when it rests at each target, or passes it, the last one
+            included.
         slowed: Factor by which the motors' limits made it longer; 1.0 if they did not.
         peaks: Speed, torque, current and voltage of each joint, with their limits.
         analysis: The replay: torques, currents, powers and load on the mount.

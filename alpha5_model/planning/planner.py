@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -29,11 +29,13 @@ from alpha5_model.errors import (
     MotionLimitError,
     UnreachableError,
 )
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.parameters import (
     DEFAULT_ACCELERATION,
     Alpha5Parameters,
     chosen_arm,
 )
+from alpha5_model.planning.blending import blended
 from alpha5_model.planning.goals import (
     POINT,
     POSE,
@@ -51,7 +53,7 @@ from alpha5_model.planning.retracted import retracted_poses
 from alpha5_model.planning.routes import TCP_LINE, Route, Search
 from alpha5_model.planning.s_curve import JointLimits, Samples, sampled, travel_time
 from alpha5_model.planning.surroundings import Obstruction, Surroundings
-from alpha5_model.planning.tcp_line import check_free, tcp_line
+from alpha5_model.planning.tcp_line import TcpLine, check_free, tcp_line
 
 #: Kept to obstacles [m].
 MARGIN = 0.005
@@ -67,8 +69,20 @@ _LEAST_RATE = 0.1
 _TARGET = "target"
 #: A day: longer motions are not meant [s].
 _LONGEST = 86_400.0
-#: The motion along a route, within limits of the joints.
-_Samples = Callable[..., Samples]
+
+
+class _Timing(NamedTuple):
+    """When an arm is where on its route.
+
+    Attributes:
+        samples: The motion in so many times the least time.
+        shares: The part of that motion's time at which it is at each end of a line.
+        away: How far it passes each end, (K,) [m].
+    """
+
+    samples: Callable[[float], Samples]
+    shares: Callable[[float], FloatArray]
+    away: FloatArray
 
 
 class _Drive(NamedTuple):
@@ -89,6 +103,7 @@ def plan(
     acceleration: ArrayLike = DEFAULT_ACCELERATION,
     margin: float = MARGIN,
     self_margin: float = 0.0,
+    blend: float = 0.0,
     wrist: float | None = None,
     line: bool = False,
     supply_voltage: float | None = None,
@@ -97,14 +112,15 @@ def plan(
 ) -> PlannedMotion:
     """A motion from a joint position to a target, free of collision, within limits.
 
-    It may lead through other targets, and rests at each.
+    It may lead through other targets, and rests at each unless ``blend`` is above 0.
 
     The path is a straight joint line to the branch that is reached first. If that line
     is not free, the path leads to another branch, or by retracted poses, with the hand
     near the yaw axis. Each line is proved free between its ends, not sampled
     (`alpha5_model.planning.surroundings`). Joints move by S-curves and rest where two
-    lines meet. The motion is replayed through `alpha5_model.trajectory.analyse`; if a
-    torque, a current or a voltage is beyond its limit, the motion is slowed down.
+    lines meet, or pass the corner (`alpha5_model.planning.blending`). The motion is
+    replayed through `alpha5_model.trajectory.analyse`; if a torque, a current or a
+    voltage is beyond its limit, the motion is slowed down.
 
     Through several targets, each is reached from the one before by itself: the branch
     that is quickest to a target may be one from which the next target is not reached.
@@ -131,6 +147,10 @@ def plan(
             free if it keeps 0.1 mm more.
         self_margin: Distance that the links keep to each other [m]; those next to each
             other are not compared.
+        blend: How far the tcp, and any point of a link, may be from where it is at a
+            corner of the path when the arm passes it [m]. The arm then need not stop
+            there. It passes nearer, or rests, if bounds of the joints or something in
+            the way leave no other choice. The last target is reached.
         wrist: theta_3 at the point, or at each of several [rad]; None for that before
             it, or another one if that is not free. Only for points.
         line: Move the tcp along a straight line, in the least time that speeds and
@@ -162,7 +182,9 @@ def plan(
         for number, given in enumerate(listed("through", through, "a list of targets"))
     ]
     targets.append(target_of(_TARGET, target))
-    _check_kinds(targets, wrist, flag("line", line))
+    distance = real("blend", blend, minimum=0.0)
+    plausibility.check("blend", distance, plausibility.POSITION)
+    _check_kinds(targets, wrist, flag("line", line), distance)
 
     if rate is not None:
         rate = real("rate", rate, minimum=_LEAST_RATE)
@@ -176,21 +198,29 @@ def plan(
     drive = _Drive(supply_voltage, current_limit)
     if line:
         point = targets[0].value
-        route, line_within = _line(surroundings, start, point, wrist, loaded)
-        samples_within = partial(line_within, rate=rate)
+        route, along = _line(surroundings, start, point, wrist, loaded)
+        _check_rated(route, record, limits)
+        timing = _along_line(along, limits, rate)
     else:
         route = _through(surroundings, start, targets, wrist, record, limits)
-        samples_within = partial(sampled, route.way, rate=rate)
-    return _timed(route, targets, samples_within, loaded, limits, drive, surroundings)
+        _check_rated(route, record, limits)
+        timing = _at_rest(route.way, limits, rate)
+        if distance > 0.0:
+            timing = _passing(route.way, limits, distance, loaded, surroundings, rate)
+    return _timed(route, targets, timing, loaded, drive, surroundings)
 
 
-def _check_kinds(targets: list[Target], wrist: float | None, line: bool) -> None:
-    """Refuse options that only points have.
+def _check_kinds(
+    targets: list[Target], wrist: float | None, line: bool, blend: float
+) -> None:
+    """Refuse options that only points have, or no straight line.
 
     Raises:
-        InputError: A wrist angle without a point, or a line that leads to none, or to
-            several.
+        InputError: A wrist angle without a point; a line that leads to none, or to
+            several, or with corners.
     """
+    if line and blend > 0.0:
+        raise InputError("blend", blend, "0 with a straight line, which has no corners")
     if wrist is not None and all(target.kind != POINT for target in targets):
         raise InputError("wrist", wrist, "no value: only a point leaves it open")
     if line and len(targets) > 1:
@@ -267,8 +297,8 @@ def _line(
     target: FloatArray,
     wrist: float | None,
     arm: Arm,
-) -> tuple[Route, _Samples]:
-    """The straight line of the tcp, and its samples within limits.
+) -> tuple[Route, TcpLine]:
+    """The straight line of the tcp.
 
     Raises:
         BlockedMotionError: It is not free.
@@ -282,7 +312,54 @@ def _line(
     goal = min(reached, key=lambda goal: float(np.abs(goal.q - end).max()))
     ends = np.array([start, end])
     route = Route(way=ends, kind=TCP_LINE, branch=goal.branch, ends=(1,))
-    return route, line.sampled
+    return route, line
+
+
+def _along_line(line: TcpLine, limits: JointLimits, rate: float | None) -> _Timing:
+    return _Timing(
+        samples=lambda slowed: line.sampled(limits.slower(slowed), rate),
+        shares=lambda slowed: np.array([0.0, 1.0]),
+        away=np.zeros(2),
+    )
+
+
+def _at_rest(way: FloatArray, limits: JointLimits, rate: float | None) -> _Timing:
+    """Straight joint lines, at rest where two meet."""
+
+    def shares(slowed: float) -> FloatArray:
+        slower = limits.slower(slowed)
+        lines = [travel_time(np.array(line), slower) for line in pairwise(way)]
+        until = np.append(0.0, np.cumsum(lines))
+        return until / until[-1] if until[-1] else np.ones(len(until))
+
+    return _Timing(
+        samples=lambda slowed: sampled(way, limits.slower(slowed), rate),
+        shares=shares,
+        away=np.zeros(len(way)),
+    )
+
+
+def _passing(
+    way: FloatArray,
+    limits: JointLimits,
+    blend: float,
+    arm: Arm,
+    surroundings: Surroundings,
+    rate: float | None,
+) -> _Timing:
+    """Straight joint lines whose corners are passed without a stop."""
+    moves = np.append(True, (np.diff(way, axis=0) != 0.0).any(axis=1))
+    if moves.sum() == 1:
+        return _at_rest(way, limits, rate)
+    lines = blended(way[moves], limits, blend, arm, surroundings, rate)
+    # An end that stands twice in the way is passed once.
+    row = np.cumsum(moves) - 1
+    shares = (lines.passes / lines.passes[-1])[row]
+    return _Timing(
+        samples=lambda slowed: lines.sampled(slowed, rate),
+        shares=lambda slowed: shares,
+        away=lines.away[row],
+    )
 
 
 def _through(
@@ -398,12 +475,23 @@ def _blocked_by(found: Obstruction, problem: str) -> BlockedMotionError:
     )
 
 
+def _check_rated(route: Route, arm: Alpha5Parameters, limits: JointLimits) -> None:
+    """Refuse a way on which a joint must move whose rated speed is 0.
+
+    Raises:
+        InputError: Such a way.
+    """
+    moves = np.ptp(route.way, axis=0).astype(bool)
+    for number in np.flatnonzero(moves & (limits.speed == 0.0)):
+        name = f"{arm.joints[number].name}.velocity"
+        raise InputError(name, 0.0, "a speed above 0: the joint must move")
+
+
 def _timed(
     route: Route,
     targets: list[Target],
-    samples_within: _Samples,
+    timing: _Timing,
     arm: Arm,
-    limits: JointLimits,
     drive: _Drive,
     surroundings: Surroundings,
 ) -> PlannedMotion:
@@ -412,24 +500,17 @@ def _timed(
     Args:
         route: The way.
         targets: That it leads through.
-        samples_within: Its motion within limits of the joints.
+        timing: Its motion.
         arm: Whose motors are asked.
-        limits: Of its joints.
         drive: Of its motors.
         surroundings: In which the way is free.
 
     Raises:
-        InputError: A joint of the arm must move, and its rated speed is 0; or the
-            motion would take more than a day.
+        InputError: The motion would take more than a day.
         MotionLimitError: A limit is exceeded at any speed.
     """
-    moves = np.ptp(route.way, axis=0).astype(bool)
-    for number in np.flatnonzero(moves & (limits.speed == 0.0)):
-        name = f"{arm.parameters.joints[number].name}.velocity"
-        raise InputError(name, 0.0, "a speed above 0: the joint must move")
-
     for slowed in _TIMES.tolist():
-        samples = samples_within(limits.slower(slowed))
+        samples = timing.samples(slowed)
         duration = float(np.ptp(samples.time))
         if not duration <= _LONGEST:
             expected = f"ones with which the motion takes at most {_LONGEST:g} s"
@@ -452,7 +533,7 @@ def _timed(
         way=frozen(route.way),
         kind=route.kind,
         branch=route.branch,
-        stops=tuple(_stops(route, targets, limits.slower(slowed), duration, arm)),
+        stops=tuple(_stops(route, targets, timing, slowed, duration, arm)),
         slowed=slowed,
         peaks=tuple(found),
         analysis=analysis,
@@ -463,28 +544,32 @@ def _timed(
 def _stops(
     route: Route,
     targets: list[Target],
-    limits: JointLimits,
+    timing: _Timing,
+    slowed: float,
     duration: float,
     arm: Arm,
 ) -> Iterator[Stop]:
-    """Where and when a motion along a route rests.
+    """Where and when a motion along a route is at its targets.
 
     Args:
         route: The way.
         targets: That it leads through.
-        limits: With which it was given its times.
+        timing: Of the motion.
+        slowed: In how many times the least time.
         duration: Of the motion, which a wanted rate makes a little longer [s].
         arm: For the orientation of the tcp.
     """
-    lines = [travel_time(np.array(line), limits) for line in pairwise(route.way)]
-    until = np.append(0.0, np.cumsum(lines))
+    shares = timing.shares(slowed)
     for target, end in zip(targets, route.ends, strict=True):
         q = route.way[end]
-        share = float(until[end] / until[-1]) if until[-1] else 1.0
         error = 0.0
         if target.kind == POSE:
             reached = arm.forward_kinematics(q).homogeneous
             error = float(angles_between(reached, target.value))
         yield Stop(
-            place=target.place, time=share * duration, q=frozen(q), rotation_error=error
+            place=target.place,
+            time=float(shares[end]) * duration,
+            q=frozen(q),
+            away=float(timing.away[end]),
+            rotation_error=error,
         )

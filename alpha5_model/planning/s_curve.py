@@ -73,6 +73,12 @@ class SCurve:
         """[s]."""
         return 2 * self.rise + self.cruise
 
+    @property
+    def breaks(self) -> FloatArray:
+        """Times at which the jerk changes, (8,) [s]."""
+        first = np.array([0.0, self.ramp, self.rise - self.ramp, self.rise])
+        return np.concatenate([first, self.duration - first[::-1]])
+
     def at(self, time: FloatArray) -> Profile:
         """The parameter at times from 0 to `duration`, (N,) [s]."""
         later = time > self.duration / 2

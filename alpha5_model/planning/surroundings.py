@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray, frozen
 from alpha5_model._support.spatial import pose
 from alpha5_model.collision.bodies import CollisionBodies, collision_bodies
 from alpha5_model.collision.self_collision import SHORTEST as SHORTEST_EXACT
@@ -144,22 +144,24 @@ class Surroundings:
                 )
         return None
 
-    def with_room(self, strayed: FloatArray) -> Surroundings:
-        """The same with room for joints beside a line.
+    def displacement(self, strayed: FloatArray) -> FloatArray:
+        """How far joints that are off by angles move any point of a link at most, [m].
 
         A joint that is off by an angle moves no point by more than the angle times the
         point's distance from its axis.
 
         Args:
+            strayed: (..., 4) [rad].
+        """
+        return strayed @ _farthest(self._arm)
+
+    def with_room(self, strayed: FloatArray) -> Surroundings:
+        """The same with room for joints beside a line.
+
+        Args:
             strayed: How far each joint may be from the line, (4,) [rad].
         """
-        bodies = _bodies_of(self._arm)
-        joints = range(1, len(bodies.bodies))
-        radii = [
-            max(carried_radius(bodies, link, joint) for link in joints if link >= joint)
-            for joint in joints
-        ]
-        room = float(np.array(radii) @ strayed)
+        room = float(self.displacement(strayed))
         wider = copy(self)
         wider.margin += room
         wider._compared = [
@@ -277,6 +279,19 @@ def without_radius(shape: Primitive) -> tuple[Primitive, float]:
 @lru_cache(maxsize=16)
 def _bodies_of(arm: Alpha5Parameters) -> CollisionBodies:
     return collision_bodies(arm)
+
+
+@lru_cache(maxsize=16)
+def _farthest(arm: Alpha5Parameters) -> FloatArray:
+    """Distance from each joint's axis of the farthest point that it moves, (4,) [m]."""
+    bodies = _bodies_of(arm)
+    joints = range(1, len(bodies.bodies))
+    return frozen(
+        [
+            max(carried_radius(bodies, link, joint) for link in joints if link >= joint)
+            for joint in joints
+        ]
+    )
 
 
 def instead_of_link_0(

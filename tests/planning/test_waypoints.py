@@ -12,6 +12,7 @@ import pytest
 import yaml
 from coal_world import CoalWorld, samples
 from fk import fk, tip
+from motion_checks import at, check_limits
 
 import alpha5_model as a5
 from alpha5_model.errors import (
@@ -22,7 +23,7 @@ from alpha5_model.errors import (
     MissingFileError,
     UnreachableError,
 )
-from alpha5_model.planning import Obstacle, PlannedMotion, read_waypoints
+from alpha5_model.planning import Obstacle, read_waypoints
 
 HOME = a5.named_pose("home")
 POINTS = np.array([[0.2, 0.1, 0.1], [0.15, 0.2, 0.1], [0.25, -0.1, 0.05]])
@@ -54,25 +55,6 @@ def message(rows: np.ndarray, names: tuple[str, ...] = JOINTS) -> dict:
 
 def values(path: Path, **options: object) -> np.ndarray:
     return np.array([target.value for target in read_waypoints(path, **options)])
-
-
-def check_limits(motion: PlannedMotion, acceleration: float) -> None:
-    """By finite differences: none is larger than the quantity at some time between."""
-    step = np.diff(motion.time)[:, None]
-    rated = np.array([joint.velocity for joint in a5.parameters().joints[:4]])
-    speed = np.diff(motion.position, axis=0) / step
-    of_speed = np.diff(motion.velocity, axis=0) / step
-    second = np.diff(speed, axis=0) / step[1:]
-    assert (np.abs(speed) <= rated * (1 + 1e-9)).all()
-    assert (np.abs(of_speed) <= acceleration * (1 + 1e-9)).all()
-    assert (np.abs(second) <= acceleration * (1 + 1e-6)).all()
-
-
-def at(motion: PlannedMotion, time: float) -> np.ndarray:
-    """Position at any time, by the cubics between the samples."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    return CubicHermiteSpline(motion.time, motion.position, motion.velocity)(time)
 
 
 def test_the_tip_rests_at_each_point() -> None:
