@@ -313,6 +313,8 @@ class NoPlacementError(Alpha5Error, ValueError):
             message += "something touches: "
             counts = [f"{what} at {n}" for what, n in touching.items() if n]
             message += f"{', '.join(counts)}. Try more poses, or move these apart"
+            if touching.get("arm and itself or hull"):
+                message += "; the hull's places are in base_link"
         else:
             message = f"none of {reaching} poses that reach all points (of {tried}) "
             message += f"keeps a clearance of {needed * 1e3:.4g} mm"

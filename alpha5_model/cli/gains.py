@@ -37,8 +37,8 @@ K and D act at the joints; in motor current, they are divided by the torque
 per ampere. Rotor inertia and current limit are not published. With a current
 limit, a step from home to reach is simulated.
 
-Exit status: 0 found; 1 the simulated step does not hold; 2 the delay does not
-permit this bandwidth.
+Exit status: 0 found; 1 a simulated step does not hold, or would take too long; 2
+the delay does not permit this bandwidth.
 
 Example: alpha5 gains --bandwidth 8 --rate 200 --delay 0.01 --rotor-inertia 5e-8
 """
@@ -148,7 +148,7 @@ def run(given: Namespace) -> int:
         limit = _limits_of(own)
     home, reach = named_pose("home", own), named_pose("reach", own)
     steps = {}
-    skipped = []
+    skipped = ""
     if limit is None:
         for option in ("friction", "tolerance"):
             if getattr(given, option) is not None:
@@ -174,7 +174,7 @@ def run(given: Namespace) -> int:
             except InputError as error:
                 if error.name != "duration":
                     raise
-                skipped = ["", f"no step is simulated, {error}"]
+                skipped = f"no step is simulated, {error}"
                 break
 
     if given.ros2_control is not None:
@@ -184,12 +184,13 @@ def run(given: Namespace) -> int:
         atomic_write_all({given.mjcf / name: data for name, data in files.items()})
     printing.show(
         given.json,
-        _record(found, steps),
-        _text(found, steps, reach != home) + skipped,
+        _record(found, steps, skipped),
+        _text(found, steps, reach != home, skipped),
         given.ros2_control,
         given.mjcf,
     )
-    return 0 if all(step.holds for step in steps.values()) else 1
+    holds = all(step.holds for step in steps.values())
+    return 0 if holds and not skipped else 1
 
 
 def _one_or_four(numbers: list[float] | None) -> Any:
@@ -204,7 +205,7 @@ def _limits_of(own: Alpha5Parameters | None) -> list[float] | None:
     return known if len(known) == len(limits) else None
 
 
-def _record(found: Gains, steps: dict[str, Step]) -> dict[str, Any]:
+def _record(found: Gains, steps: dict[str, Step], skipped: str) -> dict[str, Any]:
     """The result for scripts, in SI units."""
     return {
         "joints": found.arm.joint_names,
@@ -234,17 +235,31 @@ def _record(found: Gains, steps: dict[str, Step]) -> dict[str, Any]:
                 "tolerance": step.tolerance,
                 "overshoot": step.overshoot,
                 "limited": step.limited,
+                "dead_band": step.dead_band,
             }
             for words, step in steps.items()
         },
+        "skipped": skipped or None,
     }
 
 
-def _text(found: Gains, steps: dict[str, Step], moves: BoolArray) -> list[str]:
-    """The result for people; ``moves`` says which joints the steps move."""
+def _text(
+    found: Gains, steps: dict[str, Step], moves: BoolArray, skipped: str
+) -> list[str]:
+    """The result for people.
+
+    Args:
+        found: The gains.
+        steps: Words for an arm -> its step.
+        moves: Which joints the steps move.
+        skipped: Why a step is not simulated; empty if none was left out.
+    """
     from alpha5_model.studies.control.pd_gains import three_digits
 
     m = found.margins
+    dead_band = found.dead_band
+    for step in steps.values():
+        dead_band = step.dead_band  # of the friction that was asked for
     lines = [
         f"bandwidth {found.bandwidth:.4g} rad/s, settled to 2 % in "
         f"{found.settling_time:.3g} s; the delay permits "
@@ -268,7 +283,7 @@ def _text(found: Gains, steps: dict[str, Step], moves: BoolArray) -> list[str]:
             {
                 "inertia [kg m^2]": found.inertia,
                 "of rotor": found.armature,
-                "dead band [rad]": found.dead_band,
+                "dead band [rad]": dead_band,
                 "sag [rad]": found.sag,
                 "a count [A]": found.ripple,
             },
@@ -277,9 +292,9 @@ def _text(found: Gains, steps: dict[str, Step], moves: BoolArray) -> list[str]:
     if not found.friction.any():
         lines += [
             "",
-            "The dead band is that of the arm's friction, Table 4's unless --arm has "
-            "its own. Friction that was measured (alpha5 calibrate motors) is "
-            "compensated while the goal moves.",
+            "The dead band is that of the arm's friction, Table 4's unless --friction "
+            "or --arm has another. Friction that was measured (alpha5 calibrate "
+            "motors) is compensated while the goal moves.",
         ]
     for words, step in steps.items():
         verdict = "passed" if step.holds else "failed"
@@ -297,8 +312,25 @@ def _text(found: Gains, steps: dict[str, Step], moves: BoolArray) -> list[str]:
                     "at limit [%]": 100 * step.limited,
                 },
             ),
+            *_held_by_friction(found, step),
         ]
-    return lines
+    return [*lines, "", skipped] if skipped else lines
+
+
+def _held_by_friction(found: Gains, step: Step) -> list[str]:
+    """What helps a step in which friction alone can hold a joint off its goal."""
+    off = np.where(np.isnan(step.settled), step.dead_band, 0.0)
+    worst = int(off.argmax())
+    held = float(off[worst])
+    if held <= step.tolerance:
+        return []
+    # The stiffness grows with the square of the bandwidth.
+    enough = found.bandwidth * math.sqrt(held / step.tolerance)
+    remedy = "a larger --tolerance"
+    if enough <= found.fastest:
+        remedy = f"at least {enough:.3g} rad/s, or {remedy}"
+    joint = found.arm.joint_names[worst]
+    return ["", f"Friction can hold {joint} {held:.2g} rad off: ask for {remedy}."]
 
 
 def _by_joint(found: Gains, columns: dict[str, Any]) -> list[str]:

@@ -14,7 +14,7 @@ from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.tolerances import DOUBLE, Tolerances
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
-with needing("making code of the equations", "pip install casadi"):
+with needing("making code of the equations", "pip install 'alpha5-model[symbolic]'"):
     import casadi as casadi  # for alpha5_model.casadi, too
 
 from alpha5_model.codegen.casadi_functions import folded, named

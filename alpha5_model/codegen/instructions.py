@@ -13,7 +13,7 @@ from typing import NamedTuple
 from alpha5_model.codegen.words import DIALECTS, WORDS
 from alpha5_model.errors import InputError, needing
 
-with needing("making code of the equations", "pip install casadi"):
+with needing("making code of the equations", "pip install 'alpha5-model[symbolic]'"):
     import casadi
 
 #: Operations that make truth values, 0 or 1.

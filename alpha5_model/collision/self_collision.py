@@ -32,6 +32,7 @@ from alpha5_model.collision.coal_scene import CoalScene, Contact
 from alpha5_model.collision.turning_radii import distance_rates
 from alpha5_model.errors import KernelError, MissingDependencyError, needing
 from alpha5_model.kernels.choice import module
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.jaws import Gripper
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
@@ -269,6 +270,7 @@ def without_self_collision(
             angles; ``arm`` is no record.
     """
     position = float_array("q", q, (4,))
+    plausibility.check_largest("q", position, plausibility.ANGLE)
     record = chosen_arm(arm)
     wrist = record.joints[3]
     angles = np.linspace(wrist.lower, wrist.upper, count("wrists", wrists))

@@ -25,9 +25,15 @@ from alpha5_model._support.checks import (
 )
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 from alpha5_model.kernels import choice as kernels
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Derivatives with respect to positions, velocities and accelerations or torques.
 Partials = tuple[FloatArray, FloatArray, FloatArray]
+#: The jaw rod, the last joint of an arm that has it.
+_ROD = JOINT_NAMES[4]
+#: A longer travel of the rod is most likely in mm [m].
+_LONGEST_ROD = plausibility.JAW_LENGTH.ranges[0][1]
 
 
 def state_check(model: pin.Model, *rates: str) -> Callable[..., Any]:
@@ -38,11 +44,14 @@ def state_check(model: pin.Model, *rates: str) -> Callable[..., Any]:
     nq = model.nq
     nv = model.nv
     fixed_base = nq == nv
+    has_rod = model.existJointName(_ROD)
     is_plain_state = kernels.module().is_state
 
     def check(*state: Any) -> Any:
-        if is_plain_state(nq, nv, *state) and (
-            fixed_base or pin.isNormalized(model, state[0], ROTATION_TOLERANCE)
+        if (
+            is_plain_state(nq, nv, *state)
+            and (fixed_base or pin.isNormalized(model, state[0], ROTATION_TOLERANCE))
+            and not (has_rod and abs(state[0][-1]) > _LONGEST_ROD)
         ):
             return state if rates else state[0]
         given_rates = dict(zip(rates, state[1:], strict=True))
@@ -57,6 +66,7 @@ def state_vectors(model: pin.Model, q: Any, **rates: Any) -> list[FloatArray]:
     position = array("q", q, model.nq)
     if model.nq > model.nv:
         _check_quaternions(position)
+    _check_units(model, position)
     checked_rates = [array(name, rate, model.nv) for name, rate in rates.items()]
     return [position, *checked_rates]
 
@@ -81,6 +91,8 @@ def rows(model: pin.Model, **states: ArrayLike) -> list[FloatArray]:
     n_rows = _number_of_rows(arrays)
     if model.nq > model.nv:
         _check_quaternions(arrays["q"])
+    if "q" in arrays:
+        _check_units(model, arrays["q"])
     # One row for all is not copied: what computes may be asked for millions of rows.
     return [
         np.broadcast_to(np.ascontiguousarray(given), (n_rows, given.shape[1]))
@@ -124,6 +136,15 @@ def _check_quaternions(q: FloatArray) -> None:
         norm = norms[tuple(row)]
         expected = "a unit quaternion (x, y, z, w)"
         raise InputError(f"q[{place}]", f"norm {norm:.6g}", expected)
+
+
+def _check_units(model: pin.Model, q: FloatArray) -> None:
+    """Warn of joint positions (..., nq) that are most likely in degrees or mm."""
+    joints = q[..., 7:] if model.nq > model.nv else q
+    if model.existJointName(_ROD):
+        plausibility.check_largest("q", joints[..., -1], plausibility.JAW_LENGTH)
+        joints = joints[..., :-1]
+    plausibility.check_largest("q", joints, plausibility.ANGLE)
 
 
 def forces(fext: Any, njoints: int) -> Any:

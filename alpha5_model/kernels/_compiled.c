@@ -113,19 +113,30 @@ static PyObject *rows(PyObject *module, PyObject *const *given, Py_ssize_t count
     return results;
 }
 
+/* Two turns: larger angles are most likely degrees. */
+static const double MOST_ANGLE = 4 * 3.14159265358979323846;
+
 static PyObject *is_state(PyObject *module, PyObject *const *arguments, Py_ssize_t count)
 {
     (void)module;
-    long length = -1;
+    if (count < 3)
+        return PyBool_FromLong(0);
+    long nq = PyLong_AsLong(arguments[0]);
+    long nv = PyLong_AsLong(arguments[1]);
+    if (PyErr_Occurred())
+        return NULL;
+    long of_base = nq == nv ? 0 : 7; /* position and quaternion */
     for (Py_ssize_t i = 2; i < count; i++) {
         PyArrayObject *array = (PyArrayObject *)arguments[i];
-        if (i < 4)
-            length = PyLong_AsLong(arguments[i - 2]);
+        long length = i == 2 ? nq : nv;
         if (!plain(arguments[i], NPY_ARRAY_CARRAY_RO) || PyArray_NDIM(array) != 1
-            || PyArray_DIM(array, 0) != length || !clean(PyArray_DATA(array), length))
-            return PyErr_Occurred() ? NULL : PyBool_FromLong(0);
+            || PyArray_DIM(array, 0) != length)
+            return PyBool_FromLong(0);
+        const double *x = PyArray_DATA(array);
+        if (!clean(x, length) || (i == 2 && !within(MOST_ANGLE, x + of_base, length - of_base)))
+            return PyBool_FromLong(0);
     }
-    return PyBool_FromLong(length >= 0);
+    return PyBool_FromLong(1);
 }
 
 #include "self_collision.h"
@@ -134,11 +145,11 @@ static PyMethodDef methods[] = {
     {"rows", (PyCFunction)(void (*)(void))rows, METH_FASTCALL,
      "rows(name, parameters, *inputs) -> outputs: see `alpha5_model.kernels.choice.rows`."},
     {"is_state", (PyCFunction)(void (*)(void))is_state, METH_FASTCALL,
-     "is_state(nq, nv, q, *rates) -> bool: whether they are plain float64 (nq,), (nv,), ... that can be computed with."},
+     "is_state(nq, nv, q, *rates) -> bool: whether they are plain float64 (nq,), (nv,), ... that can be computed with, and angles of at most two turns."},
     {"scene", (PyCFunction)(void (*)(void))scene, METH_FASTCALL,
      "scene(bodies, shapes, pairs) -> scene: see `alpha5_model.collision.self_collision`."},
     {"self_collision", (PyCFunction)(void (*)(void))self_collision, METH_FASTCALL,
-     "self_collision(scene, angles, margin) -> bool; None if angles are not a row of finite float64."},
+     "self_collision(scene, angles, margin) -> bool; None if angles are not a row of float64 of at most two turns."},
     {"self_collision_rows", (PyCFunction)(void (*)(void))self_collision_rows, METH_FASTCALL,
      "self_collision_rows(scene, angles, margin, asked, hits) -> whether it was computed.\n\n"
      "A row with NaN does not collide, nor does one that is not asked for."},

@@ -29,7 +29,8 @@ def module() -> Any:
     """The module of the kernels, with ``rows`` and ``is_state``.
 
     ``is_state(nq, nv, q, *rates)`` says whether arrays are plain C-contiguous float64
-    (nq,), (nv,), ... of finite numbers of at most `LARGEST`.
+    (nq,), (nv,), ... of finite numbers of at most `LARGEST`, and joint positions of at
+    most two turns.
 
     Raises:
         UnknownNameError: ``ALPHA5_KERNELS`` is neither numpy nor compiled.

@@ -13,6 +13,8 @@ from alpha5_model.kernels.generated.formulas import KERNELS
 
 #: States in a block: what a formula holds of them at a time stays in the cache.
 BLOCK = 4096
+#: Two turns: larger angles are most likely degrees [rad].
+_MOST_ANGLE = 4 * math.pi
 
 
 def rows(
@@ -61,7 +63,8 @@ def is_state(nq: int, nv: int, *state: Any) -> bool:
         if not math.hypot(*x.tolist()) < LARGEST:
             return False
         n = nv
-    return True
+    of_base = 0 if nq == nv else 7  # position and quaternion
+    return all(abs(angle) <= _MOST_ANGLE for angle in state[0][of_base:].tolist())
 
 
 def _is_plain(x: Any) -> bool:

@@ -24,13 +24,19 @@ typedef struct {
 /* Vectors that a kernel computes at a time: they fit the first cache. */
 enum { VECTORS = 8, PANEL = VECTORS * LANES };
 
-/* Whether all numbers can be computed with; NaN cannot. */
-static int clean(const double *x, ptrdiff_t size)
+/* Whether no number is larger than that; NaN is. */
+static int within(double most, const double *x, ptrdiff_t size)
 {
     int good = 1;
     for (ptrdiff_t i = 0; i < size; i++)
-        good &= fabs(x[i]) <= LARGEST;
+        good &= fabs(x[i]) <= most;
     return good;
+}
+
+/* Whether all numbers can be computed with; NaN cannot. */
+static int clean(const double *x, ptrdiff_t size)
+{
+    return within(LARGEST, x, size);
 }
 
 /* Numbers of up to PANEL rows to lanes, `stride` vectors apart; further lanes repeat the last row.

@@ -415,7 +415,8 @@ static PyObject *self_collision(PyObject *module, PyObject *const *given, Py_ssi
         return PyErr_Occurred() ? NULL : PyErr_Format(PyExc_TypeError, "self_collision takes a scene, angles and a margin");
     PyArrayObject *angles = (PyArrayObject *)given[1];
     if (!plain(given[1], NPY_ARRAY_CARRAY_RO) || PyArray_NDIM(angles) != 1
-        || PyArray_DIM(angles, 0) != scene->bodies - 1 || !clean(PyArray_DATA(angles), scene->bodies - 1)
+        || PyArray_DIM(angles, 0) != scene->bodies - 1
+        || !within(MOST_ANGLE, PyArray_DATA(angles), scene->bodies - 1)
         || !real(given[2], &margin) || !(margin >= 0.0 && margin <= LARGEST))
         Py_RETURN_NONE;
     return PyBool_FromLong(in_self_collision(scene, PyArray_DATA(angles), margin));

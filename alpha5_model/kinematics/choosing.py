@@ -24,6 +24,7 @@ from alpha5_model.kinematics.geometry import Geometry, on_axis
 from alpha5_model.kinematics.reach import nearest_reachable, reachable
 from alpha5_model.kinematics.solver import Branches, solve
 from alpha5_model.kinematics.tolerances import LIMIT_TOLERANCE
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Rotation errors that differ by less count as equal; the joint travel decides [rad].
@@ -211,6 +212,7 @@ def _check_wrist(angle: float, arm: Alpha5Parameters) -> None:
 def _reference(q: FloatArray, q_reference: ArrayLike) -> FloatArray:
     """The reference of each target of q (..., 4, 4), (..., 4)."""
     reference = float_array("q_reference", q_reference, (4,))
+    plausibility.check_largest("q_reference", reference, plausibility.ANGLE)
     shape = (*q.shape[:-2], 4)
     try:
         return np.broadcast_to(reference, shape)

@@ -27,6 +27,7 @@ from alpha5_model._support.text import short_repr
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.geometry import Geometry
 from alpha5_model.kinematics.solver import Branches, solve, solve_rows
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 #: Names of the branches: the arm faces the target (underarm) or faces away (overarm);
@@ -133,6 +134,7 @@ def inverse_kinematics(
     geometry = Geometry.of(record)
     target = float_array("position", position, (3,))
     angle = float_array("wrist", wrist, ())
+    plausibility.check_largest("wrist", angle, plausibility.ANGLE)
 
     answer: tuple[Any, ...]
     if target.ndim == 1 and angle.ndim == 0:

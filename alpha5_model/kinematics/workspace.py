@@ -51,6 +51,7 @@ from alpha5_model.kinematics.reach import (
     nearest_reachable,
     reachable,
 )
+from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.parameters import Alpha5Parameters, chosen_arm
 
 __all__ = [
@@ -279,7 +280,9 @@ def singularities(
         q: (..., 4) [rad].
         arm: Record of the arm; None is the catalogue's.
     """
-    at = _InPlane.of(Geometry.of(chosen_arm(arm)), float_array("q", q, (4,)))
+    position = float_array("q", q, (4,))
+    plausibility.check_largest("q", position, plausibility.ANGLE)
+    at = _InPlane.of(Geometry.of(chosen_arm(arm)), position)
     return Singularities(
         stretched=wrap(at.gamma - math.pi), folded=wrap(at.gamma), yaw_axis=at.r
     )
@@ -318,6 +321,7 @@ def manipulability(q: ArrayLike, *, arm: Alpha5Parameters | None = None) -> Floa
     record = chosen_arm(arm)
     geometry = Geometry.of(record)
     position = float_array("q", q, (4,))
+    plausibility.check_largest("q", position, plausibility.ANGLE)
     if geometry.tool_on_axis:
         at = _InPlane.of(geometry, position)
         return np.asarray(np.abs(at.r * np.sin(at.gamma)) * geometry.l_1 * at.l_2)

@@ -2,8 +2,8 @@
 
 An impossible value, such as a negative mass, raises an error elsewhere. A value that is
 possible, but was most likely given in another unit, causes an `ImplausibleWarning` that
-names that unit. In an arm file it is an error. Objects warn when they are made; methods
-that compute never warn.
+names that unit. In an arm file it is an error. Objects warn when they are made, and
+methods when they are given joint positions.
 
 Each range has its reason beside it. The ranges are wide, so that everything passes that
 a user may mean.
@@ -172,18 +172,33 @@ def check(
     Warns:
         ImplausibleWarning: The value is implausible.
     """
-    if plausible.holds(float(np.linalg.norm(value))):
-        return
     given = np.asarray(value, dtype=np.float64)
+    if plausible.holds(_magnitude(given)):
+        return
     expected = plausible.expected
     for unit, size in plausible.units.items():
-        if plausible.holds(float(np.linalg.norm(given * size))):
+        if plausible.holds(_magnitude(given * size)):
             expected += f"; if it is in {unit}, write {_written(given * size)}"
             break
     if _file.get():
         raise InputError(name, given.tolist(), expected)
     message = f"{name}: {_written(given)} {plausible.unit} is implausible"
     warn(f"{message}, expected {expected}")
+
+
+def _magnitude(value: FloatArray) -> float:
+    """Length of a vector, or magnitude of a number; it may be huge."""
+    return math.hypot(*value.ravel().tolist())
+
+
+def check_largest(name: str, values: FloatArray, plausible: Plausible) -> None:
+    """`check` the largest of some finite numbers (...), such as joint positions."""
+    if values.ndim == 0:
+        largest = abs(values.item())
+    else:
+        largest = float(np.abs(values).max(initial=0.0))
+    if not plausible.holds(largest):
+        check(name, float(values.flat[np.abs(values).argmax()]), plausible)
 
 
 def angles(name: str, value: ArrayLike) -> FloatArray:

@@ -55,7 +55,7 @@ def read_obstacles(path: PathLike) -> tuple[Obstacle, ...]:
 
     Raises:
         MissingFileError: The file, or that of a mesh, is not there.
-        FileFormatError: Not TOML, or a mesh that cannot be read.
+        FileFormatError: Not TOML, no obstacle in it, or a mesh that cannot be read.
         InputError: A value that no obstacle can have; UnknownNameError: another key.
     """
     content = read_named(path, "a TOML file of obstacles", _LARGEST)
@@ -64,6 +64,8 @@ def read_obstacles(path: PathLike) -> tuple[Obstacle, ...]:
     except UnicodeDecodeError:
         raise FileFormatError(path, "is not UTF-8 text, TOML is expected") from None
     tables = toml_tables(text, str(path))
+    if not tables:
+        raise FileFormatError(path, "has no obstacles, a table for each is expected")
     folder = Path(path).parent
     return tuple(_obstacle(path, name, table, folder) for name, table in tables.items())
 

@@ -48,7 +48,7 @@ from alpha5_model.planning.surroundings import Surroundings
 from alpha5_model.planning.world import World
 from alpha5_model.water.carrier import Carrier
 from alpha5_model.water.trimmed_arm import TrimmedArm
-from alpha5_model.water.vehicle import Vehicle, carrier_of
+from alpha5_model.water.vehicle import Vehicle, carrier_of, warn_upside_down
 
 #: Of the grid: between places, and yaw angles in a turn.
 SPACING = 0.1
@@ -174,7 +174,8 @@ def placements(
 
     Warns:
         ImplausibleWarning: Points more than 2 m from the world's origin, a clearance of
-            more than that, or other numbers that seem to be in another unit.
+            more than that, other numbers that seem to be in another unit, or a vehicle
+            whose trim is upside down.
     """
     loaded = loaded_arm(arm)
     record = loaded.parameters
@@ -514,6 +515,8 @@ def _tilt(arm: Arm, carrier: Carrier, frames: FloatArray, q: FloatArray) -> Floa
     roll, pitch = on_vehicle.trim(q.reshape(-1, 4)).T
     level = np.zeros_like(roll)
     upward = _rotations(np.column_stack([roll, pitch, level]))[:, 2]
+    if (upward[:, 2] < 0.0).any():
+        warn_upside_down()
     own = np.repeat(frames[:, 2, :3], q.shape[1], axis=0)
     sine = np.linalg.norm(np.cross(own, upward), axis=1)
     cosine = (own * upward).sum(axis=1)

@@ -474,8 +474,8 @@ def _found_time(
     if not found:
         got = ", ".join(table.header)[:200]
         problem = (
-            "no column for the time: expected time_secs or time or time_ms, or name it "
-            f"by --time, got {got}"
+            "no column for the time: expected time_secs or time or time_ms, or its "
+            f"name and unit by --time, such as --time tick:ms, got {got}"
         )
         raise FileFormatError(path, problem, table.head)
 

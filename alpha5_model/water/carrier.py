@@ -62,7 +62,8 @@ def read_carrier(place: str, given: Any) -> Carrier:
     named(f"key of {place}", given, _KEYS)
     for key in _REQUIRED:
         if key not in given:
-            raise InputError(f"{place}.{key}", None, "a value")
+            keys = ", ".join(_REQUIRED)
+            raise InputError(f"{place}.{key}", None, f"a value, one for each of {keys}")
     xyz = array(f"{place}.xyz", given.get("xyz", np.zeros(3)), 3)
     rpy = plausibility.angles(f"{place}.rpy", given.get("rpy", np.zeros(3)))
     plausibility.check(f"{place}.xyz", xyz, plausibility.VEHICLE_POSITION)

@@ -193,6 +193,14 @@ def trim_angles(upward: FloatArray) -> tuple[FloatArray, FloatArray]:
     return roll, pitch
 
 
+def warn_upside_down() -> None:
+    """Warn of a vehicle that turns over."""
+    plausibility.warn(
+        "vehicle: at its trim it is upside down; is its cob, in the vehicle's frame "
+        "with z up, below its com?"
+    )
+
+
 def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
     """Static trim of an arm that carries a vehicle; see `ArmOnVehicle.trim`."""
     gravity = still._model.gravity.linear
@@ -214,10 +222,13 @@ def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
         raise InputError("vehicle", without, "a righting moment")
 
     roll, pitch = trim_angles(righting * -np.sign(gravity[2]))
+    rotation = pin.rpy.rpyToMatrix(roll, pitch, 0.0)
+    if rotation[2, 2] < 0.0:
+        warn_upside_down()
     return Trim(
         roll=float(roll),
         pitch=float(pitch),
-        rotation_vehicle_to_world=pin.rpy.rpyToMatrix(roll, pitch, 0.0),
+        rotation_vehicle_to_world=rotation,
         net_weight=float(g * (mass - displaced_mass)),
         righting_moment=moment,
     )

@@ -200,7 +200,7 @@ def test_without_casadi_it_says_what_to_install(
     monkeypatch.setitem(sys.modules, "casadi", None)
     assert main(["generate", "c", "--output", str(tmp_path / "c")]) == 2
     assert capsys.readouterr().err.endswith(
-        "needs casadi, which is not installed: pip install casadi\n"
+        "needs casadi, which is not installed: pip install 'alpha5-model[symbolic]'\n"
     )
     assert not (tmp_path / "c").exists()
 

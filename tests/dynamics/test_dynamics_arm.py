@@ -184,6 +184,7 @@ def is_finite(compute, given):
         return error.name == "q" and "singular" in str(error)
 
 
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 @each("kind", KINDS)
 @each(("method", "count"), METHODS.items())
 def test_numbers_that_would_overflow_are_refused_and_no_others(kind, method, count):

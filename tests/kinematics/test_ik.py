@@ -347,6 +347,7 @@ def test_the_folded_arm_exists_beyond_the_limits() -> None:
     assert residual(s, tip(q)).max() < 1e-9
 
 
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 def test_a_reference_far_away_still_picks_a_solution_within_the_limits() -> None:
     """The best branch is within the limits even if the squared distance overflows."""
     p = np.random.default_rng(0).uniform(-0.3, 0.3, (500, 3))

@@ -210,7 +210,7 @@ def test_property_of_any_configuration(q: tuple[float, ...]) -> None:
         *[st.one_of(st.floats(-0.5, 0.5), st.sampled_from([0.0, -0.0, 1e-300, 0.0462]))]
         * 3
     ),
-    st.floats(-20, 20),
+    st.floats(-12, 12),
 )
 def test_property_of_any_point(
     position: tuple[float, float, float], wrist: float

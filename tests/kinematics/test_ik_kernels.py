@@ -120,6 +120,7 @@ def test_threads_do_not_disturb_one_another(
         assert np.array_equal(answer, again, equal_nan=True)
 
 
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 def test_numbers_too_large_for_the_kernel_leave_their_neighbours_alone(
     kernels: ModuleType,
 ) -> None:

@@ -66,8 +66,12 @@ def test_every_kind_is_read(tmp_path: Path) -> None:
     assert vertices == pytest.approx(CORNERS / 1000 + [0, 0, 1], abs=1e-7)
 
 
-def test_an_empty_file_has_no_obstacles(tmp_path: Path) -> None:
-    assert read_obstacles(written(tmp_path, "")) == ()
+def test_a_file_without_obstacles_is_refused(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text("# none\n", "utf-8")
+    with pytest.raises(FileFormatError) as error:
+        read_obstacles(path)
+    assert str(error.value.path) == str(path)
 
 
 BAD = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import deque
 from dataclasses import replace
 
@@ -454,8 +455,20 @@ def test_the_command_refuses_what_it_would_leave_out(capsys, tmp_path):
 
 
 def test_the_command_skips_a_step_that_is_too_long_to_simulate(capsys):
-    assert main((*COMMAND, "--bandwidth", "0.1", "--current-limit", "0.6")) == 0
+    command = (*COMMAND, "--bandwidth", "0.1", "--current-limit", "0.6")
+    assert main(command) == 1
     assert "no step is simulated" in capsys.readouterr().out
+    assert main((*command, "--json")) == 1
+    answer = json.loads(capsys.readouterr().out)
+    assert "no step is simulated" in answer["skipped"]
+    assert answer["steps"] == {}
+
+
+def test_the_command_says_which_bandwidth_overcomes_friction(capsys):
+    command = (*COMMAND, "--current-limit", "0.6", "--friction", "1", "--bandwidth")
+    assert main((*command, "8")) == 1
+    (enough,) = re.findall(r"at least ([\d.]+) rad/s", capsys.readouterr().out)
+    assert main((*command, str(1.01 * float(enough)))) == 0
 
 
 def test_what_cannot_be_used_is_named(found):

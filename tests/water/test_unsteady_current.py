@@ -25,6 +25,7 @@ def state(seed: int, arm: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return q, rng.normal(size=arm.model.nv), rng.normal(size=arm.model.nv)
 
 
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 @each("seed", range(4))
 @each("gripper", ["locked", "jaws"])
 def test_in_the_frame_of_the_water_gravity_is_another(seed: int, gripper: str) -> None:

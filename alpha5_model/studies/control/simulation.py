@@ -58,6 +58,7 @@ class Step:
             it does not.
         overshoot: Farthest beyond the last goal, (4,) [rad].
         limited: Share of the samples with the current at its limit, (4,).
+        dead_band: Error at which the true friction can hold a joint, F / K, (4,) [rad].
     """
 
     time: FloatArray
@@ -69,6 +70,7 @@ class Step:
     settled: FloatArray
     overshoot: FloatArray
     limited: FloatArray
+    dead_band: FloatArray
 
     @property
     def holds(self) -> bool:
@@ -189,6 +191,7 @@ def step(
         settled=frozen(settled),
         overshoot=frozen(np.maximum(beyond, 0.0).max(axis=0)),
         limited=frozen(at_limit.mean(axis=0)),
+        dead_band=frozen(dry / found.stiffness),
     )
 
 
