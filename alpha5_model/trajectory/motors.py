@@ -152,7 +152,7 @@ def _columns(motor: Actuator, state: _JointState) -> dict[str, FloatArray]:
 
 def _current(motor: Actuator, state: _JointState) -> FloatArray:
     """The current of a motor [A]. At rest, it is the least that holds the joint."""
-    acceleration = None if motor.rotor_inertia is None else state.acceleration
+    acceleration = _of_rotor(motor, state)
     moving = motor.current(state.torque, state.velocity, acceleration)
     holding = motor.holding_current(state.torque)
     least = np.clip(0.0, holding.lower, holding.upper)
@@ -163,10 +163,18 @@ def _limits(
     motor: Actuator, state: _JointState, supply_voltage: float, current_limit: float
 ) -> Interval:
     """Torques that the drive of a motor can give while it moves and hold at rest."""
-    moving = motor.torque_limits(state.velocity, supply_voltage, current_limit)
+    acceleration = _of_rotor(motor, state)
+    moving = motor.torque_limits(
+        state.velocity, supply_voltage, current_limit, acceleration
+    )
     stalled = supply_voltage / motor.parameters.resistance
     most = min(current_limit, stalled)
     return Interval(
         lower=np.where(state.at_rest, motor.holding_torque(-most).lower, moving.lower),
         upper=np.where(state.at_rest, motor.holding_torque(most).upper, moving.upper),
     )
+
+
+def _of_rotor(motor: Actuator, state: _JointState) -> FloatArray | None:
+    """The acceleration that turns a rotor; None if its inertia is unknown."""
+    return None if motor.rotor_inertia is None else state.acceleration

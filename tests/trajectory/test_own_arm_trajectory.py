@@ -91,6 +91,31 @@ def test_its_motors_and_drives_are_those_of_the_record() -> None:
     assert np.isfinite(analysis.torque_limits.upper[:, 1]).all()
 
 
+def swaying(record: Alpha5Parameters) -> trajectory.Analysis:
+    """A sway in air that turns the rotors of a record without friction."""
+    frictionless = [dataclasses.replace(row, friction=0.0) for row in record.actuators]
+    record = dataclasses.replace(record, actuators=tuple(frictionless))
+    middle = np.array([3.2, 1.2, 1.2, 3.1])
+    sway = 0.1 * np.sin(np.outer(TIME, [1.5, 2.0, 2.5, 1.0]))
+    motion = trajectory.motion(TIME, middle + sway, arm=record)
+    return trajectory.analyse(motion, a5.load(a5.AIR, arm=record), method="interpolate")
+
+
+def test_the_limits_of_a_drive_leave_room_for_the_rotor() -> None:
+    """Samples beyond the limits are those whose current or voltage is too large."""
+    record = with_motors(
+        supply_voltage=24.0, current_limits=(0.02,) * 5, rotor_inertias=(5e-7,) * 5
+    )
+    analysis = swaying(record)
+    joints = trajectory.summary(analysis)["joints"]
+    moving = analysis.smooth.direction != 0
+    too_much = (np.abs(analysis.current) > 0.02) | (np.abs(analysis.voltage) > 24.0)
+    for k, figures in enumerate(joints.values()):
+        assert figures["beyond_drive_limits"] == np.count_nonzero(too_much[:, k])
+        assert (figures["drive_torque_margin"] < 0) == (figures["current_margin"] < 0)
+    assert 0 < too_much[:, 2].sum() < moving[:, 2].sum()
+
+
 @pytest.mark.slow
 def test_arguments_win_over_the_record() -> None:
     record = with_motors(supply_voltage=23.0, current_limits=(1.0,) * 5)
