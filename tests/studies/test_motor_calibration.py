@@ -150,6 +150,23 @@ def test_a_calibrated_arm_keeps_each_joints_value(tmp_path: Path) -> None:
     assert sourced == {f"motors.{key}.axis_a" for key in keys}, "not calibrated"
 
 
+def test_a_torque_constant_of_all_joints_is_known_for_each(tmp_path: Path) -> None:
+    number = "{value = 0.0134, half_width = 1.34e-5}"
+    by_joint = ", ".join(f"{joint} = {number}" for joint in (*JOINTS, "axis_a"))
+    current = trials.smooth_currents(BARE, trials.DRIVER, 3, 0.5, 0.002)
+    found = []
+    for given in (number, f"{{{by_joint}}}"):
+        file = tmp_path / "own.toml"
+        file.write_text(f"format = 1\n[motors]\ntorque_constant = {given}\n")
+        arm = a5.load(arm=a5.arm_file(file))
+        found.append(trials.found(BARE, current, arm))
+    assert found[0].joints == found[1].joints
+    for joint, row in zip(found[0].joints, found[0].parameters.actuators, strict=False):
+        assert joint.known
+        assert joint.relative_deviation < 1.01e-3 / trials.WIDE
+        assert row.torque_constant == pytest.approx(0.0134, rel=2e-3)
+
+
 def test_currents_of_another_recording_fit_after_the_calibration(
     by_driver: Any,
 ) -> None:
