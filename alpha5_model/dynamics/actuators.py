@@ -337,7 +337,11 @@ class Actuator:
     # ---------------------------------------------------------------------------------
 
     def torque_limits(
-        self, velocity: ArrayLike, supply_voltage: float, current_limit: float
+        self,
+        velocity: ArrayLike,
+        supply_voltage: float,
+        current_limit: float,
+        acceleration: ArrayLike | None = None,
     ) -> Interval:
         """Joint torques available at a velocity (the speed-torque limit).
 
@@ -346,19 +350,24 @@ class Actuator:
             supply_voltage: The winding sees at most this, either way [V].
             current_limit: Of the driver [A]. Not published and not optional: without
                 one the stall torque at 24 V would be beyond 100 N m.
+            acceleration: Of the joint, as of `current`.
 
         Returns:
             [N m]; NaN if no current within the limit can be kept at this velocity.
+
+        Raises:
+            InputError: A supply voltage or current limit that is not positive.
+            MissingParameterError: An acceleration without a rotor inertia.
         """
         supply, limit = _drive_limits(supply_voltage, current_limit)
-        (v,) = _checked_arrays(velocity=velocity)
+        v, _ = _checked_arrays(velocity=velocity, acceleration=acceleration)
         back_emf = self.back_emf_constant * self.ratio * v
         low = np.maximum((-supply - back_emf) / self.parameters.resistance, -limit)
         high = np.minimum((supply - back_emf) / self.parameters.resistance, limit)
         possible = low <= high
 
         def torque_at(i: FloatArray) -> FloatArray:
-            torque = self.torque(np.where(possible, i, 0.0), v)
+            torque = self.torque(np.where(possible, i, 0.0), v, acceleration)
             return np.where(possible, torque, np.nan)
 
         return Interval(lower=torque_at(low), upper=torque_at(high))

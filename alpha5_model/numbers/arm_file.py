@@ -365,7 +365,8 @@ class _Reader:
     ) -> dict[str, list[float | None]]:
         """Key of ``[motors]`` -> its value for each joint, None if not given.
 
-        The file gives one value for all joints, or a table by joint.
+        The file gives one value for all joints, which is a value of each, or a table
+        by joint.
         """
         known = ("supply_voltage", "constants", *schema.DRIVES, *schema.ACTUATORS)
         tables = _table("motors", self.given.get("motors", {}), known)
@@ -375,11 +376,20 @@ class _Reader:
             if _is_one_value(given):
                 one = self._value(f"motors.{name}", given, key)
                 found[name] = [one] * len(JOINT_NAMES)
+                self._measured_by_joint(f"motors.{name}")
             elif given:
                 of_joint = dict.fromkeys(JOINT_NAMES, key)
                 values = self._values(f"motors.{name}", given, of_joint)
                 found[name] = [values.get(joint) for joint in JOINT_NAMES]
         return found
+
+    def _measured_by_joint(self, key: str) -> None:
+        """Turn the last measurement, of a value for all joints, into one of each."""
+        if self.measurements and self.measurements[-1].key == key:
+            shared = self.measurements.pop()
+            self.measurements += [
+                replace(shared, key=f"{key}.{joint}") for joint in JOINT_NAMES
+            ]
 
     def _key_of_joint(self, name: str, i: int) -> str:
         """The key of a joint's value in ``[motors]``."""

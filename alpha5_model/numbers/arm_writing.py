@@ -225,16 +225,12 @@ class _Writer:
             tables[key] = (known, {})
         for key in schema.ACTUATORS:
             tables[key] = (_column(self.arm, key), _column(self.base, key))
-        for key in tables:
-            if f"motors.{key}" in self.measured:
-                top[key] = tables[key][0][JOINT_NAMES[0]]  # one value for all joints
 
         lines = self._table("motors", top, {"constants": self.base.motors.constants})
         keys = {**schema.DRIVES, **schema.ACTUATORS}
         for key, (own, printed) in tables.items():
-            if key not in top:
-                of_joints = dict.fromkeys(own, keys[key])
-                lines += self._table(f"motors.{key}", own, printed, of_joints)
+            of_joints = dict.fromkeys(own, keys[key])
+            lines += self._table(f"motors.{key}", own, printed, of_joints)
         return lines
 
     def _table(

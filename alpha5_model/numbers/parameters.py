@@ -38,7 +38,8 @@ class Measurement:
     """Source and half width of one value of an arm file.
 
     Attributes:
-        key: Of the value in the arm file, for example ``links.link_2.mass``.
+        key: Of the value in the arm file, for example ``links.link_2.mass``. A value
+            for all motors has a measurement of each, as ``motors.friction.axis_e``.
         source: Where it comes from; empty if not given.
         half_width: The true value is within this of the given one, in SI units; None
             if not given. For a vector or tensor, it holds for each of its numbers.

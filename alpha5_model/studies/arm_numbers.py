@@ -365,10 +365,7 @@ def _of_digits(arm: Alpha5Parameters) -> dict[str, float]:
 
 
 def _measured(arm: Alpha5Parameters) -> dict[str, float]:
-    """Name -> half width by the arm file.
-
-    A value for all joints is a number of each joint.
-    """
+    """Name -> half width by the arm file."""
     found = {}
     for one in arm.measurements:
         if one.half_width is not None:
@@ -380,13 +377,11 @@ def _measured(arm: Alpha5Parameters) -> dict[str, float]:
 
 def _components(key: str) -> list[str]:
     """The numbers of a key of an arm file."""
-    table, *_, field = key.split(".")
+    field = key.rpartition(".")[2]
     if field in ("com", "cob", "at", "xyz", "rpy"):
         return [f"{key}.{axis}" for axis in "xyz"]
     if field == "inertia":
         return [f"{key}.{axes}" for axes in UPPER]
-    if table == "motors" and key.count(".") == 1 and field != "supply_voltage":
-        return [f"{key}.{joint}" for joint in JOINT_NAMES]
     return [key]
 
 

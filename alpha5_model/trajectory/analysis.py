@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.water.terms import WaterTerms
 
+#: Causes that take torque in the motor: they are in the current, not in the torque.
+AT_MOTORS = ("rotor", "friction")
 #: Velocities and positions are compared as means over this time [s], and over so many
 #: samples at least: noise and held values do not count.
 _SLOW = 2.0
@@ -59,8 +61,9 @@ class Analysis:
     Rows are samples, columns joints from base to tip. Torques are those at the joint:
     N m, for the jaw rod N. ``torque`` is the sum of ``inertia``, ``coriolis``,
     ``weight``, ``buoyancy`` and, with a water current, of moving water.
-    ``torque + friction`` is what the motor gives, ``K_t i`` times the gear ratio.
-    Columns of a motor that cannot be computed (jaw rod without screw lead) are NaN.
+    ``torque + friction``, with ``rotor`` if it is known, is what the motor gives,
+    ``K_t i`` times the gear ratio. Columns of a motor that cannot be computed (jaw rod
+    without screw lead) are NaN.
 
     Attributes:
         motion: The samples as given.
@@ -98,6 +101,8 @@ class Analysis:
         recorded_current: Recorded currents of the motors, (N, n) [A]; NaN if unknown,
             None if there are none. Efforts of the motion that are milliamperes are
             here.
+        rotor: What turns the rotors, at the joint, (N, n); 0 at rest, and for a motor
+            whose rotor inertia is unknown. None if it is unknown of all.
     """
 
     motion: Motion
@@ -126,11 +131,12 @@ class Analysis:
     current_limits: tuple[float | None, ...] = ()
     effort: FloatArray | None = None
     recorded_current: FloatArray | None = None
+    rotor: FloatArray | None = None
 
     __repr__ = short_repr
 
     def causes(self) -> dict[str, FloatArray]:
-        """Torques by cause, (N, n) each; the last, ``friction``, is at the motor."""
+        """Torques by cause, (N, n) each; those of `AT_MOTORS` are the last."""
         causes = {
             "inertia": self.inertia,
             "coriolis": self.coriolis,
@@ -139,6 +145,8 @@ class Analysis:
         }
         if self.moving_water is not None:
             causes["moving_water"] = self.moving_water.torque[:, 1]
+        if self.rotor is not None:
+            causes["rotor"] = self.rotor
         causes["friction"] = self.friction
         return causes
 
@@ -228,6 +236,7 @@ def analyse(
 
     of_motors = tuple(motors.values())
     by_motor = motor_columns(of_motors, smooth, torque)
+    has_rotor = any(motor.rotor_inertia is not None for motor in of_motors)
     effort, recorded_current, of_unit = _recorded(motion, torque, of_motors)
 
     return Analysis(
@@ -257,6 +266,7 @@ def analyse(
         current_limits=() if drive is None else drive.current_limits,
         effort=effort,
         recorded_current=recorded_current,
+        rotor=frozen(by_motor["rotor"]) if has_rotor else None,
     )
 
 

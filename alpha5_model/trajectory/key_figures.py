@@ -11,7 +11,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.text import plain
 from alpha5_model.numbers.parameters import JointRange, is_catalogue
-from alpha5_model.trajectory.analysis import Analysis
+from alpha5_model.trajectory.analysis import AT_MOTORS, Analysis
 from alpha5_model.trajectory.checks import LIMIT_SLACK
 
 if TYPE_CHECKING:
@@ -43,8 +43,8 @@ class Comparison:
         difference_mean, difference_rms, difference_peak: Of what was recorded less what
             was computed.
         correlation: None if one of both does not vary.
-        difference_rms_with_friction: Of efforts: with the motors' friction computed,
-            too; None if it is unknown.
+        difference_rms_with_friction: Of efforts: with the motors' friction, and what
+            turns their rotors, computed, too; None if friction is unknown.
     """
 
     samples: int
@@ -340,9 +340,12 @@ def _effort(a: Analysis, k: int) -> Comparison | None:
     if a.effort is None:
         return None
     torque = a.torque[:, k]
-    return _comparison(
-        a.effort[:, k], torque, a.smooth.time, with_friction=torque + a.friction[:, k]
-    )
+    causes = a.causes()
+    with_friction = torque.copy()
+    for cause in AT_MOTORS:
+        if cause in causes:
+            with_friction += causes[cause][:, k]
+    return _comparison(a.effort[:, k], torque, a.smooth.time, with_friction)
 
 
 def _recorded_current(a: Analysis, k: int) -> Comparison | None:

@@ -14,6 +14,7 @@ from alpha5_model.errors import MissingParameterError
 
 #: Columns of `motor_columns`; NaN if a constant of the motor is missing.
 BY_MOTOR = (
+    "rotor",
     "friction",
     "current",
     "current_lower",
@@ -140,8 +141,10 @@ def _columns(motor: Actuator, state: _JointState) -> dict[str, FloatArray]:
     ends = [_current(low_friction, state), _current(high_friction, state)]
     voltage = motor.voltage(current, state.velocity)
     motor_torque = motor.torque_constant * motor.ratio * current
+    rotor = _rotor_torque(motor, state)
     return {
-        "friction": motor_torque - state.torque,
+        "rotor": rotor,
+        "friction": motor_torque - state.torque - rotor,
         "current": current,
         "current_lower": np.minimum(*ends),
         "current_upper": np.maximum(*ends),
@@ -152,7 +155,7 @@ def _columns(motor: Actuator, state: _JointState) -> dict[str, FloatArray]:
 
 def _current(motor: Actuator, state: _JointState) -> FloatArray:
     """The current of a motor [A]. At rest, it is the least that holds the joint."""
-    acceleration = None if motor.rotor_inertia is None else state.acceleration
+    acceleration = _of_rotor(motor, state)
     moving = motor.current(state.torque, state.velocity, acceleration)
     holding = motor.holding_current(state.torque)
     least = np.clip(0.0, holding.lower, holding.upper)
@@ -163,10 +166,24 @@ def _limits(
     motor: Actuator, state: _JointState, supply_voltage: float, current_limit: float
 ) -> Interval:
     """Torques that the drive of a motor can give while it moves and hold at rest."""
-    moving = motor.torque_limits(state.velocity, supply_voltage, current_limit)
+    acceleration = _of_rotor(motor, state)
+    moving = motor.torque_limits(
+        state.velocity, supply_voltage, current_limit, acceleration
+    )
     stalled = supply_voltage / motor.parameters.resistance
     most = min(current_limit, stalled)
     return Interval(
         lower=np.where(state.at_rest, motor.holding_torque(-most).lower, moving.lower),
         upper=np.where(state.at_rest, motor.holding_torque(most).upper, moving.upper),
     )
+
+
+def _rotor_torque(motor: Actuator, state: _JointState) -> FloatArray:
+    """What turns the rotor, at the joint [N m, N]; 0 at rest or if it is unknown."""
+    armature = (motor.rotor_inertia or 0.0) * motor.ratio**2
+    return np.where(state.at_rest, 0.0, armature * state.acceleration)
+
+
+def _of_rotor(motor: Actuator, state: _JointState) -> FloatArray | None:
+    """The acceleration that turns a rotor; None if its inertia is unknown."""
+    return None if motor.rotor_inertia is None else state.acceleration

@@ -287,11 +287,19 @@ def _notes(a: Analysis) -> list[str]:
         used += (
             f", which leaves {unexplained:+.3g} J of the electrical energy unexplained"
         )
+    at_motors = (
+        "friction, at the motor, is a cause of its own; "
+        "it is in the current, not in the torque"
+    )
+    if a.rotor is not None:
+        at_motors = (
+            "rotor and friction, at the motor, are causes of their own; "
+            "they are in the current, not in the torque"
+        )
     notes = [
         f"below {REST_SHARE:.1%} of its rated speed a joint is at rest: "
         "friction holds it, its motor helps with the least current",
-        "friction, at the motor, is a cause of its own; "
-        "it is in the current, not in the torque",
+        at_motors,
         f"torque limits are those of {own}"
         if own
         else "no torque limit is published; torque_margin of --json is to the 9 N m "

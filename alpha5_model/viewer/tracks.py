@@ -16,6 +16,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.trajectory import Analysis, Motion, analyse, motion
+from alpha5_model.trajectory.analysis import AT_MOTORS
 from alpha5_model.trajectory.smoothing import DEFAULT_BANDWIDTH
 from alpha5_model.viewer.scene import Compared, MotionTrack
 
@@ -104,10 +105,10 @@ def _analysis(arm: Arm, moved: Motion, water_velocity: ArrayLike | None) -> Anal
 
 
 def _loads(analysis: Analysis) -> dict[str, FloatArray]:
-    """Torque by cause, and as ``mount`` the load on the mount."""
+    """Torque by cause at the joints, and as ``mount`` the load on the mount."""
     causes = analysis.causes()
-    del causes["friction"]  # It acts in the motor, not at the joint.
-    return {**causes, "mount": analysis.base_wrench}
+    at_joints = {name: causes[name] for name in causes if name not in AT_MOTORS}
+    return {**at_joints, "mount": analysis.base_wrench}
 
 
 def _compared(analysis: Analysis) -> dict[str, Compared]:

@@ -232,13 +232,17 @@ def test_friction_alone_holds_the_arm() -> None:
     assert motor.holding_current(20.0).lower > 0
 
 
-@pytest.mark.parametrize("joint", REVOLUTE)
-def test_limits_are_the_edge_of_what_voltage_and_current_allow(joint: str) -> None:
-    motor = actuators.actuator(joint)
+@each("rotor_inertia", [None, 4e-7])
+@each("joint", REVOLUTE)
+def test_limits_are_the_edge_of_what_voltage_and_current_allow(
+    joint: str, rotor_inertia: float | None
+) -> None:
+    motor = actuators.actuator(joint, rotor_inertia=rotor_inertia)
     supply, limit = 18.0, 0.3
     torque, velocity = states()
-    low, high = motor.torque_limits(velocity, supply, limit)
-    current = motor.current(torque, velocity)
+    acceleration = None if rotor_inertia is None else 5 * np.cos(7 * torque)
+    low, high = motor.torque_limits(velocity, supply, limit, acceleration)
+    current = motor.current(torque, velocity, acceleration)
     allowed = (np.abs(current) <= limit) & (
         np.abs(motor.voltage(current, velocity)) <= supply
     )
@@ -279,6 +283,8 @@ def test_jaw_needs_its_screw_and_acceleration_its_rotor() -> None:
     jaw = actuators.actuator("axis_a", screw_lead=1e-3)
     force = jaw.torque(0.05)
     assert force * 1e-3 == pytest.approx(0.05 * 0.0271 * 348.7 * 2 * np.pi)
+    with pytest.raises(MissingParameterError, match="rotor_inertia"):
+        actuators.actuator("axis_e").torque_limits(0.0, 24.0, 1.0, acceleration=1.0)
     with pytest.raises(MissingParameterError, match="rotor_inertia"):
         actuators.actuator("axis_e").current(1.0, 0.1, acceleration=1.0)
     motor = actuators.actuator("axis_e", rotor_inertia=1e-6)

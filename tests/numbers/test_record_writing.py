@@ -12,8 +12,10 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError
+from alpha5_model.numbers.arm_schema import ACTUATORS, DRIVE_FIELDS, DRIVES
 from alpha5_model.numbers.arm_writing import arm_file_text
 from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.tables import JOINT_NAMES
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_arm.toml"
 pytestmark = pytest.mark.filterwarnings(
@@ -113,8 +115,32 @@ def test_what_was_measured_as_printed_is_kept(read: Any) -> None:
     )
     record = read(text)
     found = read(arm_file_text(record))
-    assert len(found.measurements) == 2
+    assert len(found.measurements) == 1 + len(JOINT_NAMES)
     check_same(found, record)
+
+
+@pytest.mark.parametrize("key", sorted({**DRIVES, **ACTUATORS}))
+def test_a_value_of_all_joints_is_a_value_of_each(key: str, read: Any) -> None:
+    """And stays that of the others, if one joint is given another."""
+    one = f'format = 1\n[motors]\n{key} = {{value = 2e-6, source = "data sheet"}}\n'
+    by_joint = ", ".join(
+        f'{joint} = {{value = 2e-6, source = "data sheet"}}' for joint in JOINT_NAMES
+    )
+    record = read(one)
+    check_same(record, read(f"format = 1\n[motors]\n{key} = {{{by_joint}}}\n"))
+
+    if key in DRIVES:
+        field = DRIVE_FIELDS[key]
+        others = (None, *getattr(record.motors, field)[1:])
+        motors = dataclasses.replace(record.motors, **{field: others})
+        record = dataclasses.replace(record, motors=motors)
+    else:
+        axis_e = dataclasses.replace(record.actuators[0], **{key: 1e-6})
+        actuators = (axis_e, *record.actuators[1:])
+        record = dataclasses.replace(record, actuators=actuators)
+    found = read(arm_file_text(record))
+    assert plain(found.motors) == plain(record.motors)
+    assert plain(found.actuators) == plain(record.actuators)
 
 
 def test_a_zero_has_no_sign(read: Any) -> None:

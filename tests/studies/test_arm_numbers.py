@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -132,8 +133,12 @@ def test_a_change_of_a_measured_number_changes_nothing_else(name: str) -> None:
     np.testing.assert_allclose([*found.values()], width, rtol=1e-6)
 
 
-def test_a_value_for_all_joints_is_a_number_of_each() -> None:
-    numbers = arm_numbers(measured(0, motors__current_limit=0.1))
+def test_a_value_for_all_joints_is_a_number_of_each(tmp_path: Path) -> None:
+    file = tmp_path / "arm.toml"
+    file.write_text(
+        "format = 1\n[motors]\ncurrent_limit = {value = 1.0, half_width = 0.1}\n"
+    )
+    numbers = arm_numbers(a5.arm_file(file))
     names = [f"motors.current_limit.axis_{joint}" for joint in "edcba"]
     assert numbers.names[-5:] == tuple(names)
     assert (numbers.half_width[-5:] == 0.1).all()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -127,6 +127,44 @@ def test_the_arm_file_gives_the_fitted_currents(by_driver: Any, tmp_path: Path) 
     expected = 1.96 * axis_d.relative_deviation * per_ampere
     assert half_width["motors.torque_constant.axis_d"] == pytest.approx(expected)
     assert "motors.torque_constant.axis_e" not in half_width
+
+
+def test_a_calibrated_arm_keeps_each_joints_value(tmp_path: Path) -> None:
+    """If its own file gave one measured value for all joints."""
+    keys = ("viscous_friction", "rotor_inertia", "friction", "friction_tolerance")
+    keys += ("efficiency", "friction_backward")
+    lines = [f'{key} = {{value = 1e-6, source = "sheet"}}\n' for key in keys]
+    file = tmp_path / "own.toml"
+    file.write_text(f"format = 1\n[motors]\n{''.join(lines)}")
+    record = a5.arm_file(file)
+    current = trials.smooth_currents(BARE, trials.DRIVER, 3, 0.5, 0.002)
+    found = trials.found(BARE, current, a5.load(arm=record)).parameters
+    file.write_text(a5.arm_file_text(found))
+    back = a5.arm_file(file)
+    assert asdict(back.motors) == asdict(found.motors)
+    for one, other in zip(back.actuators, found.actuators, strict=True):
+        assert asdict(one) == asdict(other)
+    measured = [one.key for one in found.measurements]
+    assert sorted(one.key for one in back.measurements) == sorted(measured)
+    sourced = {one.key for one in back.measurements if one.source == "sheet"}
+    assert sourced == {f"motors.{key}.axis_a" for key in keys}, "not calibrated"
+
+
+def test_a_torque_constant_of_all_joints_is_known_for_each(tmp_path: Path) -> None:
+    number = "{value = 0.0134, half_width = 1.34e-5}"
+    by_joint = ", ".join(f"{joint} = {number}" for joint in (*JOINTS, "axis_a"))
+    current = trials.smooth_currents(BARE, trials.DRIVER, 3, 0.5, 0.002)
+    found = []
+    for given in (number, f"{{{by_joint}}}"):
+        file = tmp_path / "own.toml"
+        file.write_text(f"format = 1\n[motors]\ntorque_constant = {given}\n")
+        arm = a5.load(arm=a5.arm_file(file))
+        found.append(trials.found(BARE, current, arm))
+    assert found[0].joints == found[1].joints
+    for joint, row in zip(found[0].joints, found[0].parameters.actuators, strict=False):
+        assert joint.known
+        assert joint.relative_deviation < 1.01e-3 / trials.WIDE
+        assert row.torque_constant == pytest.approx(0.0134, rel=2e-3)
 
 
 def test_currents_of_another_recording_fit_after_the_calibration(

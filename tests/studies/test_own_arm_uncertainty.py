@@ -190,9 +190,9 @@ OTHERS: dict[str, Any] = {
     "joint_limits.axis_e.min_position": lambda p: p.joints[0].lower,
     "joint_limits.axis_d.max_velocity": lambda p: p.joints[1].velocity,
     "motors.supply_voltage": lambda p: p.motors.supply_voltage,
-    "motors.current_limit": lambda p: p.motors.current_limits,
+    "motors.current_limit.axis_b": lambda p: p.motors.current_limits[3],
     "motors.rotor_inertia.axis_c": lambda p: p.motors.rotor_inertias[2],
-    "motors.torque_constant": lambda p: [x.torque_constant for x in p.actuators],
+    "motors.torque_constant.axis_d": lambda p: p.actuators[1].torque_constant,
     "motors.gear_ratio.axis_e": lambda p: p.actuators[0].gear_ratio,
 }
 

@@ -524,7 +524,7 @@ def _actuator_calls(rows: _TheoryRows) -> list[_Row]:
         (
             "Actuator.torque_limits",
             axis.torque_limits,
-            {"velocity": rows.velocity},
+            {"velocity": rows.velocity, "acceleration": rows.acceleration},
             limits,
         ),
         ("Actuator.torque", axis.torque, current, {}),

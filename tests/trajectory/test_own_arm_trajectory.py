@@ -91,6 +91,83 @@ def test_its_motors_and_drives_are_those_of_the_record() -> None:
     assert np.isfinite(analysis.torque_limits.upper[:, 1]).all()
 
 
+def swaying(record: Alpha5Parameters) -> trajectory.Analysis:
+    """A sway in air that turns the rotors of a record without friction."""
+    frictionless = [dataclasses.replace(row, friction=0.0) for row in record.actuators]
+    record = dataclasses.replace(record, actuators=tuple(frictionless))
+    middle = np.array([3.2, 1.2, 1.2, 3.1])
+    sway = 0.1 * np.sin(np.outer(TIME, [1.5, 2.0, 2.5, 1.0]))
+    motion = trajectory.motion(TIME, middle + sway, arm=record)
+    return trajectory.analyse(motion, a5.load(a5.AIR, arm=record), method="interpolate")
+
+
+def test_the_limits_of_a_drive_leave_room_for_the_rotor() -> None:
+    """Samples beyond the limits are those whose current or voltage is too large."""
+    record = with_motors(
+        supply_voltage=24.0, current_limits=(0.02,) * 5, rotor_inertias=(5e-7,) * 5
+    )
+    analysis = swaying(record)
+    joints = trajectory.summary(analysis)["joints"]
+    moving = analysis.smooth.direction != 0
+    too_much = (np.abs(analysis.current) > 0.02) | (np.abs(analysis.voltage) > 24.0)
+    for k, figures in enumerate(joints.values()):
+        assert figures["beyond_drive_limits"] == np.count_nonzero(too_much[:, k])
+        assert (figures["drive_torque_margin"] < 0) == (figures["current_margin"] < 0)
+    assert 0 < too_much[:, 2].sum() < moving[:, 2].sum()
+
+
+def test_what_turns_a_rotor_is_no_friction() -> None:
+    """Against the powers of `Actuator.power`, which are heat and kinetic energy."""
+    inertias = (5e-7, 1e-7, None, 2e-7, None)
+    analysis = swaying(with_motors(rotor_inertias=inertias))
+    assert [*analysis.causes()][-2:] == ["rotor", "friction"]
+    moving = analysis.smooth.direction != 0
+    for k, motor in enumerate(analysis.actuators):
+        at = moving[:, k]
+        v = analysis.smooth.velocity[at, k]
+        a = None if inertias[k] is None else analysis.smooth.acceleration[at, k]
+        power = motor.power(analysis.torque[at, k], v, a)
+        heat = power.friction + power.gear
+        assert analysis.friction[at, k] * v == pytest.approx(heat, abs=1e-12)
+        assert analysis.rotor[at, k] * v == pytest.approx(power.rotor, abs=1e-12)
+    assert (analysis.rotor[~moving] == 0.0).all()
+    assert (analysis.rotor[:, 2] == 0.0).all()
+
+    printed = trajectory.text(analysis, verbose=True)
+    rows = printed[printed.index("largest torque by cause") :].splitlines()[1:]
+    assert rows[0].split()[-2:] == ["rotor", "friction"]
+    assert max(map(len, rows[: rows.index("")])) <= 80
+    assert "they are in the current, not in the torque" in printed
+    peak = trajectory.summary(analysis)["joints"]["axis_d"]["causes_peak"]["rotor"]
+    assert peak == np.abs(analysis.rotor[:, 1]).max()
+
+
+def test_without_a_rotor_inertia_no_rotor_is_a_cause() -> None:
+    analysis = swaying(with_motors())
+    assert analysis.rotor is None
+    assert "rotor" not in analysis.causes()
+    assert "rotor" not in trajectory.text(analysis, verbose=True)
+
+
+def test_efforts_that_are_the_motors_leave_nothing(tmp_path: Path) -> None:
+    """Of currents times K_t and gear, friction and rotor are subtracted."""
+    record = with_motors(rotor_inertias=(5e-7,) * 5)
+    computed = swaying(record)
+    effort = [
+        motor.torque_constant * motor.ratio * current
+        for motor, current in zip(computed.actuators, computed.current.T, strict=True)
+    ]
+    motion = dataclasses.replace(computed.motion, effort=np.transpose(effort))
+    found = trajectory.analyse(motion, computed.arm, method="interpolate")
+    record_of_file = trajectory.read_motion(
+        trajectory.write(found, tmp_path / "own.csv")
+    )
+    assert not record_of_file.warnings
+    for joint in trajectory.summary(found)["joints"].values():
+        assert joint["effort"]["difference_rms"] > 1e-3
+        assert joint["effort"]["difference_rms_with_friction"] < 1e-10
+
+
 @pytest.mark.slow
 def test_arguments_win_over_the_record() -> None:
     record = with_motors(supply_voltage=23.0, current_limits=(1.0,) * 5)

@@ -15,6 +15,8 @@ WIDE = 1.96
 _KEYS = (
     "torque_constant",
     "friction",
+    "friction_tolerance",
+    "efficiency",
     "friction_backward",
     "viscous_friction",
     "rotor_inertia",
