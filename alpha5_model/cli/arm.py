@@ -57,7 +57,7 @@ def _of_new(parser: Parser) -> None:
         metavar="FILE",
         help="the file to write, - for standard output. Default: %(default)s",
     )
-    common.as_json(parser)
+    common.as_json(parser, "print the path of the file as JSON")
 
 
 def _of_file(parser: Parser) -> None:
