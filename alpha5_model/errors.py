@@ -433,5 +433,5 @@ def _short(value: Any) -> str:
         text = " ".join(repr(value).split())
     except Exception:
         # A foreign class whose repr fails must not hide the error to report.
-        text = f"a {type(value).__name__}"
+        text = f"an object of the class {type(value).__name__}"
     return text if len(text) <= 80 else text[:77] + "..."

@@ -168,7 +168,8 @@ def instance(name: str, value: Any, kind: type[Kind]) -> Kind:
         InputError: It is not.
     """
     if not isinstance(value, kind):
-        raise InputError(name, value, f"a {kind.__name__}")
+        article = "an" if kind.__name__.startswith(tuple("AEIO")) else "a"
+        raise InputError(name, value, f"{article} {kind.__name__}")
     return value
 
 

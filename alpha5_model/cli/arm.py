@@ -57,7 +57,7 @@ def _of_new(parser: Parser) -> None:
         metavar="FILE",
         help="the file to write, - for standard output. Default: %(default)s",
     )
-    common.as_json(parser)
+    common.as_json(parser, "print the path of the file as JSON")
 
 
 def _of_file(parser: Parser) -> None:
@@ -123,9 +123,7 @@ def _written(value: Any) -> str:
     """A value of a record on one line."""
     if value is None:
         return "none"
-    if isinstance(value, np.ndarray):
-        return f"({', '.join(map(_written, value))})"
-    if isinstance(value, tuple):
+    if isinstance(value, np.ndarray | tuple):
         return f"({', '.join(map(_written, value))})"
     # Adding zero turns a negative zero into zero.
     return f"{value + 0.0:.6g}" if isinstance(value, float) else str(value)

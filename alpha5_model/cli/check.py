@@ -32,9 +32,10 @@ _MORE = "\n--verbose also shows what holds, what is printed, and what we use ins
 
 
 HELP = """
-A document that contradicts itself is a finding, not a failure. It is an
-error, a matter of reading, or a matter of transcription. --verbose also
-shows what holds, what is printed, and what we use instead.
+A document that contradicts itself is a finding, not a failure. A finding is an
+error, a matter of reading, a matter of transcription, an observation in the
+numbers that the documents do not claim, or outside evidence against them.
+--verbose also shows what holds, what is printed, and what we use instead.
 
 With a file this is alpha5 compare: exit status 0 the file agrees with the
 tables, or with your own arm (--arm), 1 it differs, 2 it cannot be read.
@@ -52,7 +53,10 @@ def options(parser: Parser) -> None:
         help="a URDF of the arm, compared with the tables",
     )
     parser.add_argument(
-        "-v", "--verbose", action="store_true", help="print all rows and reasons"
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="print all rows and reasons, without FILE",
     )
     common.arm_file(parser)
     common.as_json(parser)
@@ -60,6 +64,8 @@ def options(parser: Parser) -> None:
 
 def run(given: Namespace) -> int:
     if given.file is not None:
+        if given.verbose:
+            raise InputError("verbose", True, "no FILE with it")
         return _compare(given)
     if given.arm is not None:
         raise InputError("arm", str(given.arm), "a file to check, FILE")

@@ -105,9 +105,9 @@ def run(given: Namespace) -> int:
     if not 1 <= given.samples <= _MOST_SAMPLES:
         raise InputError("--samples", given.samples, f"1 to {_MOST_SAMPLES}")
     _check_outputs(other, write_arm, given.plot)
-    names = common.pairs("map", given.map.split(","), "=")
+    names = common.joint_names(given.map)
     packages = common.pairs("package", given.package, "=")
-    arguments = common.pairs("arg", given.arg, ":=")
+    arguments = common.pairs("arg", given.arg, ":=", may_be_empty=True)
     own = common.record_of(given)
     with printing.spinner("comparing"):
         # Read once: a xacro file is a program.

@@ -15,7 +15,17 @@ from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.cli import options as common
 from alpha5_model.cli import printing
 from alpha5_model.cli.parsing import Parser
-from alpha5_model.cli.quantities import ANGLE, MASS, NUMBER, Scalar, Vector
+from alpha5_model.cli.quantities import (
+    ANGLE,
+    ANGULAR_FREQUENCY,
+    CURRENT,
+    FREQUENCY,
+    MASS,
+    NUMBER,
+    TIME,
+    Scalar,
+    Vector,
+)
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import GRAVITY
 
@@ -25,8 +35,6 @@ if TYPE_CHECKING:
     from alpha5_model.studies.control import Gains, Step
 
 _FOUR_OR_ONE = (1, 4)
-#: Error that a joint may keep in the simulation [rad].
-_TOLERANCE = 0.05
 #: Numbers that are 0 but for rounding.
 _ROUNDING = 1e-12
 
@@ -45,22 +53,24 @@ Example: alpha5 gains --bandwidth 8 --rate 200 --delay 0.01 --rotor-inertia 5e-8
 
 
 def options(parser: Parser) -> None:
-    number = Scalar(NUMBER)
     parser.add_argument(
-        "--bandwidth", type=number, metavar="W", help="of each joint (rad/s)"
+        "--bandwidth",
+        type=Scalar(ANGULAR_FREQUENCY),
+        metavar="W",
+        help="of each joint (rad/s)",
     )
     parser.add_argument(
         "--settling-time",
-        type=number,
+        type=Scalar(TIME),
         metavar="T",
         help="to 2 %% of a step (s), instead of --bandwidth",
     )
     parser.add_argument(
-        "--rate", type=number, required=True, help="samples per second (Hz)"
+        "--rate", type=Scalar(FREQUENCY), required=True, help="samples per second (Hz)"
     )
     parser.add_argument(
         "--delay",
-        type=number,
+        type=Scalar(TIME),
         required=True,
         help="from measuring a position to the change of the torque (s)",
     )
@@ -84,7 +94,7 @@ def options(parser: Parser) -> None:
     )
     parser.add_argument(
         "--current-limit",
-        type=Vector(NUMBER, NUMBER, NUMBER, NUMBER, counts=_FOUR_OR_ONE),
+        type=Vector(CURRENT, CURRENT, CURRENT, CURRENT, counts=_FOUR_OR_ONE),
         metavar="I",
         help="of the motors, one or 4 (A). Default: those of --arm",
     )
@@ -167,9 +177,7 @@ def run(given: Namespace) -> int:
                     current_limit=limit,
                     friction=_one_or_four(given.friction),
                     arm=true_arm,
-                    tolerance=_TOLERANCE
-                    if given.tolerance is None
-                    else given.tolerance,
+                    **common.given_only(tolerance=given.tolerance),
                 )
             except InputError as error:
                 if error.name != "duration":

@@ -11,7 +11,7 @@ from alpha5_model._support.text import table
 from alpha5_model.cli import options as common
 from alpha5_model.cli import printing
 from alpha5_model.cli.parsing import Parser
-from alpha5_model.cli.quantities import LENGTH, NUMBER, Scalar, Vector
+from alpha5_model.cli.quantities import CURRENT, LENGTH, NUMBER, Scalar, Vector
 from alpha5_model.errors import InputError, MissingParameterError
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--rod",
         type=Scalar(LENGTH),
-        help="position of axis_a (m), 0.0013 to 0.0133. Default: open",
+        help="position of axis_a (m), within its limits. Default: open",
     )
     parser.add_argument(
         "--opening",
@@ -54,7 +54,7 @@ def options(parser: Parser) -> None:
     )
     parser.add_argument(
         "--motor-current",
-        type=Scalar(NUMBER),
+        type=Scalar(CURRENT),
         help="current that closes the jaws, in A, for the force",
     )
     parser.add_argument(

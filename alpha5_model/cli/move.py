@@ -18,8 +18,8 @@ from alpha5_model.cli.quantities import (
     ANGLE,
     ANGULAR_ACCELERATION,
     ANGULAR_SPEED,
+    FREQUENCY,
     LENGTH,
-    NUMBER,
     UNITS,
     Scalar,
     Vector,
@@ -120,7 +120,6 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--margin",
         type=Scalar(LENGTH),
-        default=0.005,
         help="distance to obstacles (m). Default: 0.005",
     )
     parser.add_argument(
@@ -141,7 +140,7 @@ def options(parser: Parser) -> None:
     )
     parser.add_argument(
         "--rate",
-        type=Scalar(NUMBER),
+        type=Scalar(FREQUENCY),
         help="samples per second of the file. Default: 50",
     )
     common.fluid(parser)
@@ -184,7 +183,6 @@ def run(given: Namespace) -> None:
             obstacles=obstacles,
             speed=given.speed,
             acceleration=given.acceleration,
-            margin=given.margin,
             self_margin=given.self_margin,
             blend=given.blend,
             wrist=given.wrist,
@@ -192,6 +190,7 @@ def run(given: Namespace) -> None:
             rate=given.rate,
             supply_voltage=given.supply_voltage,
             current_limit=given.current_limit,
+            **common.given_only(margin=given.margin),
         )
     if given.output is not None:
         motion.write(given.output)

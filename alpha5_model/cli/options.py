@@ -14,12 +14,13 @@ from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.cli.parsing import Parser
 from alpha5_model.cli.quantities import (
     ANGLE,
+    CURRENT,
     DENSITY,
     GRAVITY,
     LENGTH,
     MASS,
-    NUMBER,
     SPEED,
+    VOLTAGE,
     VOLUME,
     Scalar,
     Vector,
@@ -79,10 +80,10 @@ def position_of(given: Any, own: Alpha5Parameters | None) -> list[float]:
     return [float(angle) for angle in named_pose(given, own)]
 
 
-def as_json(parser: Parser) -> None:
-    parser.add_argument(
-        "--json", action="store_true", help="print everything as JSON, in SI units"
-    )
+def as_json(
+    parser: Parser, words: str = "print everything as JSON, in SI units"
+) -> None:
+    parser.add_argument("--json", action="store_true", help=words)
 
 
 def arm_file(parser: Parser) -> None:
@@ -180,12 +181,12 @@ def drives(parser: Parser) -> None:
     """``--supply-voltage`` and ``--current-limit``."""
     parser.add_argument(
         "--supply-voltage",
-        type=Scalar(NUMBER),
+        type=Scalar(VOLTAGE),
         help="supply voltage of the motors (V); not published",
     )
     parser.add_argument(
         "--current-limit",
-        type=Scalar(NUMBER),
+        type=Scalar(CURRENT),
         help="current limit of each motor (A); not published",
     )
 
@@ -226,7 +227,7 @@ def names_of(given: Namespace) -> dict[str, Any]:
     """The arguments of a reader that the options of `names_in_file` give."""
     return {
         "prefix": given.prefix,
-        "joints": pairs("map", given.map.split(","), "="),
+        "joints": joint_names(given.map),
         "degrees": given.degrees,
     }
 
@@ -311,25 +312,50 @@ def names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-def pairs(option: str, parts: Iterable[str], sign: str) -> dict[str, str]:
+def pairs(
+    option: str,
+    parts: Iterable[str],
+    sign: str,
+    form: str = "",
+    may_be_empty: bool = False,
+) -> dict[str, str]:
     """Names and values, from texts with a sign between the two.
+
+    Args:
+        option: The option that has them.
+        parts: Texts with one pair each.
+        sign: Between name and value.
+        form: What was expected, for the error; NAME, the sign and VALUE if empty.
+        may_be_empty: Whether a value may be empty.
 
     Raises:
         InputError: A name without a value, or one that stands twice.
     """
-    form = "axis_e=NAME,axis_d=NAME,..." if option == "map" else f"NAME{sign}VALUE"
-    may_be_empty = option == "arg"
-
-    pairs: dict[str, str] = {}
+    expected = f"{form or f'NAME{sign}VALUE'} with each name once"
+    found: dict[str, str] = {}
     for part in parts:
         if not part.strip():
             continue
         name, equals, value = part.strip().partition(sign)
         complete = name and equals and (value or may_be_empty)
-        if not complete or name.strip() in pairs:
-            raise InputError(option, ",".join(parts), f"{form} with each name once")
-        pairs[name.strip()] = value.strip()
-    return pairs
+        if not complete or name.strip() in found:
+            raise InputError(option, ",".join(parts), expected)
+        found[name.strip()] = value.strip()
+    return found
+
+
+def joint_names(text: str) -> dict[str, str]:
+    """The names of ``--map``.
+
+    Raises:
+        InputError: A joint without a name, or one that stands twice.
+    """
+    return pairs("map", text.split(","), "=", "axis_e=NAME,axis_d=NAME,...")
+
+
+def given_only(**values: Any) -> dict[str, Any]:
+    """The arguments that are not None: the others keep a function's own default."""
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def beyond_limits(arm: Arm, q: Sequence[float]) -> list[str]:

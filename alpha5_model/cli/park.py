@@ -94,7 +94,6 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--clearance",
         type=Scalar(LENGTH),
-        default=0.005,
         help="distance of arm and hull to obstacles (m). Default: 0.005",
     )
     parser.add_argument(
@@ -106,13 +105,11 @@ def options(parser: Parser) -> None:
     parser.add_argument(
         "--spacing",
         type=Scalar(LENGTH),
-        default=0.1,
         help="between the places that are tried (m). Default: 0.1",
     )
     parser.add_argument(
         "--yaws",
         type=int,
-        default=12,
         help="yaw angles that are tried, evenly over a turn. Default: 12",
     )
     parser.add_argument(
@@ -163,12 +160,12 @@ def run(given: Namespace) -> None:
             mount=_mount(given),
             hull=hull,
             obstacles=obstacles,
-            clearance=given.clearance,
             box=given.box,
             wrist=given.wrist,
-            spacing=given.spacing,
-            yaws=given.yaws,
             tilts=_rows("tilts", given.tilts, 2),
+            **common.given_only(
+                clearance=given.clearance, spacing=given.spacing, yaws=given.yaws
+            ),
         )
     if given.output is not None:
         found.write(given.output)

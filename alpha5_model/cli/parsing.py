@@ -32,8 +32,6 @@ class Parser(ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         #: Sub-command -> its parser; without any, the parser takes options itself.
         self.commands: dict[str, Parser] = {}
-        #: Options and arguments, in the order of the help.
-        self.options: list[Action] = []
         self._names: set[str] = set()
         self._vectors: dict[str, Vector] = {}
         self._takes_a_word: set[str] = set()
@@ -45,7 +43,6 @@ class Parser(ArgumentParser):
     def add_argument(self, *names: Any, **settings: Any) -> Action:
         """As argparse's; one with a `Vector` as its type takes several words."""
         action = super().add_argument(*names, **settings)
-        self.options.append(action)
         self._names |= {*action.option_strings}
         if isinstance(action.type, Vector):
             self._vectors |= dict.fromkeys(action.option_strings, action.type)
@@ -65,12 +62,6 @@ class Parser(ArgumentParser):
             parser = added.add_parser(name, help=summary, description=sentence)
             options(parser)
             self.commands[name] = parser
-
-    def leaves(self) -> dict[str, Parser]:
-        """Words of a command line -> the parser that takes its options."""
-        if not self.commands:
-            return {self.prog: self}
-        return {command.prog: command for command in self.commands.values()}
 
     def parse_known_args(  # type: ignore[override]
         self, args: Sequence[str], namespace: Namespace | None = None

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from alpha5_model.errors import ImplausibleWarning
-from alpha5_model.numbers import plausibility
+from alpha5_model.numbers import arm_schema, plausibility
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,15 @@ class Quantity:
 
 _DEGREE = math.pi / 180
 _ANGLES = {"rad": 1.0, "deg": _DEGREE}
-_LENGTHS = {"m": 1.0, "mm": 1e-3}
+
+
+def _sizes(unit: str) -> dict[str, float]:
+    """An SI unit and those of an arm file in its place -> their sizes."""
+    sizes = {name: float(size) for name, size in arm_schema.UNITS[unit].items()}
+    return {unit: 1.0, **sizes}
+
+
+_LENGTHS = _sizes("m")
 
 ANGLE = Quantity("rad", _ANGLES, plausibility.ANGLE)
 LENGTH = Quantity("m", _LENGTHS, plausibility.POSITION)
@@ -49,9 +57,15 @@ ANGULAR_ACCELERATION = Quantity(
 SPEED = Quantity("m/s", {"m/s": 1.0, "mm/s": 1e-3, **_LENGTHS}, largest=100.0)
 ACCELERATION = Quantity("m/s^2", {"m/s^2": 1.0, "mm/s^2": 1e-3, **_LENGTHS})
 GRAVITY = Quantity("m/s^2", {"m/s^2": 1.0}, largest=1e4)
-MASS = Quantity("kg", {"kg": 1.0, "g": 1e-3})
-VOLUME = Quantity("m^3", {"m^3": 1.0, "L": 1e-3})
+MASS = Quantity("kg", _sizes("kg"))
+VOLUME = Quantity("m^3", _sizes("m^3"))
 DENSITY = Quantity("kg/m^3", {"kg/m^3": 1.0}, largest=1e5)
+CURRENT = Quantity("A", _sizes("A"))
+VOLTAGE = Quantity("V", _sizes("V"))
+TIME = Quantity("s", {"s": 1.0, "ms": 1e-3})
+FREQUENCY = Quantity("Hz", {"Hz": 1.0})
+#: Of a controller. Hz would leave open whether a turn is meant.
+ANGULAR_FREQUENCY = Quantity("rad/s", {"rad/s": 1.0})
 NUMBER = Quantity("")
 
 #: All units that may follow a number, or stand alone after several, for all of them
@@ -62,6 +76,7 @@ UNITS = sorted(
         for quantity in (
             *(ANGLE, ANGULAR_SPEED, ANGULAR_ACCELERATION),
             *(LENGTH, SPEED, ACCELERATION, MASS, VOLUME, DENSITY),
+            *(CURRENT, VOLTAGE, TIME, FREQUENCY),
         )
         for unit in quantity.units
     },
@@ -167,7 +182,8 @@ def _parts(text: str) -> tuple[list[str], str]:
 def _warn_of_unit(pairs: Sequence[tuple[str, Quantity]], alone: str) -> None:
     """Warn of the first number that seems to lack its unit; one warning is enough."""
     for part, quantity in pairs:
-        if quantity.plausible is None or alone in quantity.units or part[-1].isalpha():
+        has_unit = alone in quantity.units or part.endswith(tuple(quantity.units))
+        if quantity.plausible is None or has_unit:
             continue
         for hint in plausibility.hints(part, float(part), quantity.plausible):
             warnings.warn(hint, ImplausibleWarning, stacklevel=2)

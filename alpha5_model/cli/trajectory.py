@@ -15,7 +15,7 @@ from alpha5_model._support.outputs import check_outputs
 from alpha5_model.cli import options as common
 from alpha5_model.cli import printing
 from alpha5_model.cli.parsing import Parser
-from alpha5_model.cli.quantities import LENGTH, NUMBER, Scalar
+from alpha5_model.cli.quantities import FREQUENCY, LENGTH, Scalar
 from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS, Gripper
@@ -85,7 +85,7 @@ def options(parser: Parser) -> None:
     )
     parser.add_argument(
         "--bandwidth",
-        type=Scalar(NUMBER),
+        type=Scalar(FREQUENCY),
         default=2.0,
         help="-3 dB frequency of the smoothing (Hz). Default: 2",
     )

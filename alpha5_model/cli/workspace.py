@@ -26,6 +26,8 @@ from alpha5_model.viewer.workspace_plot import own_workspace_figure, workspace_f
 _SQUARE_CENTIMETRE = 1e-4
 _LITRE = 1e-3
 _MILLIMETRE = 1e-3
+#: Points that --self-collision tries if nothing is said.
+_SAMPLES = 20_000
 #: Region of `PublishedErrors` -> what it is.
 _REGIONS = {
     "reachable": "reachable within the joint limits",
@@ -49,13 +51,12 @@ def options(parser: Parser) -> None:
         "--self-collision",
         action="store_true",
         help="also compute the share that is reached only in self-collision; --plot "
-        "draws it",
+        "draws it, but not with --arm",
     )
     parser.add_argument(
         "--samples",
         type=int,
-        default=20_000,
-        help="how many points --self-collision tries. Default: %(default)s",
+        help=f"how many points --self-collision tries. Default: {_SAMPLES}",
     )
     common.arm_file(parser)
     common.as_json(parser)
@@ -63,24 +64,25 @@ def options(parser: Parser) -> None:
 
 def run(given: Namespace) -> None:
     check_outputs([given.arm], plot=(given.plot, figures.FORMATS))
+    if given.samples is not None and not given.self_collision:
+        raise InputError("samples", given.samples, "--self-collision with it")
+    samples = _SAMPLES if given.samples is None else given.samples
     own = common.record_of(given)
     plot = given.plot
     if own is not None:
-        samples = given.samples if given.self_collision else 0
-        _of_own_arm(own, plot, samples, given.json)
+        _of_own_arm(own, plot, samples if given.self_collision else 0, given.json)
         return
 
     share = None
     if given.self_collision:
         with printing.spinner("trying points for self-collision"):
-            share = space.sampled_share(without_self_collision, given.samples)
+            share = space.sampled_share(without_self_collision, samples)
 
     if plot is not None:
         with printing.spinner("drawing"):
-            if share:
-                page = self_collision_figure(samples=given.samples)
-            else:
-                page = workspace_figure()
+            page = (
+                self_collision_figure(samples=samples) if share else workspace_figure()
+            )
             figures.write_figure(page, plot)
 
     record = _record()

@@ -24,7 +24,7 @@ from alpha5_model.numbers.parameters import (
 _ROD = "axis_a"
 _MM_PER_M = 1e3
 #: A real arm's zero may be off by this share of the range of a joint.
-_SLACK = 0.1
+_TOLERANCE_SHARE = 0.1
 
 
 def q_from_devices(
@@ -111,10 +111,10 @@ def _joints_of(
     expected = "a mapping from devices 5, 4, 3, 2 and perhaps 1 to their positions"
     if not isinstance(devices, Mapping):
         raise InputError("devices", devices, expected)
-    known = {joint.device_id: joint for joint in parameters.joints}
-    needed = {device for device, joint in known.items() if joint.name != _ROD}
+    by_device = {joint.device_id: joint for joint in parameters.joints}
+    needed = {device for device, joint in by_device.items() if joint.name != _ROD}
     try:
-        complete = needed <= devices.keys() <= known.keys()
+        complete = needed <= devices.keys() <= by_device.keys()
     except TypeError:  # keys that cannot be compared
         complete = False
     if not complete:
@@ -142,10 +142,10 @@ def _check_range(
     Raises:
         InputError: Such a position.
     """
-    slack = _SLACK * (joint.upper - joint.lower)
+    tolerance = _TOLERANCE_SHARE * (joint.upper - joint.lower)
     position = given / factor
-    below = position < joint.lower - slack
-    above = position > joint.upper + slack
+    below = position < joint.lower - tolerance
+    above = position > joint.upper + tolerance
     if (below | above).any():
         value = float(given[below | above].flat[0])
         low, high = sorted((factor * joint.lower, factor * joint.upper))

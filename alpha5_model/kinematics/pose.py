@@ -210,15 +210,12 @@ class ApproachDirections:
         within_limits: It does so within the joint limits, (..., 4).
         any_azimuth: The point lies on the yaw axis, (...). Each direction is then the
             middle of the circle of directions that theta_0 sweeps.
-        roll: Least and greatest turn about the direction, the range of the wrist,
-            (2,) [rad].
     """
 
     directions: FloatArray
     exists: BoolArray
     within_limits: BoolArray
     any_azimuth: BoolArray
-    roll: tuple[float, float]
 
 
 def approach_directions(
@@ -251,5 +248,4 @@ def approach_directions(
         exists=solved.exists,
         within_limits=solved.within_limits,
         any_azimuth=on_axis(target),
-        roll=(geometry.lower[3], geometry.upper[3]),
     )

@@ -139,14 +139,16 @@ def gauss_count(strip: DragStrip) -> int:
     return 6 if np.linalg.norm(strip.end - strip.start) > 0.1 else 4
 
 
-def gauss_points(strip: DragStrip, count: int = 0) -> list[tuple[FloatArray, float]]:
+def gauss_points(
+    strip: DragStrip, count: int | None = None
+) -> list[tuple[FloatArray, float]]:
     """Points of Gauss's quadrature along a strip, (3,) [m], each with its share.
 
-    If the count is 0, it is that of `gauss_count`.
+    If there is no count, it is that of `gauss_count`.
     """
     line = strip.end - strip.start
     twice_middle = strip.start + strip.end
-    nodes, weights = gauss_rule(count or gauss_count(strip))
+    nodes, weights = gauss_rule(gauss_count(strip) if count is None else count)
     points: list[tuple[FloatArray, float]] = []
     for node, weight in zip(nodes, weights, strict=True):
         point = (twice_middle + node * line) / 2

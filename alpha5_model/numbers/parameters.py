@@ -625,7 +625,7 @@ def chosen_arm(
     if arm is None:
         return _of_catalogue(chosen)
     if isinstance(arm, str | PathLike):
-        expected = "a Alpha5Parameters, as alpha5_model.arm_file(FILE) returns"
+        expected = "an Alpha5Parameters, as alpha5_model.arm_file(FILE) returns"
         raise InputError("arm", arm, expected)
     record = instance("arm", arm, Alpha5Parameters)
     if chosen not in (DEFAULT_CORRECTIONS, record.corrections):

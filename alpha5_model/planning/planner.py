@@ -59,15 +59,15 @@ from alpha5_model.planning.tcp_line import TcpLine, check_free, tcp_line
 MARGIN = 0.005
 #: A motion beyond a limit is tried again in so many times its time: up to tenfold.
 _TIMES = 1.1 ** np.arange(25)
-#: Wrist angles that are tried for a point at most, or twice as many.
-WRISTS = 9
+#: Fewer than twice this many wrist angles are tried for a point.
+_TRIED_WRISTS = 9
 #: Slower joints take days for a degree [rad/s, rad/s^2].
 _LEAST = 1e-8
 #: Fewest samples per second [Hz].
 _LEAST_RATE = 0.1
 #: Name of the argument with the last target.
 _TARGET = "target"
-#: A day: longer motions are not meant [s].
+#: Longer motions are refused [s].
 _LONGEST = 86_400.0
 
 
@@ -440,7 +440,7 @@ def _way_to_one(
     free = [_free(surroundings, choice) for choice in choices]
     free = [choice for choice in free if choice]
     # Most tools reach a point at all wrist angles: a few will do.
-    for choice in free[:: max(1, len(free) // WRISTS)]:
+    for choice in free[:: max(1, len(free) // _TRIED_WRISTS)]:
         route = search.straight(choice)
         if route is None:
             route = search.by_retracted(choice, retracted_poses(arm))

@@ -12,6 +12,7 @@ region without a hole, bounded by arcs; and with a free first joint it keeps its
 
 from __future__ import annotations
 
+import argparse
 import math
 import sys
 from pathlib import Path
@@ -86,11 +87,15 @@ ARMS = {
 }
 
 
-def main(folder: str = "lecture_examples") -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Print all examples and write the pictures; 0 if the notes' numbers are
     reproduced.
     """
-    out = Path(folder)
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
+    parser.add_argument(
+        "folder", nargs="?", type=Path, default=Path("lecture_examples")
+    )
+    out = parser.parse_args(arguments).folder
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -200,4 +205,4 @@ def _yes(answer: bool) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:2]))
+    sys.exit(main())

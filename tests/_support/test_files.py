@@ -14,6 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import command_parsers
 import numpy as np
 import pytest
 
@@ -23,7 +24,6 @@ from alpha5_model._support.outputs import check_outputs, output_format
 from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.cli import COMMANDS as COMMAND_NAMES
 from alpha5_model.cli import main
-from alpha5_model.cli.program import parser_of
 from alpha5_model.errors import (
     FileFormatError,
     InputError,
@@ -445,8 +445,8 @@ def test_no_command_has_a_path_that_is_not_tested_here() -> None:
         "vehicle",
     }
     for command in COMMAND_NAMES:
-        leaves = parser_of(command).leaves().values()
-        options = [option for leaf in leaves for option in leaf.options]
+        parsers = command_parsers.leaves(command).values()
+        options = [option for one in parsers for option in command_parsers.options(one)]
         paths = {option.dest for option in options if option.type is Path}
         words, outputs = COMMANDS.get(command, ([], {}))
         known = {option.lstrip("-").replace("-", "_") for option in outputs} | read

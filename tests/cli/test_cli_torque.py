@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from newton_euler import newton_euler
+from torque_command import torque, words
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -16,17 +17,6 @@ V = (0.1, 0.2, -0.3, 0.4)
 A = (-1.0, 0.5, 0.7, 2.0)
 
 
-def text(values):
-    return [repr(float(x)) for x in values]
-
-
-def run(capsys, *arguments):
-    assert main(["torque", *arguments]) == 0
-    out = capsys.readouterr()
-    assert out.err == ""
-    return out.out
-
-
 @pytest.mark.parametrize(
     ("fluid", "density"),
     [("sea", 1025.0), ("fresh", 1000.0), ("air", 0.0), ("1340", 1340.0)],
@@ -34,16 +24,16 @@ def run(capsys, *arguments):
 def test_json_equals_own_newton_euler(capsys, fluid, density):
     arguments = [
         "--q",
-        *text(Q),
+        *words(Q),
         "--v",
-        *text(V),
+        *words(V),
         "--a",
-        *text(A),
+        *words(A),
         "--fluid",
         fluid,
         "--json",
     ]
-    result = json.loads(run(capsys, *arguments))
+    result = json.loads(torque(capsys, *arguments))
     q, v, a = (np.array([x]) for x in (Q, V, A))
     tau, force, moment = newton_euler(q, v, a, density)
     still = newton_euler(q, 0 * v, 0 * a, 0.0)[0]
@@ -78,8 +68,8 @@ def test_current_is_table_4(capsys):
     eta = 0.86
     gear = 1754.4
     for speed in (0.2, -0.2):
-        arguments = ["--q", *text(Q), "--v", "0", repr(speed), "0", "0", "--json"]
-        joint = json.loads(run(capsys, *arguments))["joints"][1]
+        arguments = ["--q", *words(Q), "--v", "0", repr(speed), "0", "0", "--json"]
+        joint = json.loads(torque(capsys, *arguments))["joints"][1]
         tau = joint["torque"]
         loss = eta if tau * speed > 0 else 1 / eta
 
@@ -92,13 +82,13 @@ def test_current_is_table_4(capsys):
 
 
 def test_text_is_the_json_rounded(capsys):
-    arguments = ["--q", "3.1", "1.2", "1.8", "-0.4", "--v", "0", *text(V[1:])]
-    printed = run(capsys, *arguments)
+    arguments = ["--q", "3.1", "1.2", "1.8", "-0.4", "--v", "0", *words(V[1:])]
+    printed = torque(capsys, *arguments)
     assert "-0.0000" not in printed
     torques, load, currents, warnings = [
         part.splitlines() for part in printed.split("\n\n")
     ]
-    result = json.loads(run(capsys, *arguments, "--json"))
+    result = json.loads(torque(capsys, *arguments, "--json"))
     joints = result["joints"]
     keys = ("inertia", "coriolis", "weight", "buoyancy", "torque")
     for row, joint in zip(torques[2:], joints, strict=True):
@@ -127,7 +117,7 @@ def same_numbers(row, name, expected):
 
 @pytest.mark.parametrize(("acceleration", "powers"), [("1e5", False), ("1e8", True)])
 def test_the_numbers_of_a_table_have_one_format(capsys, acceleration, powers):
-    printed = run(capsys, "--q", *text(Q), "--a", acceleration, "1", "0", "0")
+    printed = torque(capsys, "--q", *words(Q), "--a", acceleration, "1", "0", "0")
     table = printed.split("\n\n")[0].splitlines()[2:]
     numbers = " ".join(row.partition(" ")[2] for row in table).split()
     assert {"e" in number for number in numbers} == {powers}
@@ -136,13 +126,15 @@ def test_the_numbers_of_a_table_have_one_format(capsys, acceleration, powers):
 
 def test_degrees_and_tilt(capsys):
     radians = json.loads(
-        run(capsys, "--q", *text(np.deg2rad([170, 60, 100, 20])), "--json")
+        torque(capsys, "--q", *words(np.deg2rad([170, 60, 100, 20])), "--json")
     )
-    degrees = json.loads(run(capsys, "--q", "170", "60", "100", "20", "deg", "--json"))
-    torque = [[joint["torque"] for joint in r["joints"]] for r in (radians, degrees)]
-    assert torque[0] == pytest.approx(torque[1], abs=1e-15)
+    degrees = json.loads(
+        torque(capsys, "--q", "170", "60", "100", "20", "deg", "--json")
+    )
+    torques = [[joint["torque"] for joint in r["joints"]] for r in (radians, degrees)]
+    assert torques[0] == pytest.approx(torques[1], abs=1e-15)
     tilted = json.loads(
-        run(capsys, "--q", *text(Q), "--gravity", "-9.81 0 0", "--json")
+        torque(capsys, "--q", *words(Q), "--gravity", "-9.81 0 0", "--json")
     )
     still = np.zeros((1, 4))
     expected = newton_euler(np.array([Q]), still, still, 1025.0, (-9.81, 0.0, 0.0))[0][
@@ -153,7 +145,7 @@ def test_degrees_and_tilt(capsys):
 
 @pytest.mark.parametrize("efficiency", ["gearbox", "motor"])
 def test_the_currents_follow_the_choice_of_efficiency(capsys, efficiency):
-    state = ["--q", *text(Q), "--v", "0.1", "0.2", "-0.3", "0.1", "--json"]
+    state = ["--q", *words(Q), "--v", "0.1", "0.2", "-0.3", "0.1", "--json"]
     assert main(["torque", *state, "--efficiency", efficiency]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["efficiency"] == efficiency
@@ -199,12 +191,12 @@ def test_a_named_pose_keeps_the_limits_of_your_own_arm(capsys, tmp_path):
         (["--q", "1", "2"], "four or five numbers"),
         ([], "--q"),
         (["--q", "1", "2", "x", "0"], "--q"),
-        (["--q", *text(Q), "--fluid", "mercury"], "sea, fresh, air"),
-        (["--q", *text(Q), "--fluid", "-5"], "fluid"),
-        (["--q", *text(Q), "--gravity", "down"], "gravity"),
-        (["--q", *text(Q), "--constants", "best"], "printed, torque, voltage"),
-        (["--q", *text(Q), "--efficiency", "best"], "gearbox, motor"),
-        (["--q", *text(Q), "--v", "0", "0", "0", "inf"], "v[3]"),
+        (["--q", *words(Q), "--fluid", "mercury"], "sea, fresh, air"),
+        (["--q", *words(Q), "--fluid", "-5"], "fluid"),
+        (["--q", *words(Q), "--gravity", "down"], "gravity"),
+        (["--q", *words(Q), "--constants", "best"], "printed, torque, voltage"),
+        (["--q", *words(Q), "--efficiency", "best"], "gearbox, motor"),
+        (["--q", *words(Q), "--v", "0", "0", "0", "inf"], "v[3]"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(capsys, arguments, message):
@@ -217,12 +209,14 @@ def test_bad_input_is_one_line_and_status_2(capsys, arguments, message):
 
 def test_a_position_that_touches_itself_is_named(capsys):
     folded = ["--q", "0", "0", "0", "0"]
-    printed = run(capsys, *folded)
-    place = json.loads(run(capsys, *folded, "--json"))["self_collision"]
+    printed = torque(capsys, *folded)
+    place = json.loads(torque(capsys, *folded, "--json"))["self_collision"]
     assert place["depth"] == pytest.approx(-a5.load().collision_distance(np.zeros(4)))
     links = " and ".join(place["links"])
     millimetres = f"{place['depth'] * 1e3:.3g} mm"
     assert f"\nself-collision: {links} overlap by {millimetres}\n" in printed
-    assert "self_collision" not in json.loads(run(capsys, "--q", *text(Q), "--json"))
-    jaws = run(capsys, "--q", "0 0 0 0 0.01", "--gripper", "jaws")
+    assert "self_collision" not in json.loads(
+        torque(capsys, "--q", *words(Q), "--json")
+    )
+    jaws = torque(capsys, "--q", "0 0 0 0 0.01", "--gripper", "jaws")
     assert "self-collision: link_0 and" in jaws

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import command_parsers
 import numpy as np
 import pytest
 from urdf_edits import OWN, with_mass
 
 import alpha5_model as a5
-from alpha5_model.cli import COMMANDS, main
+from alpha5_model.cli import COMMANDS, main, options
+from alpha5_model.cli.quantities import CURRENT, MASS, SIZE, VOLTAGE, VOLUME, Scalar
+from alpha5_model.description import srdf
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.arm_schema import UNITS
+from alpha5_model.planning.parking import placements
+from alpha5_model.studies.control import step
 
 Capture = pytest.CaptureFixture[str]
 POSE = ["--q", "3.1", "1.2", "1.8", "0"]
@@ -103,6 +112,113 @@ def test_compare_is_the_function(other: Path, capsys: Capture) -> None:
     ]
     for samples in ("0", "100001"):
         assert refused(capsys, "samples", "compare", str(other), "--samples", samples)
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "with_unit", "bare"),
+    [
+        ("jaws", "--at", "1cm", "0.01"),
+        ("jaws --screw-lead 1mm", "--motor-current", "50mA", "0.05"),
+        ("torque --q 3.1,1.2,1.8,0", "--payload", "0.5 0 0 0 500mL", "0.5 0 0 0 5e-4"),
+        ("torque --q 3.1,1.2,1.8,0", "--payload", "0 1cm 0 0 9cm^3", "0 0.01 0 0 9e-6"),
+        ("move home reach", "--acceleration", "0.4rad/s^2", "0.4"),
+        ("move home reach --supply-voltage 24", "--current-limit", "600mA", "0.6"),
+        ("move home reach --current-limit 0.6", "--supply-voltage", "24V", "24"),
+        ("move home reach", "--rate", "40Hz", "40"),
+        (
+            "gains --bandwidth 8 --rate 200 --rotor-inertia 5e-8",
+            "--delay",
+            "10ms",
+            ".01",
+        ),
+        (
+            "gains --bandwidth 8 --delay 0 --rotor-inertia 5e-8",
+            "--rate",
+            "200Hz",
+            "200",
+        ),
+        (
+            "gains --rate 200 --delay 0 --rotor-inertia 5e-8",
+            "--bandwidth",
+            "8rad/s",
+            "8",
+        ),
+        (
+            "gains --rate 200 --delay 0 --rotor-inertia 5e-8",
+            "--settling-time",
+            "2s",
+            "2",
+        ),
+    ],
+)
+def test_a_unit_is_a_factor(
+    command: str, option: str, with_unit: str, bare: str, capsys: Capture
+) -> None:
+    words = command.split()
+    found = answer(capsys, *words, option, with_unit)
+    assert found == answer(capsys, *words, option, bare)
+
+
+def test_hertz_are_refused_where_rad_per_second_are_meant(capsys: Capture) -> None:
+    words = ("gains", "--rate", "200", "--delay", "0", "--rotor-inertia", "5e-8")
+    assert refused(capsys, "--bandwidth", *words, "--bandwidth", "2Hz")
+
+
+def test_units_of_an_arm_file_are_those_of_the_command_line() -> None:
+    sizes = {"m": SIZE, "kg": MASS, "m^3": VOLUME, "A": CURRENT, "V": VOLTAGE}
+    for unit, quantity in sizes.items():
+        for name, size in UNITS[unit].items():
+            assert Scalar(quantity)(f"3{name}") == pytest.approx(3 * float(size))
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "function"),
+    [
+        ("park", "clearance", placements),
+        ("park", "spacing", placements),
+        ("park", "yaws", placements),
+        ("move", "margin", a5.plan),
+        ("gains", "tolerance", step),
+        ("trajectory", "bandwidth", a5.trajectory.analyse),
+    ],
+)
+def test_a_help_says_the_default_of_the_function(
+    command: str, option: str, function: Callable[..., Any]
+) -> None:
+    (leaf,) = command_parsers.leaves(command).values()
+    (found,) = (x for x in command_parsers.options(leaf) if x.dest == option)
+    said = re.search(r"Default: ([\d.]*\d)", found.help or "")
+    assert said is not None
+    default = inspect.signature(function).parameters[option].default
+    assert float(said[1]) == default
+    assert found.default in (None, default)
+
+
+def test_named_poses_are_those_of_the_descriptions() -> None:
+    assert tuple(srdf.NAMED_POSES) == options.NAMED_POSES
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("verbose", ["check", a5.URDF_PATH, "--verbose"]),
+        ("samples", ["workspace", "--samples", "5"]),
+    ],
+)
+def test_an_option_without_use_is_refused(
+    name: str, words: list[str], capsys: Capture
+) -> None:
+    assert refused(capsys, f"{name}: ", *map(str, words))
+
+
+def test_pairs_of_names_are_complete_and_stand_once() -> None:
+    given = ["a:=1", " ", "b := 2"]
+    assert options.pairs("arg", given, ":=") == {"a": "1", "b": "2"}
+    assert options.pairs("arg", ["a:="], ":=", may_be_empty=True) == {"a": ""}
+    for parts in (["a:="], ["a"], [":=1"], ["a:=1", "a:=2"]):
+        with pytest.raises(InputError) as refusal:
+            options.pairs("arg", parts, ":=")
+        assert refusal.value.name == "arg"
 
 
 def test_the_help_lists_every_command(capsys: Capture) -> None:

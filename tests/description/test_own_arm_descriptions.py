@@ -15,6 +15,7 @@ import own_arm_dynamics as own
 import pinocchio as pin
 import pytest
 import sdf_reading
+from own_arm import mount_pose
 
 import alpha5_model as a5
 from alpha5_model._support.paths import XACRO_PATH
@@ -102,15 +103,6 @@ def test_ros2_control_has_the_limits_of_the_record() -> None:
 
 
 # --- the same arm in each: poses, masses, torques -------------------------------------
-
-
-def mount_pose(record: Alpha5Parameters) -> np.ndarray:
-    """Pose of base_link in what carries it, (4, 4)."""
-    pose = np.eye(4)
-    if record.mount is not None:
-        pose[:3, :3] = record.mount.rotation
-        pose[:3, 3] = record.mount.position
-    return pose
 
 
 def expected_torque(

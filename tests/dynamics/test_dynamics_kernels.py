@@ -152,12 +152,14 @@ def by_kernel(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ONE | OF_JAX)
+@pytest.mark.parametrize(
+    ("name", "kernels"),
+    [*product(ONE, ("numpy", "compiled")), *product(OF_JAX, ("numpy",))],
+    indirect=["kernels"],
+)
 def test_kernels_are_pinocchio_s_for_any_bodies_fluid_and_gravity(
     name: str, kernels: Any
 ) -> None:
-    if name in OF_JAX and kernels is not numpy_kernels:
-        kernels = numpy_kernels
     bound = (ONE | OF_JAX)[name]
     theirs = expected(name)
     for seed, rows in enumerate(

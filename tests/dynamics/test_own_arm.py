@@ -220,9 +220,9 @@ def test_corrections_beside_an_arm_are_refused_unless_its_own() -> None:
     with pytest.raises(InputError, match=message):
         Variant(arm=record, corrections=("link3_cob",))
     assert a5.load(arm=record, corrections=()).parameters is record
-    with pytest.raises(InputError, match=r"a Alpha5Parameters, as .*arm_file\(FILE\)"):
+    with pytest.raises(InputError, match=r"an Alpha5Parameters, as .*arm_file\(FILE\)"):
         a5.load(arm="my_arm.toml")  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="expected a Alpha5Parameters, got 3"):
+    with pytest.raises(InputError, match="expected an Alpha5Parameters, got 3"):
         a5.load(arm=3)  # type: ignore[arg-type]
 
 

@@ -174,5 +174,5 @@ def test_a_model_of_another_arm_is_refused() -> None:
         CollisionModel(model)
     with pytest.raises(InputError, match="the dimensions of its record"):
         CollisionModel(model, RECORDS[4])
-    with pytest.raises(InputError, match="expected a Alpha5Parameters"):
+    with pytest.raises(InputError, match="expected an Alpha5Parameters"):
         CollisionModel(model, "my_arm.toml")  # type: ignore[arg-type]

@@ -12,6 +12,7 @@ from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple, NoReturn
 
+import command_parsers
 import oracle
 import pytest
 from damage import damaged
@@ -151,11 +152,9 @@ LEFT_OUT = {
 @cache
 def options(command: str) -> dict[str, bool]:
     """Long name of each option of a command -> whether it is a flag."""
-    from alpha5_model.cli.program import parser_of
-
-    leaf = parser_of(command.partition(" ")[0]).leaves()[f"alpha5 {command}"]
+    leaf = command_parsers.leaves(command.partition(" ")[0])[f"alpha5 {command}"]
     found = {}
-    for option in leaf.options:
+    for option in command_parsers.options(leaf):
         if option.option_strings and option.option_strings[-1] not in LEFT_OUT:
             found[option.option_strings[-1]] = option.nargs == 0
     return found

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 import alpha5_model as a5
 from alpha5_model.numbers.arm_writing import arm_file_text
@@ -46,8 +47,7 @@ _WATER = f"{_DYNAMICS} mjcf sdf water"
 #: Kind of key -> what is written, and the products that it changes. Every key changes
 #: the record and the arm file that is written of it.
 KINDS = {
-    # The parameters for xacro have it in a comment only.
-    "name": ('name = "other"', "urdf mjcf sdf srdf"),
+    "name": ('name = "other"', "urdf xacro mjcf sdf srdf"),
     "corrections": ("corrections = []", f"{_DYNAMICS} {_ROBOTS} srdf"),
     "mount.parent": ('[mount]\nparent = "rov"', _ROBOTS),
     "mount.xyz": ("[mount]\nxyz = [0.1, 0, 0]", _ROBOTS),
@@ -62,7 +62,6 @@ KINDS = {
         "[joint_limits.axis_c]\nmax_velocity = 0.12",
         f"limits trajectory viewer {_ROBOTS}",
     ),
-    # So far only the record has them.
     "max_acceleration": ("[joint_limits.axis_c]\nmax_acceleration = 0.5", "xacro"),
     "max_jerk": ("[joint_limits.axis_c]\nmax_jerk = 5", "xacro"),
     "signs": ("[signs]\naxis_c = -1", "devices recordings"),
@@ -212,7 +211,9 @@ def urdf(arm: Alpha5Parameters) -> Any:
 def xacro(arm: Alpha5Parameters) -> Any:
     from alpha5_model.description.xacro_parameters import parameter_yaml
 
-    return "\n".join(parameter_yaml(arm).splitlines()[20:])
+    content = yaml.safe_load(parameter_yaml(arm))
+    del content["provenance"]
+    return content
 
 
 def srdf(arm: Alpha5Parameters) -> Any:

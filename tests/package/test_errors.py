@@ -133,7 +133,7 @@ def test_an_attribute_that_cannot_be_pickled_arrives_printed() -> None:
     unprintable = type("Odd", (), {"__repr__": lambda self: 1 / 0})()
     assert (
         str(errors.InputError("q", unprintable, "numbers"))
-        == "q: expected numbers, got a Odd"
+        == "q: expected numbers, got an object of the class Odd"
     )
 
 

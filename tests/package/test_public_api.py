@@ -16,13 +16,14 @@ LIST = TESTS / "public_api.txt"
 
 
 def command_line() -> Iterator[str]:
+    import command_parsers
+
     from alpha5_model.cli import COMMANDS
-    from alpha5_model.cli.program import parser_of
 
     for name in COMMANDS:
-        for command, parser in parser_of(name).leaves().items():
+        for command, parser in command_parsers.leaves(name).items():
             yield command
-            for option in parser.options:
+            for option in command_parsers.options(parser):
                 yield from (f"{command} {flag}" for flag in option.option_strings)
                 yield from [] if option.option_strings else [f"{command} {option.dest}"]
 

@@ -109,12 +109,17 @@ def test_a_file_that_is_no_text(tmp_path: Path) -> None:
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(FileFormatError, match="UTF-8"):
         read_obstacles(path)
+
+
+def test_a_file_that_is_missing(tmp_path: Path) -> None:
     with pytest.raises(MissingFileError, match="TOML file of obstacles"):
         read_obstacles(tmp_path / "none.toml")
+
+
+def test_a_mesh_that_is_cut_off(tmp_path: Path) -> None:
     (tmp_path / "cut.stl").write_bytes(stl(CORNERS)[:-1])
-    path.write_text("[a]\nmesh = 'cut.stl'", "utf-8")
     with pytest.raises(FileFormatError, match=r"cut\.stl"):
-        read_obstacles(tmp_path / "scene.toml")
+        read_obstacles(written(tmp_path, "[a]\nmesh = 'cut.stl'"))
 
 
 @pytest.mark.parametrize("suffix", ["stl", "obj", "ply"])

@@ -11,10 +11,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from compared_models import AXES, described
+from own_arm import mount_pose
 from urdf_edits import OWN
 
 import alpha5_model as a5
-from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.as_arm import ArmOfModel
 
 pytestmark = pytest.mark.filterwarnings(
@@ -34,14 +34,6 @@ def signs_of(arm: ArmOfModel) -> np.ndarray:
     return np.array([-1.0 if note in arm.left_out else 1.0 for note in notes])
 
 
-def mount_of(record: Alpha5Parameters) -> np.ndarray:
-    pose = np.eye(4)
-    if record.mount is not None:
-        pose[:3, :3] = record.mount.rotation
-        pose[:3, 3] = record.mount.position
-    return pose
-
-
 def assert_same_tcp(root: ET.Element, arm: ArmOfModel) -> None:
     """Second route: Pinocchio's tcp of the file, at positions with their signs."""
     model = pin.buildModelFromXML(ET.tostring(root, encoding="unicode"))
@@ -52,7 +44,7 @@ def assert_same_tcp(root: ET.Element, arm: ArmOfModel) -> None:
     for q in np.random.default_rng(4).uniform(-2.0, 2.0, (5, 4)):
         pin.framesForwardKinematics(model, data, sign * q)
         expected = data.oMf[frame].homogeneous
-        found = mount_of(arm.record) @ ours.forward_kinematics(q).homogeneous
+        found = mount_pose(arm.record) @ ours.forward_kinematics(q).homogeneous
         assert found == pytest.approx(expected, abs=1e-9)
 
 

@@ -247,7 +247,9 @@ def test_a_vehicle_is_left_out_of_link_0():
     assert comparison.carried == {"world": 0.0, "hull": 25.0, "t0": 25.0, "t1": 25.0}
     assert "hull (25 kg), t0 (25 kg), t1 (25 kg);" in comparison.findings[1].text
     assert "with it link_0 would be 75.0 kg too heavy" in comparison.findings[1].text
-    np.testing.assert_allclose(comparison.alignment.stands, np.eye(4), atol=1e-12)
+    np.testing.assert_allclose(
+        comparison.alignment.base_link_pose, np.eye(4), atol=1e-12
+    )
 
 
 def test_a_vehicle_that_hangs_on_the_arm_is_left_out_too():

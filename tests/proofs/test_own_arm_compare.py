@@ -16,6 +16,7 @@ import pytest
 import shared_recordings as recordings
 from compared_models import compared
 from compared_models import described as described_arm
+from own_arm import mount_pose
 from urdf_edits import OWN
 
 import alpha5_model as a5
@@ -39,14 +40,6 @@ def read_back(described: ArmOfModel, folder: Path) -> Alpha5Parameters:
     return a5.arm_file(file)
 
 
-def mount_of(record: Alpha5Parameters) -> np.ndarray:
-    """Pose of base_link in its parent, (4, 4)."""
-    pose = np.eye(4)
-    if record.mount is not None:
-        pose[:3, :3], pose[:3, 3] = record.mount.rotation, record.mount.position
-    return pose
-
-
 @pytest.mark.parametrize("k", [1, 2, 9])
 def test_an_arm_comes_back_from_its_urdf(k: int, tmp_path: Path) -> None:
     """Kinematics and dynamics in air are Newton's of the record that made the URDF."""
@@ -55,12 +48,12 @@ def test_an_arm_comes_back_from_its_urdf(k: int, tmp_path: Path) -> None:
     back = read_back(described, tmp_path)
     q, v, a = own.states(record, 5)
     arm = a5.load(0.0, arm=back)
-    gravity = mount_of(record)[:3, :3].T @ [0.0, 0.0, -9.81]
+    gravity = mount_pose(record)[:3, :3].T @ [0.0, 0.0, -9.81]
     tau, _ = own.inverse_dynamics(record, q, v, a, 0.0, gravity)
     assert arm.inverse_dynamics_batch(q, v, a) == pytest.approx(tau, abs=1e-11)
     for row in q:
-        tip = mount_of(back) @ arm.forward_kinematics(row).homogeneous
-        expected = mount_of(record) @ own.tcp(record, row)
+        tip = mount_pose(back) @ arm.forward_kinematics(row).homogeneous
+        expected = mount_pose(record) @ own.tcp(record, row)
         assert tip == pytest.approx(expected, abs=1e-12)
         matrix = own.mass_matrix(record, row)
         assert arm.mass_matrix(row) == pytest.approx(matrix, abs=1e-11)
@@ -275,7 +268,7 @@ def test_public_models_come_back(name: str, tmp_path: Path) -> None:
             matrix = pin.crba(model, data, sign * q) * np.outer(sign, sign)
             assert arm.mass_matrix(q) == pytest.approx(matrix, abs=1e-9)
         pin.forwardKinematics(model, data, sign * q)
-        turned = mount_of(back)[:3, :3] @ arm.jacobian(q)[3:]
+        turned = mount_pose(back)[:3, :3] @ arm.jacobian(q)[3:]
         jacobian = pin.computeJointJacobian(model, data, sign * q, 4)
         theirs = data.oMi[4].rotation @ jacobian[3:] * sign
         assert turned == pytest.approx(theirs, abs=1e-9)

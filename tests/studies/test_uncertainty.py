@@ -373,7 +373,7 @@ WRONG: dict[str, Callable[[], Any]] = {
     "unknown distribution 'box'; choose from uniform, normal": lambda: u.sample(
         1, distribution="box"
     ),
-    "arm: expected a Arm, got 3": lambda: u.bounds(Z, Z, Z, 3),
+    "arm: expected an Arm, got 3": lambda: u.bounds(Z, Z, Z, 3),
     "q: expected shape": lambda: u.bounds([1, 2], Z, Z),
     "n: expected at least 2 sets, got 1": lambda: u.spread(u.reach, 1),
     "result": lambda: u.sensitivity(lambda p: np.nan),

@@ -113,3 +113,12 @@ def turned_apart(q: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Largest joint difference up to full turns, (...) [rad]."""
     off = (q - other + math.pi) % math.tau - math.pi
     return np.asarray(np.abs(off).max(axis=-1))
+
+
+def mount_pose(record: Alpha5Parameters) -> np.ndarray:
+    """Pose of base_link in what carries it, (4, 4)."""
+    pose = np.eye(4)
+    if record.mount is not None:
+        pose[:3, :3] = record.mount.rotation
+        pose[:3, 3] = record.mount.position
+    return pose

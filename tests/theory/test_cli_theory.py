@@ -7,6 +7,7 @@ import json
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -295,17 +296,33 @@ def test_without_a_turning_hand_there_is_no_map_of_orientations() -> None:
     assert 0 < mesh.get_array().max() < 1
 
 
-@pytest.mark.slow
-def test_the_walk_through_the_notes(
-    tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def lecture_examples(monkeypatch: pytest.MonkeyPatch) -> Any:
     spec = importlib.util.spec_from_file_location("lecture_examples", SCRIPT)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     monkeypatch.setitem(sys.modules, "lecture_examples", module)
     spec.loader.exec_module(module)
-    assert module.main(str(tmp_path)) == 0
+    return module
+
+
+def test_the_help_of_the_walk_makes_no_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lecture_examples: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as left:
+        lecture_examples.main(["--help"])
+    assert left.value.code == 0
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_the_walk_through_the_notes(
+    tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch, lecture_examples: Any
+) -> None:
+    module = lecture_examples
+    assert module.main([str(tmp_path)]) == 0
     out = capsys.readouterr().out
     assert "DIFFERS" not in out
     assert "the notes' arm, l = (5.0, 4.0, 1.0): 0 and 2 to 8 m" in out

@@ -13,6 +13,7 @@ import current_load
 import numpy as np
 import pytest
 from reference import LOWER, UPPER
+from torque_command import torque, words
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -23,17 +24,6 @@ from alpha5_model.water.terms import water_terms
 
 CURRENT = (0.4, -0.7, 0.3)
 TEXT = " ".join(map(str, CURRENT))
-
-
-def words(values) -> list[str]:
-    return [repr(float(x)) for x in values]
-
-
-def torque(capsys, *arguments: str) -> str:
-    assert main(["torque", *arguments]) == 0
-    out = capsys.readouterr()
-    assert out.err == ""
-    return out.out
 
 
 @pytest.mark.parametrize(("fluid", "density"), [("sea", 1025.0), ("fresh", 1000.0)])

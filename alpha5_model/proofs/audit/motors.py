@@ -164,7 +164,7 @@ def _least_supply(printed: Published) -> list[Quantity]:
     joints = printed.supplementary.joints
     voltages = [
         [row.voltage_constant, row.gear_ratio, joint.velocity.quantity]
-        for row, joint in zip(printed.table_4.rows[:4], joints, strict=False)
+        for row, joint in zip(printed.table_4.rows[:4], joints[:4], strict=True)
     ]
     return max(voltages, key=lambda factors: float(np.prod(si(factors))))
 

@@ -56,7 +56,7 @@ class Described:
         changes: Theirs minus ours.
         base: transform_theirs_to_ours of the root frames, (4, 4).
         base_link: Its link whose frame comes closest to our base_link.
-        stands: Pose of that link's frame in our base_link, (4, 4).
+        base_link_pose: Pose of that link's frame in our base_link, (4, 4).
         same_base: Whether that frame was meant to be our base_link.
         frames: Poses of our link_0 to link_4 in its root, at its zero, (5, 4, 4). Each
             has its joint's axis as z.
@@ -76,7 +76,7 @@ class Described:
     changes: Dimensions
     base: FloatArray
     base_link: str
-    stands: FloatArray
+    base_link_pose: FloatArray
     same_base: bool
     frames: FloatArray
     placed: FloatArray
@@ -230,13 +230,13 @@ class _Base(NamedTuple):
     Attributes:
         pose: Its pose in the model's root, (4, 4).
         link: The model's link that comes closest to it.
-        stands: Pose of that link in our base_link, (4, 4).
+        link_pose: Pose of that link in our base_link, (4, 4).
         same: Whether that link was meant to be base_link.
     """
 
     pose: FloatArray
     link: str
-    stands: FloatArray
+    link_pose: FloatArray
     same: bool
 
 
@@ -254,15 +254,15 @@ def _base(
     z = sense_of_z * lines.directions[0]
     x = rotation_about(z, -record.dh[0].theta_offset) @ (sense_of_x * lines.normal_0)
     base = _frame(x, z, lines.on_e - record.dh[0].d * z)
-    link, stands, same = _base_link(theirs, record, base)
+    link, link_pose, same = _base_link(theirs, record, base)
     if same:
-        x, y = stands[:2, 0], stands[:2, 1]
+        x, y = link_pose[:2, 0], link_pose[:2, 1]
         along_axis = math.hypot(*x) < 0.5
         yaw = math.atan2(-y[0], y[1]) if along_axis else math.atan2(x[1], x[0])
         turn = transform(rotation_about(Z, yaw))
         base = base @ turn
-        stands = turn.T @ stands
-    return _Base(pose=base, link=link, stands=stands, same=same)
+        link_pose = turn.T @ link_pose
+    return _Base(pose=base, link=link, link_pose=link_pose, same=same)
 
 
 def _read(
@@ -328,7 +328,7 @@ def _read(
     placed = np.linalg.inv(frames) @ lines.bodies
     if base.same:
         placed[0] = np.linalg.inv(theirs.link_poses[base.link])
-        height = base.stands[2, 3]
+        height = base.link_pose[2, 3]
         placed[1] = _by_base_or_shoulder(placed[1], height, theirs, record)
     return Described(
         sign=sign,
@@ -337,7 +337,7 @@ def _read(
         changes=Dimensions(*changes.tolist()),
         base=np.asarray(np.linalg.inv(base.pose)),
         base_link=base.link,
-        stands=base.stands,
+        base_link_pose=base.link_pose,
         same_base=base.same,
         frames=frames,
         placed=placed,
@@ -451,7 +451,7 @@ def _oddity(
     bodies up to 4 together, misplaced collision shapes the same, and a misplaced tool
     frame up to 6. Of equal scores the one with the smaller zeros is taken.
     """
-    score = 30 * min(0.2, _from_base(reading.stands))
+    score = 30 * min(0.2, _from_base(reading.base_link_pose))
     score += float(np.signbit(reading.sign).sum())
     score += float((np.abs(reading.zero[1:]) > SAME_ZERO).sum())
     ours = dimensions_of(record)

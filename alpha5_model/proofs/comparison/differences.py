@@ -226,9 +226,9 @@ def _shoulder(evidence: Evidence) -> Iterator[Finding]:
     described = evidence.described
     if not described.same_base:
         return
-    x, y, z = described.stands[:3, 3]
+    x, y, z = described.base_link_pose[:3, 3]
     beside = math.hypot(x, y)
-    up = described.stands[:3, 2]
+    up = described.base_link_pose[:3, 2]
     tilt = math.atan2(math.hypot(up[0], up[1]), up[2])
     both = [evidence.correction(0), evidence.correction(1)]
     if beside > evidence.tolerance.length or tilt > evidence.tolerance.angle:

@@ -27,7 +27,6 @@ class Revision:
 
     Attributes:
         numbers: What its numbers are called, such as "Table 2's numbers".
-        buoyancy_table: What its table of buoyancy is called, such as "Table 3".
         mass: (5,) [kg].
         com: Centres of mass, (5, 3) [m].
         inertia: At the COM, URDF sign, (5, 3, 3) [kg m^2].
@@ -37,7 +36,6 @@ class Revision:
     """
 
     numbers: str
-    buoyancy_table: str
     mass: FloatArray
     com: FloatArray
     inertia: FloatArray
@@ -54,13 +52,11 @@ def revisions() -> tuple[Revision, Revision]:
     return (
         _revision(
             numbers="Table 2's numbers",
-            buoyancy_table="Table 3",
             inertial=document.table_2.rows,
             buoyancy=document.table_3.rows,
         ),
         _revision(
             numbers="an earlier revision's numbers",
-            buoyancy_table="an earlier revision",
             inertial=earlier,
             buoyancy=earlier,
         ),
@@ -70,7 +66,6 @@ def revisions() -> tuple[Revision, Revision]:
 def _revision(
     *,
     numbers: str,
-    buoyancy_table: str,
     inertial: Sequence[InertialRow],
     buoyancy: Sequence[BuoyancyRow | EarlierRow],
 ) -> Revision:
@@ -79,7 +74,6 @@ def _revision(
     at_link = _column(inertial, "inertia_link")
     return Revision(
         numbers=numbers,
-        buoyancy_table=buoyancy_table,
         mass=_column(inertial, "mass"),
         com=_column(inertial, "com"),
         inertia=flip_products(at_com),

@@ -310,7 +310,6 @@ class Arm:
         inertia = np.array([link.inertia for link in links])
         self.tables = Revision(
             numbers="",
-            buoyancy_table="",
             mass=mass,
             com=com,
             inertia=inertia,
