@@ -56,12 +56,12 @@ def test_a_weighed_link_costs_its_weight_times_its_lever() -> None:
     (difference,) = change.differences
     assert (difference.name, difference.printed, difference.own) == (
         "mass",
-        0.38,
+        ARM.links[2].mass,
         0.341,
     )
     x, y, _ = ARM.links[2].com
     # Within the limits of axis_d the link is level somewhere.
-    expected = (0.38 - 0.341) * G * np.hypot(x, y)
+    expected = (ARM.links[2].mass - 0.341) * G * np.hypot(x, y)
     assert change.torque == pytest.approx(expected, rel=1e-4)
     assert change.tcp == 0.0
     assert found["all"].torque == change.torque
