@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -113,6 +114,8 @@ def same_numbers(row, name, expected):
     assert cells[0] == name
     numbers = [float(cell) for cell in cells[1 : len(expected) + 1]]
     assert numbers == pytest.approx(expected, abs=5.1e-5)
+    words = " ".join(cells[len(expected) + 1 :])
+    assert not re.search(r"\d", words), "a column that this test does not know"
 
 
 @pytest.mark.parametrize(("acceleration", "powers"), [("1e5", False), ("1e8", True)])

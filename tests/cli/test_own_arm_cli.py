@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.cli import main
+from alpha5_model.cli import generate, main
 from alpha5_model.collision.self_collision import without_self_collision
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.kinematics import workspace
@@ -103,6 +103,34 @@ def test_the_urdf_is_that_of_the_file(capsys: Any) -> None:
     assert main(["generate", "urdf", "--arm", str(EXAMPLE)]) == 0
     written = capsys.readouterr().out
     assert written == urdf(Variant(arm=a5.arm_file(EXAMPLE), mesh_prefix="meshes/"))
+
+
+#: Formats that no mount changes, and why.
+WITHOUT_A_MOUNT = {
+    "srdf": "groups, named poses and pairs of links are the arm's own",
+    "moveit": "the same, with limits of the joints",
+    "water": "volumes and drag are in the frames of the links",
+}
+
+
+@pytest.mark.slow
+def test_each_format_is_on_the_mount_of_the_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Two arms that differ in the mount alone, and have the same name."""
+    file = tmp_path / "mine.toml"
+    mount = 'format = 1\nname = "mine"\n[mount]\nparent = "rov"\n'
+    # The formats of the command are no public name.
+    formats = generate._FORMATS
+    texts: dict[str, list[str]] = {form: [] for form in formats}
+    for height in (0.3, 0.4):
+        tilt = f"xyz = [0.1, 0.2, {height}]\nrpy = [{height}, 0.0, 0.0]\n"
+        file.write_text(mount + tilt, "utf-8")
+        for form in formats:
+            assert main(["generate", form, "--arm", str(file)]) == 0
+            texts[form].append(capsys.readouterr().out)
+    unchanged = {form for form, (one, other) in texts.items() if one == other}
+    assert unchanged == set(WITHOUT_A_MOUNT)
 
 
 @pytest.mark.parametrize(

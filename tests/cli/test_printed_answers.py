@@ -77,6 +77,10 @@ VIEWS = [(columns, terminal) for columns in (80, 120) for terminal in (False, Tr
 #: The one view whose text is kept; in the others it fits, and nothing is cut.
 KEPT = (80, False)
 MY_ARM = (ROOT / "examples" / "my_arm.toml").read_text("utf-8")
+#: A row of a table: three cells or more, with two spaces between them at least.
+ROW = re.compile(r"\S {2,}\S.*? {2,}\S")
+#: Its tables have sentences, which are continued under their column.
+SENTENCES = ("check",)
 COLOUR = re.compile(r"\x1b\[\d*m")
 
 
@@ -214,6 +218,10 @@ def test_what_is_printed(
             assert not re.search(r"(?<![\w.,=-])-\d", text)
         if (columns, terminal) == KEPT:
             check_answer(FOLDER / f"{name}.txt", text)
+            narrow = text.splitlines()
+        elif not terminal and name not in SENTENCES:
+            rows = [line for line in text.splitlines() if ROW.search(line)]
+            assert not set(rows) - set(narrow), "rows in two lines at 80 columns"
 
 
 @pytest.mark.slow

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,7 @@ from support.weighing import VEHICLE, random_q, rotation
 
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, ImplausibleWarning, InputError
+from alpha5_model.studies.calibration import sessions
 
 calibrate = a5.calibrate
 #: Sensors whose channels all differ, and readings that they can show.
@@ -64,6 +67,64 @@ def test_a_file_reads_back(kind: str, moves: bool, tmp_path: Path) -> None:
     mine = [one.deviation for one in sensor.own(moves)]
     for one, other in zip(again.sensor.own(moves), mine, strict=True):
         np.testing.assert_allclose(one.deviation, other, rtol=1e-9)
+
+
+@dataclass(frozen=True, eq=False)
+class Along(calibrate.Sensor):
+    """The force on the mount along a direction; a sensor that someone adds."""
+
+    kind = "along"
+    channels = ("force",)
+    unit = ("N",)
+    units = MappingProxyType({"N": 1.0})
+    guide = ()
+
+    direction: np.ndarray
+    noise: np.ndarray
+    serial: str
+
+    @property
+    def deviation(self) -> np.ndarray:
+        return self.noise
+
+    def own(self, moves: bool) -> tuple[calibrate.Own, ...]:
+        return ()
+
+    def read(self, loads: calibrate.Loads, own: Any) -> np.ndarray:
+        return np.asarray(loads.total[:, 4:7] @ self.direction[:, None])
+
+
+def along(
+    direction: Any = (1.0, 0.0, 0.0),
+    *,
+    noise: float = 0.1,
+    gain: float = 0.01,
+    serial: str = "",
+) -> Along:
+    directed = np.array(direction, float)
+    assert directed.shape == (3,)
+    return Along(
+        direction=directed,
+        noise=np.array([noise]),
+        gain=np.array([gain]),
+        serial=serial,
+    )
+
+
+def test_a_vector_of_equal_numbers_stays_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sessions.SENSORS, "along", along)  # type: ignore[call-overload]
+    equal = np.ones(3) / np.sqrt(3)
+    for serial in ("", 'N° 7 "left" \\ b'):
+        sensor = along(equal, noise=0.25, serial=serial)
+        written = calibrate.session(sensor, random_q(2))
+        path = tmp_path / "plan.toml"
+        path.write_text(calibrate.session_text(written), "utf-8")
+        again = calibrate.read_session(path).sensor.settings()
+        assert again["direction"] == pytest.approx(equal, rel=1e-9)
+        assert again["noise"] == pytest.approx([0.25])
+        assert again["serial"] == serial
 
 
 @pytest.mark.slow

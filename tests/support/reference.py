@@ -38,6 +38,8 @@ _PRINTED = tomllib.loads(
 _TABLE_2, _TABLE_3 = (_PRINTED[name]["rows"] for name in ("table_2", "table_3"))
 
 MASS = [float(row["mass"]) for row in _TABLE_2]
+#: Half of the last digit of each mass, kg.
+MASS_ROUNDING = [0.5 * 10.0 ** -len(row["mass"].partition(".")[2]) for row in _TABLE_2]
 COM = [tuple(map(float, row["com"])) for row in _TABLE_2]
 #: Element of the printed tensor, row and column, in the order xx, yy, zz, xy, xz, yz.
 _ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))

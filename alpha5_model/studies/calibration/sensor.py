@@ -2,7 +2,13 @@
 
 To add a sensor, write a file with a subclass of `Sensor` and the function that makes
 it. Add this function to `alpha5_model.studies.calibration.sensors`, which makes it a
-sensor of files and of the command, and to the public names of this package.
+sensor of files and of the command, and to the public names of this package. An argument
+whose default is one number takes one number for all channels, or one for each.
+
+A sensor sees `Loads` only: joint torques and the load on the mount, with the gravity,
+the joint velocities and the density of the session. For a sensor of anything else, such
+as joint positions, extend `Loads`, and `Equations.loads` and `_slopes` in
+`alpha5_model.studies.calibration.equations`.
 """
 
 from __future__ import annotations
@@ -121,7 +127,7 @@ class Sensor(ABC):
         """
 
     def settings(self) -> dict[str, Any]:
-        """Arguments that make this sensor again: numbers, lists, truths, tables."""
+        """Arguments that make this sensor again: what TOML has, and arrays."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def usual_gravity(self) -> FloatArray:

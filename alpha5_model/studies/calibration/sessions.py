@@ -18,6 +18,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from inspect import signature
@@ -200,13 +201,14 @@ def session_text(planned: Session, arm: Alpha5Parameters | None = None) -> str:
         "",
         "[settings]  # SI units; noise, gain and so on are standard deviations",
     ]
+    by_one_number = _by_one_number(sensor)
     tables = []
     for name, value in sensor.settings().items():
         if isinstance(value, Mapping):
             tables += ["", f"[settings.{name}]"]
             tables += [f"{key} = {_toml(one)}" for key, one in value.items()]
             continue
-        same_for_all = np.ndim(value) == 1 and (value == value[0]).all()
+        same_for_all = name in by_one_number and (value == value[0]).all()
         lines.append(f"{name} = {_toml(value[0] if same_for_all else value)}")
     lines += tables
 
@@ -230,6 +232,21 @@ def session_text(planned: Session, arm: Alpha5Parameters | None = None) -> str:
             lines.append(f"rates = {_toml(rates[k])}  # deg/s")
             lines.append(f"accelerations = {_toml(accelerations[k])}  # deg/s^2")
     return "\n".join(lines) + "\n"
+
+
+def _by_one_number(sensor: Sensor) -> tuple[str, ...]:
+    """Names of the settings (k,) that one number for all may stand for.
+
+    Their arguments have one number as default; a direction, say, has three.
+    """
+    if sensor.kind not in SENSORS:
+        return ()
+    arguments = signature(SENSORS[sensor.kind]).parameters
+    return tuple(
+        name
+        for name, value in sensor.settings().items()
+        if np.ndim(value) == 1 and isinstance(arguments[name].default, int | float)
+    )
 
 
 def read_session(path: PathLike, arm: Alpha5Parameters | None = None) -> Session:
@@ -341,9 +358,11 @@ def _numbers(
 
 
 def _toml(value: Any) -> str:
-    """A truth, a number to ten digits, or lists of them as TOML."""
+    """A truth, a text, a number to ten digits, or lists of them as TOML."""
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if np.ndim(value):
         return f"[{', '.join(_toml(one) for one in np.asarray(value).tolist())}]"
     # Adding zero turns a negative zero into zero.
