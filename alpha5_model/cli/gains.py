@@ -45,8 +45,8 @@ K and D act at the joints; in motor current, they are divided by the torque
 per ampere. Rotor inertia and current limit are not published. With a current
 limit, a step from home to reach is simulated.
 
-Exit status: 0 found; 1 a simulated step does not hold, or would take too long; 2
-the delay does not permit this bandwidth.
+Exit status: 0 found; 1 a simulated step does not hold, or would take too long;
+2 the delay does not permit this bandwidth.
 
 Example: alpha5 gains --bandwidth 8 --rate 200 --delay 0.01 --rotor-inertia 5e-8
 """
