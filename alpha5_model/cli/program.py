@@ -75,18 +75,25 @@ def parser_of(name: str) -> Parser:
 def _one_line_warnings(show_others: Callable[..., None]) -> Callable[..., None]:
     """A replacement for `warnings.showwarning`.
 
-    It prints a warning of this package as one line, and each text only once.
+    It prints a warning of this package as one line, and each text only once. Of a
+    number of which a hint said "if 170 is in deg, ..." nothing more is said.
 
     Args:
         show_others: Shows the warnings of other packages.
     """
     printed: set[str] = set()
+    hinted: set[str] = set()
 
     def show(message: Any, category: type[Warning], *place: Any, **more: Any) -> None:
         text = str(message)
         if not issubclass(category, ImplausibleWarning):
             show_others(message, category, *place, **more)
-        elif text not in printed:
+            return
+        if text.startswith("if "):
+            hinted.add(text.split()[1])
+        elif any(f": {number} " in text for number in hinted):
+            return
+        if text not in printed:
             printed.add(text)
             print("alpha5: warning:", _line(text), file=sys.stderr)
 

@@ -14,7 +14,7 @@ import pytest
 import alpha5_model as a5
 
 #: From the signal to the answer [s], with time to spare: batches take many times that.
-LIMIT = 3.0
+LIMIT = 1.0
 #: On a machine that does other work, the quickest of so many.
 ATTEMPTS = 4
 
@@ -118,6 +118,20 @@ def delay(*arguments: str, kernels: str) -> float:
     return float("inf") if answer == "computed" else float(answer) - sent
 
 
+def whole(*arguments: str, kernels: str) -> float:
+    """Seconds that the batch takes without a signal."""
+    environment = {**os.environ, "ALPHA5_KERNELS": kernels}
+    command = [sys.executable, "-c", CHILD, *arguments]
+    with subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, text=True
+    ) as child:
+        assert child.stdout is not None
+        assert child.stdout.readline() == "ready\n"
+        begin = time.monotonic()
+        assert child.stdout.readline() == "computed\n"
+        return time.monotonic() - begin
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT for a child")
 @pytest.mark.parametrize("case", CASES)
@@ -133,8 +147,9 @@ def test_a_batch_ends_upon_ctrl_c(case: str) -> None:
     for _ in range(ATTEMPTS):
         quickest = min(quickest, delay(*arguments, kernels=kernels))
         if quickest < LIMIT:
-            break
-    assert quickest < LIMIT
+            return
+    # On a slow or busy machine the batch takes longer, too.
+    assert quickest < whole(*arguments, kernels=kernels) / 3
 
 
 @pytest.mark.slow

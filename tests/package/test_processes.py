@@ -22,7 +22,8 @@ def states(arm, count=MANY):
     rng = np.random.default_rng(7)
     ramp = np.linspace(0.1, 1.0, count)[:, None]
     q = np.tile(random_q(arm, rng), (count, 1))
-    q[:, -4:] += ramp
+    angles = slice(-5, -1) if "axis_a" in arm.joint_names else slice(-4, None)
+    q[:, angles] += ramp
     return q, random_v(arm, rng) * ramp, random_v(arm, rng) * ramp
 
 
