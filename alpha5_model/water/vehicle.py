@@ -223,7 +223,7 @@ def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
 
     roll, pitch = trim_angles(righting * -np.sign(gravity[2]))
     rotation = pin.rpy.rpyToMatrix(roll, pitch, 0.0)
-    if rotation[2, 2] < 0.0:
+    if righting[2] < 0.0:
         warn_upside_down()
     return Trim(
         roll=float(roll),

@@ -321,7 +321,6 @@ def test_approach_directions_of_sampled_poses() -> None:
     assert gap.min(axis=1).max() < 1e-7
     lengths = np.linalg.norm(ways.directions[ways.exists], axis=-1)
     assert np.abs(lengths - 1).max() < 1e-12
-    assert ways.roll == (model.lowerPositionLimit[3], model.upperPositionLimit[3])
 
 
 def test_approach_directions_out_of_reach_and_as_a_method() -> None:

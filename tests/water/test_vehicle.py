@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import pickle
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -424,6 +425,19 @@ def test_a_trim_where_z_points_down() -> None:
         weight = -np.sign(gravity) * trim.net_weight
         np.testing.assert_allclose(held, [0.0, 0.0, weight], atol=1e-10)
         assert trim.righting_moment > 0
+
+
+def test_a_vehicle_that_turns_over_is_warned_of() -> None:
+    """A float below the centre of mass turns up; above it, it stays there."""
+    for height, upside_down in ((0.3, False), (-0.3, True)):
+        body = {**BODY, "com": np.zeros(3), "cob": np.array([0.0, 0.0, height])}
+        system = a5.load().on_vehicle(a5.Vehicle(**body))
+        with warnings.catch_warnings(record=True) as given:
+            warnings.simplefilter("always")
+            trim = system.trim(Q)
+        assert (trim.rotation_vehicle_to_world[2, 2] < 0.0) == upside_down
+        said = [str(w.message) for w in given if "upside down" in str(w.message)]
+        assert bool(said) == upside_down
 
 
 @pytest.mark.parametrize("gravity", [(1.0, 0, -9.0), (0, 1.0, -9.0), (0, 0, 0)])
