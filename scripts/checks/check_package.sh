@@ -57,7 +57,7 @@ test -s meshes/link_0.obj
 for format in mjcf sdf; do "$work/venv/bin/alpha5" generate $format --output $format; done
 test -s mjcf/assets/link_0.obj && test -s sdf/meshes/link_0.obj
 if "$work/venv/bin/alpha5" generate c --output c 2>error.txt; then exit 1; fi
-grep -q "pip install casadi" error.txt
+grep -qF "pip install 'alpha5-model[symbolic]'" error.txt
 "$work/venv/bin/alpha5" view --html arm.html
 grep -q "function inverse_kinematics" arm.html
 "$work/venv/bin/alpha5" check >check.txt || { cat check.txt; exit 1; }
