@@ -265,9 +265,8 @@ def _text(
     from alpha5_model.studies.control.pd_gains import three_digits
 
     m = found.margins
-    dead_band = found.dead_band
-    for step in steps.values():
-        dead_band = step.dead_band  # of the friction that was asked for
+    # That of a step is by the friction that was asked for.
+    dead_band = next(iter(steps.values()), found).dead_band
     lines = [
         f"bandwidth {found.bandwidth:.4g} rad/s, settled to 2 % in "
         f"{found.settling_time:.3g} s; the delay permits "

@@ -29,6 +29,7 @@ from alpha5_model.planning.s_curve import (
     Samples,
     SCurve,
     Times,
+    along,
     line_curve,
     travel_time,
 )
@@ -118,23 +119,9 @@ class BlendedLines:
             rate: Samples per second; None for 50, or fewer if the motion takes long.
         """
         times = Times.of(slowed * float(self.passes[-1]), rate)
-        time = times.at / slowed
-        position = np.tile(self.way[0], (len(time), 1))
-        velocity = np.zeros(position.shape)
-        acceleration = np.zeros(position.shape)
-        lines = zip(pairwise(self.way), self.curves, self.begins.tolist(), strict=True)
-        for (start, end), curve, begin in lines:
-            first, last = np.searchsorted(time, [begin, begin + curve.duration])
-            profile = curve.at(time[first:last] - begin)
-            moved = end - start
-            position[first:last] += profile.s[:, None] * moved
-            position[last:] += moved
-            velocity[first:last] += profile.rate[:, None] * moved
-            acceleration[first:last] += profile.acceleration[:, None] * moved
-        position[-1] = self.way[-1]
-        velocity[-1] = 0.0
-        acceleration[-1] = 0.0
-        return times.samples(position, velocity / slowed, acceleration / slowed**2)
+        # Stretched as a motion that has to end with a sample.
+        stretched = Times(at=times.at / slowed, stretch=slowed * times.stretch)
+        return along(self.way, self.curves, self.begins, stretched)
 
 
 def blended(

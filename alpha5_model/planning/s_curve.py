@@ -12,6 +12,7 @@ References:
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -204,6 +205,36 @@ class Times(NamedTuple):
         )
 
 
+def along(
+    way: FloatArray, curves: Sequence[SCurve], begins: FloatArray, times: Times
+) -> Samples:
+    """Straight joint lines at some times; where two of them overlap, they add up.
+
+    Args:
+        way: Ends of the lines, (K, 4) [rad].
+        curves: The lines in time, K - 1.
+        begins: When each begins, (K - 1,) [s]. Only neighbours overlap.
+        times: The last of them is the end of the motion.
+    """
+    time = times.at
+    position = np.tile(way[0], (len(time), 1))
+    velocity = np.zeros(position.shape)
+    acceleration = np.zeros(position.shape)
+    lines = zip(pairwise(way), curves, begins.tolist(), strict=True)
+    for (start, end), curve, begin in lines:
+        first, last = np.searchsorted(time, [begin, begin + curve.duration])
+        profile = curve.at(time[first:last] - begin)
+        position[first:last] += profile.s[:, None] * (end - start)
+        position[last:] = end
+        velocity[first:last] += profile.rate[:, None] * (end - start)
+        acceleration[first:last] += profile.acceleration[:, None] * (end - start)
+    # The last one may be later than the sum by rounding.
+    position[-1] = way[-1]
+    velocity[-1] = 0.0
+    acceleration[-1] = 0.0
+    return times.samples(position, velocity, acceleration)
+
+
 def sampled(way: FloatArray, limits: JointLimits, rate: float | None = None) -> Samples:
     """Straight joint lines one after the other, at rest between them.
 
@@ -212,33 +243,16 @@ def sampled(way: FloatArray, limits: JointLimits, rate: float | None = None) -> 
         limits: Of the joints.
         rate: Samples per second; None for 50, or fewer if the motion takes long.
     """
-    lines = [
-        (start, end, line_curve(start, end, limits))
-        for start, end in pairwise(way)
-        if (start != end).any()
-    ]
-    duration = sum(curve.duration for _, _, curve in lines)
-    if not lines:
+    moves = np.append(True, (way[1:] != way[:-1]).any(axis=1))
+    ends = way[moves]
+    curves = [line_curve(start, end, limits) for start, end in pairwise(ends)]
+    until = [0.0]
+    for curve in curves:
+        until.append(until[-1] + curve.duration)
+    duration = until[-1]
+    if not curves:
         duration = (_AT_REST - 1) * (STEP if rate is None else 1.0 / rate)
-    times = Times.of(duration, rate)
-    time = times.at
-
-    position = np.tile(way[-1], (len(time), 1))
-    velocity = np.zeros(position.shape)
-    acceleration = np.zeros(position.shape)
-    begin = 0.0
-    for start, end, curve in lines:
-        during = slice(*np.searchsorted(time, [begin, begin + curve.duration]))
-        profile = curve.at(time[during] - begin)
-        position[during] = start + profile.s[:, None] * (end - start)
-        velocity[during] = profile.rate[:, None] * (end - start)
-        acceleration[during] = profile.acceleration[:, None] * (end - start)
-        begin += curve.duration
-    # The last one may be later than the sum by rounding.
-    position[-1] = way[-1]
-    velocity[-1] = 0.0
-    acceleration[-1] = 0.0
-    return times.samples(position, velocity, acceleration)
+    return along(ends, curves, np.array(until[:-1]), Times.of(duration, rate))
 
 
 def travel_time(way: FloatArray, limits: JointLimits) -> float:

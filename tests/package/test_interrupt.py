@@ -7,6 +7,8 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -102,8 +104,9 @@ CASES = {
 }
 
 
-def delay(*arguments: str, kernels: str) -> float:
-    """Seconds from the signal to its answer; infinite if the batch ran to its end."""
+@contextmanager
+def computing(*arguments: str, kernels: str) -> Iterator[subprocess.Popen[str]]:
+    """A child that has just begun to compute a batch."""
     environment = {**os.environ, "ALPHA5_KERNELS": kernels}
     command = [sys.executable, "-c", CHILD, *arguments]
     with subprocess.Popen(
@@ -111,6 +114,12 @@ def delay(*arguments: str, kernels: str) -> float:
     ) as child:
         assert child.stdout is not None
         assert child.stdout.readline() == "ready\n"
+        yield child
+
+
+def delay(*arguments: str, kernels: str) -> float:
+    """Seconds from the signal to its answer; infinite if the batch ran to its end."""
+    with computing(*arguments, kernels=kernels) as child:
         time.sleep(0.7)
         sent = time.monotonic()
         child.send_signal(signal.SIGINT)
@@ -120,13 +129,7 @@ def delay(*arguments: str, kernels: str) -> float:
 
 def whole(*arguments: str, kernels: str) -> float:
     """Seconds that the batch takes without a signal."""
-    environment = {**os.environ, "ALPHA5_KERNELS": kernels}
-    command = [sys.executable, "-c", CHILD, *arguments]
-    with subprocess.Popen(
-        command, env=environment, stdout=subprocess.PIPE, text=True
-    ) as child:
-        assert child.stdout is not None
-        assert child.stdout.readline() == "ready\n"
+    with computing(*arguments, kernels=kernels) as child:
         begin = time.monotonic()
         assert child.stdout.readline() == "computed\n"
         return time.monotonic() - begin
