@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Sequence
@@ -27,6 +28,8 @@ ROTATION_TOLERANCE = 1e-6
 #: term has at most five such factors (energy: mass, length twice, speed twice), so it
 #: does not overflow. The sixth root leaves room for sums.
 LARGEST = sys.float_info.max ** (1 / 6)
+#: Two turns: larger joint angles are most likely degrees [rad].
+MOST_ANGLE = 4 * math.pi
 
 
 def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> FloatArray:

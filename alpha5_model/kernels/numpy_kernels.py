@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.checks import LARGEST, FloatArray
+from alpha5_model._support.checks import LARGEST, MOST_ANGLE, FloatArray
 from alpha5_model.errors import KernelError
 from alpha5_model.kernels.generated.formulas import KERNELS
 
 #: States in a block: what a formula holds of them at a time stays in the cache.
 BLOCK = 4096
-#: Two turns: larger angles are most likely degrees [rad].
-_MOST_ANGLE = 4 * math.pi
 
 
 def rows(
@@ -64,7 +62,7 @@ def is_state(nq: int, nv: int, *state: Any) -> bool:
             return False
         n = nv
     of_base = 0 if nq == nv else 7  # position and quaternion
-    return all(abs(angle) <= _MOST_ANGLE for angle in state[0][of_base:].tolist())
+    return all(abs(angle) <= MOST_ANGLE for angle in state[0][of_base:].tolist())
 
 
 def _is_plain(x: Any) -> bool:

@@ -23,7 +23,7 @@ from types import FrameType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, array
+from alpha5_model._support.checks import MOST_ANGLE, FloatArray, array
 from alpha5_model.errors import ImplausibleWarning, InputError
 
 
@@ -102,7 +102,7 @@ POOL = Plausible("m", ((0.0, 20.0),), _MM)
 #: The jaws are 0.1 m long.
 JAW_LENGTH = Plausible("m", ((0.0, 0.5),), _MM)
 #: Two turns either way.
-ANGLE = Plausible("rad", ((0.0, 4 * math.pi),), {"deg": math.pi / 180})
+ANGLE = Plausible("rad", ((0.0, MOST_ANGLE),), {"deg": math.pi / 180})
 #: The joints are rated at a twelfth of a turn a second, reached with 50 rad/s^2 in
 #: 10 ms. The public models have 9 N m; the shoulder stalls at about 98.
 JOINT: Mapping[str, Plausible] = {

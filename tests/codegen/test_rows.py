@@ -25,6 +25,7 @@ from alpha5_model.errors import KernelError
 from alpha5_model.kernels import choice, numpy_kernels
 from alpha5_model.kernels.generated.formulas import KERNELS
 from alpha5_model.kinematics.geometry import Geometry
+from alpha5_model.numbers import plausibility
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Those that batches call; the others are JAX's alone.
@@ -150,6 +151,18 @@ def test_is_state(kernels):
         (np.ma.masked_array(q),),
     ):
         assert not kernels.is_state(4, 4, *wrong), wrong
+
+
+def test_a_state_of_more_than_two_turns_is_looked_at(kernels):
+    """At the bound of `plausibility.ANGLE`, in C and NumPy; a base may be anywhere."""
+    largest = plausibility.ANGLE.ranges[0][1]
+    q = np.array([0.0, largest, -largest, 0.0])
+    assert kernels.is_state(4, 4, q)
+    assert not kernels.is_state(4, 4, q * (1 + 1e-12))
+    assert kernels.is_state(4, 4, np.zeros(4), 100.0 * q)
+    base = np.array([100.0, -200.0, 300.0, 0.0, 0.0, 0.0, 1.0])
+    assert kernels.is_state(11, 10, np.concatenate([base, q]))
+    assert not kernels.is_state(11, 10, np.concatenate([base, q * (1 + 1e-12)]))
 
 
 def test_threads_compute_at_the_same_time(kernels):
